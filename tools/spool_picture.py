@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from atleak.common.style import SHEET_COLOURS
-from atleak.report.controller_workbook import SPOOL_PICTURE
+from atleak.report.sheets.controller_workbook import SPOOL_PICTURE
 
 _INK, _SOFT = SHEET_COLOURS["heading"], SHEET_COLOURS["soft"]
 _BODY, _SPOOL = SHEET_COLOURS["bore"], SHEET_COLOURS["spool"]

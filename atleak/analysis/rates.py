@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atleak.common.unit_systems import PERCENT
-from atleak.equations.statistics import wilson_interval
+from atleak.equations.proportions import wilson_interval
 
 ENOUGH_UNITS = 10  # from which on more is said than a count, a middle and the ends: choice of this project
 PARTS = (0.05, 0.25, 0.5, 0.75, 0.95)  # of the units, whose quantiles are shown

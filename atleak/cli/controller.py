@@ -30,7 +30,7 @@ from atleak.job_book.book import open_book
 from atleak.job_book.new_sheets import NewSheet, new_sheets, shared_instruments
 from atleak.readers.controller_workbook import is_workbook, read_controller_workbook
 from atleak.readers.sheets.measuring_sheet import read_several
-from atleak.report.controller_workbook import write_controller_workbook
+from atleak.report.sheets.controller_workbook import write_controller_workbook
 from atleak.report.tables.learned import learned_lands, learned_record
 from atleak.report.tables.table import Column
 from atleak.report.tables.valve_body import evidence_counts, open_values

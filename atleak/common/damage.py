@@ -52,7 +52,7 @@ _OF_BYTES = (
     *(zlib.error, lzma.LZMAError, zipfile.BadZipFile, zipfile.LargeZipFile),
 )
 """What compiled code says of the bytes it is given, whoever calls it: no fault of the caller."""
-_PACKAGE = Path(__file__).resolve().parent
+_PACKAGE = Path(__file__).resolve().parents[1]
 _SHOWN = 200  # characters of a library's own message
 
 Given = ParamSpec("Given")

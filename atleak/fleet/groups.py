@@ -29,7 +29,7 @@ from atleak.common.errors import Message
 from atleak.common.sentences import Sentence, some
 from atleak.common.unit_systems import PERCENT, Quantity
 from atleak.common.verdicts import FLAGGED, Verdict
-from atleak.equations.statistics import newcombe_interval
+from atleak.equations.proportions import newcombe_interval
 from atleak.fleet.counts import class_width, classes_of, groups_of
 from atleak.fleet.sums import (
     MOST_COMPARED,

@@ -8,7 +8,7 @@ from atleak.catalogue.pump_dimensions import other_dimensions
 from atleak.catalogue.workbook.draft import Checked, Draft, draft_of
 from atleak.catalogue.workbook.subjects import CONTROLLER
 from atleak.readers.controller_workbook import read_controller_workbook
-from atleak.report.controller_workbook import write_controller_workbook
+from atleak.report.sheets.controller_workbook import write_controller_workbook
 from atleak.report.tables.valve_body import evidence_counts, open_values
 from pages.shared import entry_tables, reader, workshop_data
 from pages.shared.editing import Desk, Editing

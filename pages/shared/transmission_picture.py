@@ -12,7 +12,7 @@ from atleak.common.errors import AtleakError
 from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.report.charts.drawing import controller_svg
 from atleak.report.charts.flows import flow_diagram, flow_svg
-from atleak.report.controller_workbook import SPOOL_PICTURE
+from atleak.report.sheets.controller_workbook import SPOOL_PICTURE
 from pages.shared import reader, show
 from pages.shared.transmission import COMPONENTS, NEW_PARTS
 

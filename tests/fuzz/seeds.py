@@ -21,7 +21,7 @@ from atleak.job.case import Case, SourceFile
 from atleak.job.zip_file import write_job_file
 from atleak.measurements.job_card import Job
 from atleak.measurements.measuring_plan import Plan
-from atleak.report.controller_workbook import write_controller_workbook
+from atleak.report.sheets.controller_workbook import write_controller_workbook
 
 File = tuple[str, bytes]  # name and content
 Rows = list[list[object]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from atleak.common.errors import DomainError
-from atleak.equations.statistics import newcombe_interval, wilson_interval
+from atleak.equations.proportions import newcombe_interval, wilson_interval
 
 
 @pytest.mark.parametrize(

@@ -69,9 +69,7 @@ def test_a_disk_and_a_full_memory_are_no_damage(error, said):
 
 def test_a_fault_of_atleak_s_own_is_called_so_with_its_place(monkeypatch):
     monkeypatch.setattr("atleak.job.zip_file.tomllib", None)
-    expected = (
-        r"^job\.toml: atleak could not make sense of it: AttributeError: .*, job/file\.py:\d+: please send the file$"
-    )
+    expected = r"^job\.toml: atleak could not make sense of it: AttributeError: .*, job/zip_file\.py:\d+: please send the file$"
     with pytest.raises(InputError, match=expected):
         parse_job(b"number = 7", "job.toml")
     monkeypatch.setattr("atleak.job.zip_file._entries", lambda *_: json_of(None, "a.json"))
@@ -98,7 +96,7 @@ def test_every_door_is_guarded(door):
     """`own_errors_only` keeps what it stands at."""
     function = getattr(door, "__func__", door)
     assert function.__wrapped__.__qualname__ == function.__qualname__
-    assert function.__code__.co_filename.endswith("doors.py")
+    assert function.__code__.co_filename.endswith("damage.py")
 
 
 def test_numbers_that_no_unit_has_are_refused_in_words(monkeypatch):

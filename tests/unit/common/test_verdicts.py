@@ -1,4 +1,4 @@
-"""A verdict's level is added in `verdicts.py`, in `look.py` and in the language files, and every renderer shows it."""
+"""A verdict's level is added in `common/verdicts.py`, in `common/style.py` and in the language files, and every renderer shows it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from streamlit.testing.v1 import AppTest
 
 import atleak
 from atleak.cli import main as atleak_command
-from atleak.figures import diagnosis_figures as figures
+from atleak.report.charts import land_figures as figures
 from atleak.report.charts.screen import drawn
 from atleak.fleet.summary_charts import FleetCharts
 from atleak.fleet.summary_words import FleetWords
@@ -166,8 +166,8 @@ def test_a_level_is_added_in_three_places_and_every_renderer_shows_it(root: Path
         shutil.copytree(root / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(root / "app.py", copy)
     for path, old, new in (
-        ("verdicts.py", '    WATCH = "watch"\n', ADDED_LEVEL),
-        ("look.py", "    Verdict.REPLACE: Look(", ADDED_LOOK),
+        ("common/verdicts.py", '    WATCH = "watch"\n', ADDED_LEVEL),
+        ("common/style.py", "    Verdict.REPLACE: Look(", ADDED_LOOK),
         *(
             (f"texts/{name}/report.toml", f"[{table}]\n", f'[{table}]\nsoon = "{words}"\n')
             for name in languages()

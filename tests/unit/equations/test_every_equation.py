@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 import atleak.equations
-from atleak.equations import clearance, fluid, gap, orifice, pressure, pump
-from atleak.equations import statistics as proportions
+from atleak.equations import clearance, fluid, gap, orifice, pressure, proportions, pump
 
 GAP = (8e5, 0.010, 30e-6, 10.93e-6, 783.0, 0.008)
 FACES = (113.1e-6, 58.9e-6, 44.0e-6, 58.9e-6, 44.0e-6)

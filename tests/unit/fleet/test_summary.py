@@ -13,7 +13,7 @@ from atleak.analysis.rates import PARTS, Rate, Spread
 from atleak.common.errors import FleetError, InputError
 from atleak.common.verdicts import Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.equations.statistics import newcombe_interval, wilson_interval
+from atleak.equations.proportions import newcombe_interval, wilson_interval
 from atleak.fleet.results import Results
 from atleak.fleet.rows import rows_of
 from atleak.fleet.summary import summed_up

@@ -14,7 +14,7 @@ from atleak.common.errors import InputError
 from atleak.job.case import Case, SourceFile
 from atleak.job.kinds import Kind, kind_of, slots_of
 from atleak.job.zip_file import write_job_file
-from atleak.report.controller_workbook import write_controller_workbook
+from atleak.report.sheets.controller_workbook import write_controller_workbook
 from atleak.report.sheets.measuring_sheet import write_template
 
 GAUGES = b"Range;Engine;Tap;Pressure [kPa]\nD;idle;line;412\nR;stall;line;1500\n"

@@ -11,7 +11,7 @@ from streamlit.testing.v1 import AppTest
 from atleak.catalogue.entries import own_folder, read_tables
 from atleak.catalogue.workbook.sheets import SHEETS
 from atleak.common.files import drafts
-from atleak.report.controller_workbook import write_controller_workbook
+from atleak.report.sheets.controller_workbook import write_controller_workbook
 from pages.shared import entrance
 from pages.shared.transmission import STEPS
 from tests.unit.pages.conftest import choice, go, texts

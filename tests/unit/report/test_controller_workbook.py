@@ -15,7 +15,7 @@ from atleak.catalogue.workbook.shapes import Form
 from atleak.catalogue.workbook.sheets import INSTRUCTIONS, LISTS, NAMES, SHEETS, UNIT_LINES
 from atleak.common.errors import OutputError
 from atleak.readers.controller_workbook import read_controller_workbook
-from atleak.report.controller_workbook import write_controller_workbook
+from atleak.report.sheets.controller_workbook import write_controller_workbook
 
 INCH = Units("inch", "diametral", "psi")
 

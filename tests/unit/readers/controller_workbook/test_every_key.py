@@ -16,7 +16,7 @@ from atleak.catalogue.entries import shipped_files
 from atleak.catalogue.workbook.cells import Units
 from atleak.catalogue.workbook.sheets import SHEETS
 from atleak.readers.controller_workbook import read_controller_workbook
-from atleak.report.controller_workbook import write_controller_workbook
+from atleak.report.sheets.controller_workbook import write_controller_workbook
 
 Tables = Callable[[str], dict[str, Any]]
 

@@ -13,7 +13,7 @@ from atleak.catalogue.workbook.sheets import SHEETS
 from atleak.common.errors import CatalogueError
 from atleak.common.wording import wording
 from atleak.readers.controller_workbook import read_controller_workbook
-from atleak.report.controller_workbook import write_controller_workbook
+from atleak.report.sheets.controller_workbook import write_controller_workbook
 
 Book = Any
 
