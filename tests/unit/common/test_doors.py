@@ -69,7 +69,8 @@ def test_a_disk_and_a_full_memory_are_no_damage(error, said):
 
 def test_a_fault_of_atleak_s_own_is_called_so_with_its_place(monkeypatch):
     monkeypatch.setattr("atleak.job.zip_file.tomllib", None)
-    expected = r"^job\.toml: atleak could not make sense of it: AttributeError: .*, job/zip_file\.py:\d+: please send the file$"
+    fault = r"atleak could not make sense of it: AttributeError: .*, job/zip_file\.py:\d+: please send the file"
+    expected = rf"^job\.toml: {fault}$"
     with pytest.raises(InputError, match=expected):
         parse_job(b"number = 7", "job.toml")
     monkeypatch.setattr("atleak.job.zip_file._entries", lambda *_: json_of(None, "a.json"))

@@ -1,4 +1,4 @@
-"""A verdict's level is added in `common/verdicts.py`, in `common/style.py` and in the language files, and every renderer shows it."""
+"""A level is added in `common/verdicts.py`, `common/style.py` and the language files; every renderer shows it."""
 
 from __future__ import annotations
 
