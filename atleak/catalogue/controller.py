@@ -1,6 +1,6 @@
 """Describe a controller: pairs and lands, gaps between pressures, pump, pressure relations, operating points.
 
-These are frozen objects in SI units; `controller_reading` makes them from a TOML file.
+These are frozen objects in SI units; `controller_file` makes them from a TOML file.
 """
 
 from __future__ import annotations

@@ -76,7 +76,7 @@ _KINDS: Mapping[PumpKind, _Kind] = MappingProxyType(
         ),
     }
 )
-_BY_MODULE = ("module_mm", "teeth", "width_mm", "tooth_height_mm")  # the arguments of `equations.displacement`
+_BY_MODULE = ("module_mm", "teeth", "width_mm", "tooth_height_mm")  # the arguments of `equations.pump.displacement`
 _WITH_MODULE = (None, "external_gear", "crescent")  # kinds of which it holds
 _BEYOND: Mapping[str, tuple[str, str]] = MappingProxyType(  # dimensions of which the first is the larger
     {"external_gear": ("tip_diameter_mm", "centre_distance_mm"), "gerotor": ("tip_diameter_mm", "root_diameter_mm")}

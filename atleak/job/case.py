@@ -79,7 +79,7 @@ class SourceFile:
 
     @property
     def given(self) -> bytes | Path:
-        """Return what the intake reads: the path where there is one, or else the bytes."""
+        """Return what the readers take: the path where there is one, or else the bytes."""
         return self.path if self.path is not None else self.content
 
     @cached_property

@@ -322,7 +322,7 @@ def _said(error: InputError) -> Sentence:
 
 
 TYPED_FILE = "typed readings.csv"
-_SEPARATED = b"sep=;\r\n"  # so that a spreadsheet program, and the intake, need not guess
+_SEPARATED = b"sep=;\r\n"  # so that a spreadsheet program, and atleak's own reader, need not guess
 _KEYS = ("No.", "Part", "Plane", "Direction", "Repeat")
 _COORDINATES = ("Coordinate x1 [mm]", "Coordinate x2 [mm]")
 _LAST = ("Counts", "Taken at")

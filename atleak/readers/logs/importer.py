@@ -73,12 +73,12 @@ def understand(
 ) -> Understood:
     """Read a road-test log of any logger and return what is understood of it.
 
+    What is not explained here is as of `atleak.readers.logs.read_road_test`.
+
     Parameters
     ----------
     memory
         bytes that this process may take; None: as many as are free.
-
-    The others are those of `atleak.readers.logs.read_road_test`.
 
     Raises
     ------

@@ -5,20 +5,21 @@ The form is that of the source study's Table 1, a tidy table, or a table with se
 
 What happens to a file:
 
-1. `intake.sheets` turns its bytes into sheets: cells, what is merged, hidden or crossed out.
-2. `sheet_tables` cuts a sheet into tables (`table`); `one_heading` says what a column is by its heading, `headings`
-   (with `heading_numbers`) by all of them; ``vocabulary.toml`` holds the words in every language, and `words`
-   understands single cells. What is laid out unusually becomes usual before anything else is read: `turned` exchanges
-   rows and columns, `split_labels` (with `labels`) gives each thing that a cell says a column, `deviations` adds them
-   to nominal diameters, `filled_down` fills blocks.
+1. `readers.cells` turns its bytes into sheets: cells, what is merged, hidden or crossed out.
+2. `layout` cuts a sheet into tables; `column_headings` says what a column is by its heading, `table` by all of them;
+   ``vocabulary.toml`` holds the words in every language, and `words` understands single cells. What is laid out
+   unusually becomes usual before anything else is read: `layout` exchanges rows and columns and adds deviations to
+   nominal diameters, `labels` gives each thing that a cell says a column, `diameters` fills blocks.
 3. `choice` picks the tables that are the measurement, of the visible sheets or of the one that was asked for.
 4. `columns` decides which columns of a table to read, by headings and contents.
-5. `rows` reads every row into `values`; `controller_names` knows the components, planes and lands of the controller.
-   `asides` leaves out rows of means and rows that do not count; `states` asks where two states would be averaged.
-6. `values` converts the numbers into metres, and finds the unit where none is stated.
-7. `unread` looks at all cells again: what has the size of a diameter (`sizes`) and was not read is named or refused.
-8. `agreement` compares the diameters with clearances and means on the sheet, `checks` with the controller.
-9. `head` reads the measuring temperature, the date and the pump's clearances that stand above the headings.
+5. `rows` reads every row; `controller_names` knows the components, planes and lands of the controller, and what has
+   the size of one of its diameters. `exclusions` leaves out rows of means and rows that do not count; `repeats` asks
+   where two states would be averaged.
+6. `diameters` converts the numbers into metres, and finds the unit where none is stated.
+7. `leftovers` looks at all cells again: what has the size of a diameter and was not read is named or refused.
+8. `agreement` compares the diameters with clearances and means on the sheet, `plausibility` with the controller.
+9. `head` and `head_fields` read what stands above the headings: measuring temperature, date, the pump's clearances,
+   whose unit it is.
 10. `land_values` reads what stands there of lands themselves: contact lengths, positions, repairs that are fitted. A
     fitted repair comes first: the diameters are compared with its nominal ones.
 

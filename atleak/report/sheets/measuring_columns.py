@@ -70,8 +70,8 @@ class Column(IntEnum):
 
 
 SHEET = Sentence("Measurements")
-UNWORN_END = Sentence("unworn end")  # what marks a reading there; the intake's vocabulary knows it in every language
-PUMP_SIDE, PUMP_TIP = Sentence("Pump side clearance"), Sentence("Pump tip clearance")  # the intake reads them
+UNWORN_END = Sentence("unworn end")  # what marks a reading there; the reader's vocabulary knows it in every language
+PUMP_SIDE, PUMP_TIP = Sentence("Pump side clearance"), Sentence("Pump tip clearance")  # the reader knows them
 REPRESENTATIVE, AS_STATED = Sentence("representative"), Sentence("as stated")
 PART_NAMES: Mapping[str, Sentence] = {
     "spool": Sentence("spool"),
