@@ -48,8 +48,8 @@ if os.environ.pop("PYTHONDONTWRITEBYTECODE", ""):
 
 # What is left out of the quick round.
 WHOLE = (
-    "e2e", "unit/cli", "unit/pages", "unit/report", "unit/intake/native",
-    *(f"unit/test_{name}.py" for name in ("files", "marks", "rounds", "verdicts")),
+    "e2e", "unit/cli", "unit/pages", "unit/report", "unit/readers/process", "unit/test_rounds.py",
+    *(f"unit/common/test_{name}.py" for name in ("files", "marks", "verdicts")),
 )  # fmt: skip
 
 # A page that is tested leaves itself behind as the main module, which every process that a later test spawns would run.

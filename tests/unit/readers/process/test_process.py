@@ -125,7 +125,7 @@ def test_a_plain_error_of_a_compiled_library_is_damage_too(readers, refused):
 def test_a_fault_of_atleak_in_the_child_is_called_so(readers, refused):
     with pytest.raises(ReadingsError, match=r"^some\.file: atleak could not make sense of it: TypeError: .*") as caught:
         read_apart(workbook_marks.column_index, b"AB", "some.file", ReadingsError, SMALL)
-    assert "intake/workbook_marks.py:" in caught.value.problem
+    assert "readers/cells/workbook_marks.py:" in caught.value.problem
     assert is_own_fault(caught.value)
     assert "in column_index" in str(caught.value.__cause__), "the child's traceback, for the log"
     assert number(readers) > 0
