@@ -58,11 +58,11 @@ def test_what_comes_out_and_should_not_is_counted_and_kept(tmp_path, monkeypatch
 def test_a_fault_of_atleak_s_own_is_no_refusal_of_the_file(tmp_path, monkeypatch):
     monkeypatch.setattr("atleak.job.zip_file.tomllib", None)  # so that `parse_job` itself fails
     monkeypatch.setattr(run, "ROUND", 5)
-    with pytest.raises(OwnFault, match=r"^AttributeError at job/file\.py:\d+$"):
+    with pytest.raises(OwnFault, match=r"^AttributeError at job/zip_file\.py:\d+$"):
         passes("record", "job.toml", b'number = "7"')
     tried = run.try_door("record", 0.0, 1, tmp_path)
     assert sum(tried.wrong.values()) > 0
-    assert all("AttributeError at job/file.py" in said for said in tried.wrong)
+    assert all("AttributeError at job/zip_file.py" in said for said in tried.wrong)
 
 
 def test_a_fault_that_a_library_raises_is_one_of_the_file():
@@ -81,5 +81,5 @@ def test_a_fault_behind_another_refusal_is_found(monkeypatch):
             raise InputError(Sentence("a job in another")) from error
 
     monkeypatch.setitem(doors.OF, "record", again)
-    with pytest.raises(OwnFault, match="AttributeError at job/file"):
+    with pytest.raises(OwnFault, match="AttributeError at job/zip_file"):
         passes("record", "job.toml", b'number = "7"')
