@@ -177,7 +177,7 @@ class Annex(Part):
             Column("annex.part", of=lambda row: say(f"annex.{row.part}")),
             Column("annex.plane", of="plane"),
             *self._of_directions(readings.readings),
-            Column("annex.mean", "length", 4, of=self._mean, times=MM),
+            Column("annex.mean", "length", 4, width=50, of=self._mean, times=MM),
             *(
                 Column(f"annex.{key}", "clearance", 1, of=partial(of_part, what), times=UM)
                 for key, what in forms.items()
@@ -328,8 +328,8 @@ class Budget(Part):
             ),
             Column("annex.distribution", width=150, of=of(self._distribution)),
             Column("annex.degrees", digits=0, of=of(self._degrees)),
-            Column("", digits=0, words="u(x)", of=of(self._input)),
-            Column("", digits=0, words="c", of=of(self._sensitivity)),
+            Column("", digits=0, width=100, words="u(x)", of=of(self._input)),
+            Column("", digits=0, width=100, words="c", of=of(self._sensitivity)),
             Column("", "clearance", 2, words="c · u(x)", of=of(lambda line: abs(line.contribution), u), times=UM),
             Column("annex.part_of_variance", "percent", 1, of=of(lambda line: line.fraction, 1.0), times=PERCENT),
             whole=True,

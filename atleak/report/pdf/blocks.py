@@ -16,7 +16,7 @@ from atleak.report.tables.table import VERDICT, Column, Table
 
 Block = dict[str, Any]
 
-_PLAIN = re.compile(r"[−\d\s]+([.,]\d+)?(?:\n.*)?$")  # a number, with its interval below it
+_PLAIN = re.compile(r"[−\d\s]+([.,]\d+)?(?:–[−\d\s]+[.,]?\d*)?(?:\n.*)?$")  # a number or two, an interval below
 _NOTE = 1500  # letters of a note that a page can hold together with the last rows of its table
 
 
@@ -106,8 +106,8 @@ def printed(content: Table, *, whole: bool = False) -> Block:
         "kind": "table",
         "names": [_name(column, say) for column in shown],
         "rows": rows,
-        "widths": [  # what is left of the page is shared by words, in parts of 50 pixels of the screen
-            0 if column.is_number or column.kind == VERDICT else (column.width or 0) // 50 for column in shown
+        "widths": [  # what is left of the page is shared, in parts of 50 pixels of the screen
+            0 if column.kind == VERDICT else (column.width or 0) // 50 for column in shown
         ],
         "aligned": "".join(map(_side, shown, zip(*(row for row in rows if len(row) == len(shown)), strict=True))),
         "whole": whole,

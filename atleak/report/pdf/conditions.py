@@ -27,6 +27,7 @@ from atleak.report.pdf.blocks import Block, bullets, ends, joined, listed, named
 from atleak.report.pdf.printed_names import Part, PrintedNames
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.first_sentence import pump_sentence
+from atleak.report.tables.gauges import permissible_text
 from atleak.report.tables.lands import MatrixRow, leaking_worst_first
 from atleak.report.tables.names import land_number
 from atleak.report.tables.pressures import held_table, pressure_chart
@@ -240,7 +241,8 @@ class Pressures(Part):
 
     def _held(self, conditions: Sequence[PressuresAt]) -> Iterator[Block]:
         """Yield what the line and every circuit hold at each condition, and which circuits are not applied there."""
-        held = held_table(self.diagnosis, conditions, self.say).without("lands_that_cost").filled
+        told = {"lands_that_cost", "permissible"} if self.diagnosis.controller.circuits else {"lands_that_cost"}
+        held = held_table(self.diagnosis, conditions, self.say).without(*told).filled
         yield printed(replace(held, told=self._told))
         for at in conditions:
             vented = joined(self.names.section(each.id) for each in at.circuits if each.vented)
@@ -283,7 +285,7 @@ class Pressures(Part):
         return None if decided is None else self.names.decided(decided.decision, decided.probability_over_limit)
 
     def _told(self, each: HeldPressure) -> str:
-        """Name the lands that cost it most."""
+        """Return what is permissible, where the table has no room for it, and the lands that cost it most."""
         say, controller = self.say, self.diagnosis.controller
         shown = [cause for cause in each.causes.items() if abs(cause[1]) * KPA >= _SHOWS]
         causes = sorted(shown, key=lambda cause: -abs(cause[1]))
@@ -292,7 +294,11 @@ class Pressures(Part):
             for key, loss in causes[:_LANDS]
         ]
         more = [say("texts.more_lands", count=len(causes) - _LANDS)] if len(causes) > _LANDS else []
-        return f"{say('printed.costs')}, {say.unit('pressure')}: {joined([*named, *more])}" if causes else ""
+        told = {
+            "printed.permissible": (permissible_text(each.permissible, say) or "") if controller.circuits else "",
+            "printed.costs": joined([*named, *more]) if causes else "",
+        }
+        return "; ".join(f"{say(key)}, {say.unit('pressure')}: {words}" for key, words in told.items() if words)
 
 
 EVENTS = 40  # that are listed one by one; the others stand in the workbook and in the JSON
@@ -343,7 +349,7 @@ class RoadTestSection(Part):
         yield named_facts("facts", say, gears=joined(map(str, road.gears)), sections=shares)
         yield self._drawing(road, series)
         numbers = {row.label(say): number for number, row in enumerate(_marked(series), start=1)}
-        number = Column("", digits=0, words="", of=lambda row: numbers.get(row["instant"]))
+        number = Column("", digits=0, words="", of=lambda row: numbers.get(row["instant"], ""))
         table = instant_table(road, self.diagnosis.uncertainty, say)
         yield printed(replace(table, columns=(number, *table.columns)))
         notes = [say("texts.sustained", seconds=say.plain(road.extremes.window))]

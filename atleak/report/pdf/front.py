@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Any
 
@@ -131,7 +131,7 @@ class Front(Part):
         share = Column("share", "percent", 1, times=PERCENT)
         columns = (
             *([] if all(map(self._names_temperature, self.shown)) else [self._temperature]),
-            Column("speed", "engine_speed", of=lambda at: at.condition.engine_speed, times=RPM),
+            self._speed("speed", lambda at: at.condition.engine_speed),
             Column("gear", digits=0, of=lambda at: at.condition.gear),
             Column("pressure", "pressure", of=self._pressure),
             Column("leakage", "flow", 2, times=DM3_MIN),
@@ -141,9 +141,13 @@ class Front(Part):
             Column("share_new", "percent", 1, of=lambda at: self.diagnosis.new_at(at).share, times=PERCENT),
             Column("band", width=50, of=self._band),
             Column("reserve", digits=2),
-            Column("holds", "engine_speed", of="minimum_speed", times=RPM),
+            self._speed("holds", "minimum_speed"),
         )
         return listed(self.say, self.shown, *columns, group=lambda at: self.say.condition(at.condition))
+
+    def _speed(self, key: str, of: str | Callable[[Projection], float]) -> Column:
+        """Return a column of engine speeds; the sentences of a report have the same unit."""
+        return Column(key, digits=0, words=f"{self.say(f'printed.{key}')}\n1/min", of=of, times=RPM)
 
     @property
     def _temperature(self) -> Column:
