@@ -34,7 +34,7 @@ from atleak.job.case import Case, SourceFile
 from atleak.job.parts import JobParts, job_parts
 from atleak.job_book.book import Book, open_book
 from atleak.job_book.search import Query, search_words_of
-from atleak.job_book.tables import files, job_files, jobs, key_of, lands, results, search_words, units, visits
+from atleak.job_book.tables import files, job_files, jobs, key_of_row, lands, results, search_words, units, visits
 from atleak.job_book.units_of_a_kind import across_units
 from atleak.measurements.job_card import Job
 
@@ -98,7 +98,7 @@ def fill(book: Book, count: int) -> None:
             unit = number * 2 // 5 + 1
             if unit != (number - 1) * 2 // 5 + 1 or not number:
                 serial = record.transmission.serial
-                made[units].append({"id": unit, "key": f"serial:{key_of(serial)}", "serial": serial})
+                made[units].append({"id": unit, "key": f"serial:{key_of_row(serial)}", "serial": serial})
             about = {"number": record.number, "date": record.date, "mileage_km": record.vehicle.mileage_km}
             made[visits].append({"id": number + 1, "unit": unit, **about})
             choices = template.choices.model_copy(update={"job": record}).model_dump_json(exclude_defaults=True)

@@ -25,7 +25,7 @@ from streamlit.testing.v1 import AppTest
 from timing import options
 
 from atleak.catalogue.controller import Controller
-from atleak.job.case import SLOTS, Case, Choice, Reader, Slot
+from atleak.job.case import SLOTS, Case, CaseChoice, Reader, Slot
 from atleak.measurements.readings import Readings
 from atleak.readers.logs import Understood
 
@@ -85,7 +85,7 @@ class _Read(Reader):
         self._log, self._entries = super().log(case), {}
         self._sheet = super().readings(case, self.entry(SLOTS["controller"], case.controller))
 
-    def entry(self, slot: Slot, choice: Choice) -> Any:
+    def entry(self, slot: Slot, choice: CaseChoice) -> Any:
         if slot.name not in self._entries:
             self._entries[slot.name] = super().entry(slot, choice)
         return self._entries[slot.name]

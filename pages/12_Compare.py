@@ -29,7 +29,7 @@ lands = comparison.lands(both)
 if lands:
     show.table(land_table(both, lands, say))
     st.caption(say("compare.lands_note"))
-    show.chart(figures.clearances(both, lands, say), "clearances")
+    show.chart(figures.compared_clearances(both, lands, say), "clearances")
     st.caption(say("compare.clearances_note"))
 else:
     st.write(say("compare.no_land"))

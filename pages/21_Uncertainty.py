@@ -29,7 +29,7 @@ show.open_verdicts(words.advice(diagnosis, advised, say))
 
 st.subheader(say("uncertainty.clearances"))
 of_land = {land.key: land for land in diagnosis.lands}
-show.chart(figures.clearances(unit, say, advised=lambda key: advised(of_land[key])), "clearances")
+show.chart(figures.land_clearances(unit, say, advised=lambda key: advised(of_land[key])), "clearances")
 st.subheader(say("uncertainty.leakages"))
 show.chart(figures.leakages(unit, diagnosis.projection.condition, say), "leakages")
 

@@ -56,7 +56,7 @@ if clearances.open:
             show.table(clearance_table(chosen, controller, say))
             st.caption(say("readings.columns"))
             st.subheader(say("readings.wear"))
-            show.chart(figures.wear(diagnosis, chosen, say), "wear")
+            show.chart(figures.land_wear(diagnosis, chosen, say), "wear")
         else:
             st.write(say("readings.no_lands"))
 if controller.representative:

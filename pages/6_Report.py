@@ -9,7 +9,7 @@ from atleak.job.result import issued_record
 from atleak.job.zip_file import write_job_file
 from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf import write_pdf
-from atleak.report.pdf.body import SECTIONS
+from atleak.report.pdf.body import PDF_SECTIONS
 from atleak.report.xlsx import write_workbook
 from pages.shared import conditions, files, font_form, panel, reader
 from pages.shared.cases import case_with_columns
@@ -28,13 +28,13 @@ language = reader.pick_language(options[0], "report-language")
 paper = reader.pick_paper(options[1], "report-paper")
 picked = st.pills(
     say("take_along.sections"),
-    SECTIONS,
+    PDF_SECTIONS,
     selection_mode="multi",
-    default=SECTIONS,
+    default=PDF_SECTIONS,
     format_func=lambda section: say(f"sections.{section}"),
     key="report-sections",
 )
-sections = [name for name in SECTIONS if name in picked]
+sections = [name for name in PDF_SECTIONS if name in picked]
 font_form.draw_missing([record])
 of_pdf = partial(write_pdf, diagnosis, record, language=language, paper=paper, sections=sections, units=say.units)
 downloads: dict[str, tuple[str, Callable[[], str | bytes]]] = {

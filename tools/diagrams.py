@@ -27,7 +27,7 @@ import picture_jobs as made
 
 from atleak.analysis.pressures import HeldPressure, pressures_at
 from atleak.analysis.what_if import WhatIf, tried
-from atleak.common.style import PAPER, SHEET_COLOURS, SHEET_OF_PAPER, SPREADS, look_of
+from atleak.common.style import PAPER_INKS, SHEET_COLOURS, SHEET_OF_PAPER, SPREADS, look_of
 from atleak.common.unit_systems import DM3_MIN, KPA, MM, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, wording
@@ -131,7 +131,7 @@ class Drawing:
             points = " ".join(f"{x:.1f},{y:.1f}" for x, y in corners)
             self.parts.append(f'<polygon points="{points}" fill="{colour}"/>')
 
-    def circle(self, x: float, y: float, radius: float, fill: str, line: str = PAPER.ink) -> None:
+    def circle(self, x: float, y: float, radius: float, fill: str, line: str = PAPER_INKS.ink) -> None:
         """Draw a disc."""
         self.parts.append(
             f'<circle cx="{x:g}" cy="{y:g}" r="{radius:g}" fill="{fill}" stroke="{line}" stroke-width="1.4"/>'
@@ -175,20 +175,20 @@ def gap() -> str:
     drawing.rect(60, 46, 740, 66, BODY, SHEET_COLOURS["soft"])
     drawing.rect(60, 112, 740, 46, FLUID)
     drawing.rect(60, 158, 740, 130, FLUID)
-    drawing.rect(60, 214, 740, 74, SPOOL, PAPER.ink)
-    drawing.rect(240, 158, 370, 130, SPOOL, PAPER.ink)
+    drawing.rect(60, 214, 740, 74, SPOOL, PAPER_INKS.ink)
+    drawing.rect(240, 158, 370, 130, SPOOL, PAPER_INKS.ink)
     drawing.rect(238, 215, 374, 72, SPOOL)
     drawing.path(((40, 288), (820, 288)), SHEET_COLOURS["soft"], 1.0, "14 4 3 4")
     drawing.words(430, 84, "valve body", 15, bold=True)
     drawing.words(430, 250, "land of the spool", 15, bold=True)
     for y in (124, 135, 146):
-        drawing.arrow((90, y), (230, y), PAPER.leakage, 1.6)
-        drawing.arrow((620, y), (770, y), PAPER.leakage, 1.6)
-    drawing.path(((240, 135), (610, 135)), PAPER.leakage, 1.2, "6 5")
+        drawing.arrow((90, y), (230, y), PAPER_INKS.leakage, 1.6)
+        drawing.arrow((620, y), (770, y), PAPER_INKS.leakage, 1.6)
+    drawing.path(((240, 135), (610, 135)), PAPER_INKS.leakage, 1.2, "6 5")
     drawing.words(148, 184, (f"from {kpa(at.pressures['p_g'])}", "(main pressure)"), 13)
     low = at.pressures["p_g"] - leak.pressure_drop
     drawing.words(706, 184, (f"to {kpa(low)},", "then the oil pan"), 13)
-    drawing.arrow((300, 112), (300, 158), PAPER.ink, 1.6, both=True)
+    drawing.arrow((300, 112), (300, 158), PAPER_INKS.ink, 1.6, both=True)
     drawing.words(
         312, 30, f"radial clearance: {land.state.land.new_clearance * UM:.1f} µm when new, "
         f"{state.radial_clearance * UM:.1f} µm measured cold, {leak.effective_clearance * UM:.1f} µm at 100 °C",
@@ -197,7 +197,7 @@ def gap() -> str:
     drawing.path(((300, 112), (306, 34)), SHEET_COLOURS["soft"], 0.8)
     drawing.path(((240, 288), (240, 330)), SHEET_COLOURS["soft"], 0.8)
     drawing.path(((610, 288), (610, 330)), SHEET_COLOURS["soft"], 0.8)
-    drawing.arrow((240, 322), (610, 322), PAPER.ink, 1.4, both=True)
+    drawing.arrow((240, 322), (610, 322), PAPER_INKS.ink, 1.4, both=True)
     drawing.words(425, 344, f"contact length {leak.contact_length * MM:.1f} mm", 13)
     drawing.words(640, 312, (f"spool ⌀ {spool:.3f} mm", f"bore ⌀ {sleeve:.3f} mm"), 13, anchor="start")
     drawing.words(
@@ -226,7 +226,7 @@ def pressure_distribution() -> str:
     high, length = at.pressures["p_g"], leak.contact_length
     new = hot_idle_of_new()
     widths = ((new, "new"), (leak.effective_clearance, "as measured"), (WIDE, "far too wide"))
-    looks = ((PAPER.pump, "--"), (PAPER.leakage, "-"), (PAPER.ink, ":"))
+    looks = ((PAPER_INKS.pump, "--"), (PAPER_INKS.leakage, "-"), (PAPER_INKS.ink, ":"))
     with plotting.drawing():
         figure = plotting.figure_of(250.0)
         axes = plotting.field(figure, 52.0, 490.0, 12.0, 196.0)
@@ -295,14 +295,14 @@ def circuit() -> str:
     feed = circuit.feeds[0]
     look = look_of(held.verdict or Verdict.NOT_MEASURED)
     drawing = Drawing(860, 400, f"A circuit with its feed and its leaks: {circuit.name}")
-    drawing.rect(30, 110, 170, 76, FLUID, PAPER.ink, 6)
+    drawing.rect(30, 110, 170, 76, FLUID, PAPER_INKS.ink, 6)
     drawing.words(115, 140, "main pressure (line)", 14, bold=True)
     drawing.words(115, 164, kpa(at.main_pressure_held), 15)
-    drawing.arrow((200, 148), (292, 148), PAPER.pump, 3)
+    drawing.arrow((200, 148), (292, 148), PAPER_INKS.pump, 3)
     for y in (104, 160):
-        drawing.rect(296, y, 22, 34, BODY, PAPER.ink)
+        drawing.rect(296, y, 22, 34, BODY, PAPER_INKS.ink)
     drawing.words(307, 70, ("the feed:", f"orifice ⌀ {feed.diameter * MM:.2g} mm"), 13)
-    drawing.arrow((300, 148), (398, 148), PAPER.pump, 3)
+    drawing.arrow((300, 148), (398, 148), PAPER_INKS.pump, 3)
     drawing.rect(402, 92, 226, 112, look.tint, look.line, 6)
     drawing.words(515, 118, circuit.name, 15, bold=True)
     drawing.words(515, 144, f"holds {kpa(held.now)}", 15)
@@ -316,14 +316,14 @@ def circuit() -> str:
         bold=True,
         anchor="start",
     )
-    drawing.arrow((628, 148), (690, 148), PAPER.pump, 3)
-    drawing.rect(694, 110, 136, 76, SPOOL, PAPER.ink, 6)
+    drawing.arrow((628, 148), (690, 148), PAPER_INKS.pump, 3)
+    drawing.rect(694, 110, 136, 76, SPOOL, PAPER_INKS.ink, 6)
     drawing.words(762, 140, ("piston of", "the clutch"), 14, bold=True)
     worst = held.costly[:2]
     for number, (key, gained) in enumerate(worst):
         x = 415 + 215 * number
         from_circuit = 450 + 130 * number
-        drawing.arrow((from_circuit, 206), (from_circuit, 262), PAPER.leakage, 3)
+        drawing.arrow((from_circuit, 206), (from_circuit, 262), PAPER_INKS.leakage, 3)
         land = next(each for each in found.lands if each.key == key)
         name = found.controller.components[key[0]]
         clearance = land.state.radial_clearance or 0.0
@@ -333,7 +333,7 @@ def circuit() -> str:
             f"new it gives back {kpa(gained)}",
         )
         drawing.words(x, 282, lines, 12)
-    drawing.path(((300, 340), (760, 340)), PAPER.ink, 1.4)
+    drawing.path(((300, 340), (760, 340)), PAPER_INKS.ink, 1.4)
     drawing.words(530, 358, "oil pan", 13, bold=True)
     drawing.words(
         430,
@@ -388,7 +388,7 @@ def data_flow() -> str:
         ((435, 120), (435, 150)), ((435, 236), (435, 266)),
         ((540, 78), (618, 78)), ((540, 194), (618, 194)), ((540, 300), (618, 226)), ((740, 236), (740, 266)),
     ):  # fmt: skip
-        drawing.arrow(start, end, PAPER.soft, 1.6)
+        drawing.arrow(start, end, PAPER_INKS.soft, 1.6)
     drawing.words(440, 392, limits, 13)
     return drawing.svg
 
@@ -400,7 +400,7 @@ def _two(said: str) -> tuple[str, ...]:
 
 def _box(
     drawing: Drawing, x: float, y: float, width: float, height: float, fill: str, name: str, lines: Iterable[str],
-    line: str = PAPER.ink,
+    line: str = PAPER_INKS.ink,
 ) -> None:  # fmt: skip
     drawing.rect(x, y, width, height, fill, line, 6)
     drawing.words(x + width / 2.0, y + 27, name, 16, bold=True)

@@ -19,7 +19,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.fleet.folder import note
 from atleak.fleet.results import Results
 from atleak.fleet.units import FleetUnit
-from atleak.fleet.worker import evaluate
+from atleak.fleet.worker import evaluate_unit
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts
 from atleak.job_book.book import open_book
@@ -142,7 +142,7 @@ def make_fleet(folder: Path) -> Path:
         labels = (("supplier", supplier),)
         units.append(FleetUnit(f"unit {number:02d}", f"file:{number}", labels=labels, case=case, job=job))
     with Results.open(folder / FLEET, for_writing=True) as kept:
-        kept.add([evaluate(unit) for unit in units])
+        kept.add([evaluate_unit(unit) for unit in units])
     note(folder / FLEET)
     return folder / FLEET
 

@@ -22,7 +22,7 @@ from atleak.analysis.repair.plan import (
     MoveKey,
     OfferedRepairs,
     Prices,
-    Stated,
+    StatedPrice,
     choose,
     gain_of,
     in_order,
@@ -247,14 +247,14 @@ def prices_of(job: Job, controller: Controller) -> Prices:
     return Prices(job.estimate.labour_rate, currency, _typed(job))
 
 
-def _typed(job: Job) -> dict[MoveKey, Stated]:
+def _typed(job: Job) -> dict[MoveKey, StatedPrice]:
     """Return what the workshop typed of prices and hours, by the repair or the land."""
-    typed: dict[MoveKey, Stated] = {}
+    typed: dict[MoveKey, StatedPrice] = {}
     for each in job.repair_decisions:
         if each.repair:
-            typed[each.repair] = Stated(each.price, each.hours)
+            typed[each.repair] = StatedPrice(each.price, each.hours)
         elif each.land is not None:
-            typed[each.component, each.land] = Stated(each.price, each.hours)
+            typed[each.component, each.land] = StatedPrice(each.price, each.hours)
     return typed
 
 

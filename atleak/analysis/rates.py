@@ -11,7 +11,7 @@ from atleak.common.unit_systems import PERCENT
 from atleak.equations.proportions import wilson_interval
 
 ENOUGH_UNITS = 10  # from which on more is said than a count, a middle and the ends: choice of this project
-PARTS = (0.05, 0.25, 0.5, 0.75, 0.95)  # of the units, whose quantiles are shown
+SHOWN_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)  # of the units, whose quantiles are shown
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Spread:
     least: float
     median: float
     most: float
-    quantiles: tuple[float, ...] | None  # at `PARTS` of the units; None below `ENOUGH_UNITS` units
+    quantiles: tuple[float, ...] | None  # at `SHOWN_QUANTILES` of the units; None below `ENOUGH_UNITS` units
 
     @property
     def enough(self) -> bool:
@@ -78,6 +78,6 @@ def spread(values: Iterable[float]) -> Spread | None:
     known = known[np.isfinite(known)]
     if not known.size:
         return None
-    parts = tuple(map(float, np.quantile(known, PARTS))) if known.size >= ENOUGH_UNITS else None
+    parts = tuple(map(float, np.quantile(known, SHOWN_QUANTILES))) if known.size >= ENOUGH_UNITS else None
     least, median, most = np.min(known), np.median(known), np.max(known)
     return Spread(known.size, float(known.mean()), float(least), float(median), float(most), parts)

@@ -20,7 +20,7 @@ from pydantic import BaseModel, ValidationError
 
 from atleak.catalogue.controller import Controller, Gap, Land
 from atleak.catalogue.controller_parts import (
-    Reading,
+    PartReading,
     read_circuits,
     read_consumers,
     read_leaks,
@@ -46,23 +46,23 @@ from atleak.catalogue.pump_dimensions import read_pump
 from atleak.catalogue.remaining_tables import Remaining
 from atleak.catalogue.repairs import Complaint, ComplaintTable, LandKey, Repair, RepairTable, written_land
 from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
-from atleak.common.errors import CatalogueError, DomainError, Message, Steps
-from atleak.common.file_faults import in_words, model_in, place_of, together
+from atleak.common.errors import CatalogueError, DomainError, KeySteps, Message
+from atleak.common.file_faults import fault_in_words, faults_together, model_in, place_of
 from atleak.common.sentences import Name, Sentence
 from atleak.common.unit_systems import UM, Quantity
 
-_ALL: Mapping[Steps, Sequence[int]] = MappingProxyType({})
+_ALL: Mapping[KeySteps, Sequence[int]] = MappingProxyType({})
 
 
 def _checked(data: Mapping[str, Any], origin: Origin) -> Controller:
     try:
         entry = ControllerFile.model_validate(data)
     except ValidationError as error:
-        faults = in_words(error, data, origin.path.name, ControllerFile, CatalogueError)
-        raise together([*faults, *_faults_of_meaning(data, error, origin)]) from None
+        faults = fault_in_words(error, data, origin.path.name, ControllerFile, CatalogueError)
+        raise faults_together([*faults, *_faults_of_meaning(data, error, origin)]) from None
     controller, faults = _read(entry, data, origin)
     if controller is None:
-        raise together(faults)
+        raise faults_together(faults)
     doubts = doubts_of("controllers", ControllerFile, data, origin.file, displacement=controller.pump.displacement)
     return replace(controller, doubts=(*doubts, *_mending_nothing(controller, data, origin.file)))
 
@@ -117,10 +117,10 @@ def _faults_of_meaning(data: Mapping[str, Any], error: ValidationError, origin: 
 
 
 def _read(
-    entry: ControllerFile, data: Mapping[str, Any], origin: Origin, kept: Mapping[Steps, Sequence[int]] = _ALL
+    entry: ControllerFile, data: Mapping[str, Any], origin: Origin, kept: Mapping[KeySteps, Sequence[int]] = _ALL
 ) -> tuple[Controller | None, list[CatalogueError]]:
     """Return the controller and no fault, or everything that is wrong with its tables, of which some were ``kept``."""
-    reading = Reading(
+    reading = PartReading(
         origin.path,
         data,
         entry.gears,
@@ -170,7 +170,7 @@ def _read(
     return replace(controller, operating_points=tuple(controller.with_line(point) for point in points)), []
 
 
-def _check_line(controller: Controller, reading: Reading) -> None:
+def _check_line(controller: Controller, reading: PartReading) -> None:
     """Refuse a line that is set to no pressure in some gear."""
     points = (replace(point, gear=gear) for point in controller.operating_points for gear in controller.gears)
     for point in points:
@@ -181,7 +181,7 @@ def _check_line(controller: Controller, reading: Reading) -> None:
             return
 
 
-def _relations(entry: ControllerFile, gaps: Iterable[Gap], reading: Reading) -> dict[str, PressureRelation]:
+def _relations(entry: ControllerFile, gaps: Iterable[Gap], reading: PartReading) -> dict[str, PressureRelation]:
     relations: dict[str, PressureRelation] = {}
     for name, table in entry.pressures.items():
         try:
@@ -199,7 +199,7 @@ def _relations(entry: ControllerFile, gaps: Iterable[Gap], reading: Reading) -> 
     return relations
 
 
-def _check_default_materials(entry: ControllerFile, reading: Reading) -> None:
+def _check_default_materials(entry: ControllerFile, reading: PartReading) -> None:
     for key in ("body", "spool"):
         name = getattr(entry.defaults, key)
         if name is not None and name not in entry.materials:
@@ -207,13 +207,13 @@ def _check_default_materials(entry: ControllerFile, reading: Reading) -> None:
             reading.faults.append(reading.unknown(("defaults", key), problem, name, entry.materials))
 
 
-def _lands(entry: ControllerFile, reading: Reading) -> list[Land]:
+def _lands(entry: ControllerFile, reading: PartReading) -> list[Land]:
     lands: list[Land] = []
 
-    def component(table: ComponentTable, where: Steps) -> None:
+    def component(table: ComponentTable, where: KeySteps) -> None:
         planes: set[str] = set()
 
-        def land_of(own: LandTable, at: Steps) -> None:
+        def land_of(own: LandTable, at: KeySteps) -> None:
             land = _land(entry, table, own, at, reading)
             lands.append(land)
             for plane in land.planes:
@@ -230,7 +230,9 @@ def _lands(entry: ControllerFile, reading: Reading) -> list[Land]:
     return lands
 
 
-def _land(entry: ControllerFile, component: ComponentTable, table: LandTable, where: Steps, reading: Reading) -> Land:
+def _land(
+    entry: ControllerFile, component: ComponentTable, table: LandTable, where: KeySteps, reading: PartReading
+) -> Land:
     length = table.contact_length_mm or entry.defaults.contact_length_mm
     if length is None:
         problem = Sentence("land {land} has no contact length", land=table.land)
@@ -274,7 +276,7 @@ _ASSUMED = Evidence.REPRESENTATIVE
 _NO_PUMP = Pump(1.0, 1.0, None, ())  # of a file whose own is refused
 
 
-def _mounting(entry: ControllerFile, table: LandTable, where: Steps, reading: Reading) -> dict[str, Any]:
+def _mounting(entry: ControllerFile, table: LandTable, where: KeySteps, reading: PartReading) -> dict[str, Any]:
     """Return what a land had when it was new, from its own table or else from [defaults]."""
     defaults, given = entry.defaults, table.mounting_clearance_um
     given = defaults.mounting_clearance_um if given is None else given
@@ -306,10 +308,10 @@ def _mounting(entry: ControllerFile, table: LandTable, where: Steps, reading: Re
     return {"mounting_clearance": given * 1e-6, "mounting_tolerance": half_width, "new_origin": origin}
 
 
-def _gaps(entry: ControllerFile, known: Sequence[LandKey], reading: Reading) -> list[Gap]:
+def _gaps(entry: ControllerFile, known: Sequence[LandKey], reading: PartReading) -> list[Gap]:
     gaps: list[Gap] = []
 
-    def gap_of(table: GapTable, where: Steps) -> None:
+    def gap_of(table: GapTable, where: KeySteps) -> None:
         gap = _gap(table, known, where, reading)
         for other in gaps:
             both = gap.gears & other.gears
@@ -329,7 +331,7 @@ def _gaps_not_described(entry: ControllerFile, lands: Iterable[Land]) -> Iterato
         yield Gap(land.component, land.land, "p_g", Pressure(1.0, "p_g"), drain, every_gear, True, None)
 
 
-def _gap(table: GapTable, known: Sequence[LandKey], where: Steps, reading: Reading) -> Gap:
+def _gap(table: GapTable, known: Sequence[LandKey], where: KeySteps, reading: PartReading) -> Gap:
     _check_land(table.component, [table.land], "land", known, where, reading)
     gears = reading.gears_of(table.gears, (*where, "gears"))
     high, low = reading.ends(table.high, table.low, where, "gap")
@@ -351,7 +353,7 @@ def _gap(table: GapTable, known: Sequence[LandKey], where: Steps, reading: Readi
 
 
 def _check_land(
-    component: str, lands: Iterable[int], key: str, known: Sequence[LandKey], where: Steps, reading: Reading
+    component: str, lands: Iterable[int], key: str, known: Sequence[LandKey], where: KeySteps, reading: PartReading
 ) -> None:
     """Refuse a land that the controller does not have."""
     mine = [land for name, land in known if name == component]
@@ -364,9 +366,9 @@ def _check_land(
 
 
 def _repairs(
-    tables: Sequence[RepairTable], lands: Sequence[Land], known: Sequence[LandKey], reading: Reading
+    tables: Sequence[RepairTable], lands: Sequence[Land], known: Sequence[LandKey], reading: PartReading
 ) -> tuple[Repair, ...]:
-    def repair(table: RepairTable, where: Steps) -> Repair:
+    def repair(table: RepairTable, where: KeySteps) -> Repair:
         mine = [land for component, land in known if component == table.component]
         _check_land(table.component, table.lands or mine or [1], "lands", known, where, reading)
         _check_diameter(table, lands, where, reading)
@@ -375,7 +377,7 @@ def _repairs(
     return tuple(reading.each(tables, ("repairs",), repair, twice=Sentence("repair given twice")))
 
 
-def _check_diameter(table: RepairTable, lands: Sequence[Land], where: Steps, reading: Reading) -> None:
+def _check_diameter(table: RepairTable, lands: Sequence[Land], where: KeySteps, reading: PartReading) -> None:
     """Refuse a repair whose nominal diameter cannot be that of one of its lands."""
     diameter = table.nominal_diameter_mm
     if diameter is None:
@@ -389,8 +391,8 @@ def _check_diameter(table: RepairTable, lands: Sequence[Land], where: Steps, rea
             raise reading.fault((*where, "nominal_diameter_mm"), problem, value=diameter, expected=expected)
 
 
-def _operating_points(entry: ControllerFile, reading: Reading) -> list[OperatingPoint]:
-    def point(table: OperatingPointTable, where: Steps) -> OperatingPoint:
+def _operating_points(entry: ControllerFile, reading: PartReading) -> list[OperatingPoint]:
+    def point(table: OperatingPointTable, where: KeySteps) -> OperatingPoint:
         if table.gear not in entry.gears:
             raise reading.unknown_gear((*where, "gear"), table.gear)
         if table.name == STATED:
@@ -404,11 +406,11 @@ def _operating_points(entry: ControllerFile, reading: Reading) -> list[Operating
 
 
 def _complaints(
-    tables: Sequence[ComplaintTable], lands: Collection[LandKey], source: str, reading: Reading
+    tables: Sequence[ComplaintTable], lands: Collection[LandKey], source: str, reading: PartReading
 ) -> tuple[Complaint, ...]:
     names = {written_land(key): key for key in lands}
 
-    def complaint(table: ComplaintTable, where: Steps) -> Complaint:
+    def complaint(table: ComplaintTable, where: KeySteps) -> Complaint:
         at, problems = (*where, "conditions"), (_NO_POINT, _POINT_TWICE)
         _each_known_once(table.conditions, reading.points, at, problems, "operating_points", reading)
         at, problems = (*where, "lands"), (_NO_LAND, Sentence("land given twice"))
@@ -422,10 +424,10 @@ def _complaints(
 def _each_known_once(
     given: Sequence[str],
     known: Collection[str],
-    steps: Steps,
+    steps: KeySteps,
     problems: tuple[Sentence, Sentence],  # of an unknown name, of one given twice
     refers_to: str,
-    reading: Reading,
+    reading: PartReading,
 ) -> None:
     unknown, twice = problems
     for name in given:

@@ -28,7 +28,7 @@ from atleak.catalogue.circuits import Circuit, Consumer, Feed, Following, Leak, 
 from atleak.catalogue.entries import Evidence
 from atleak.catalogue.keys import in_si, made
 from atleak.catalogue.section_pressures import DRAINS, SECTIONS, Pressure
-from atleak.common.errors import CatalogueError, Steps, nearest_name, one_of
+from atleak.common.errors import CatalogueError, KeySteps, nearest_name, one_of
 from atleak.common.file_faults import NotAccepted, place_of, place_of_table
 from atleak.common.sentences import Sentence
 
@@ -37,7 +37,7 @@ Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
-class Reading:
+class PartReading:
     """What the tables are read against: the file, its gears, operating points and sections."""
 
     path: Path
@@ -47,7 +47,7 @@ class Reading:
     with_current: bool  # every operating point states a solenoid's current
     with_duty: bool  # every operating point states the lock-up solenoid's duty
     sections: Sequence[str]  # those that pressures may name, circuits included
-    kept: Mapping[Steps, Sequence[int]]  # by list, where tables were set aside: the places of the others
+    kept: Mapping[KeySteps, Sequence[int]]  # by list, where tables were set aside: the places of the others
     faults: list[CatalogueError] = field(default_factory=list)  # gathered so far
 
     @contextmanager
@@ -61,8 +61,8 @@ class Reading:
     def each(
         self,
         tables: Sequence[Entry],
-        at: Steps,
-        make: Callable[[Entry, Steps], Made],
+        at: KeySteps,
+        make: Callable[[Entry, KeySteps], Made],
         *,
         twice: Sentence | None = None,
         named_by: str = "id",
@@ -83,13 +83,13 @@ class Reading:
                 objects.append(make(table, where))
         return objects
 
-    def place(self, at: Steps, number: int) -> Steps:
+    def place(self, at: KeySteps, number: int) -> KeySteps:
         """Return the steps to a table of a list, of which some may have been set aside."""
         return (*at, self.kept[at][number] if at in self.kept else number)
 
     def fault(
         self,
-        steps: Steps,
+        steps: KeySteps,
         problem: Sentence,
         *,
         value: object = None,
@@ -102,12 +102,12 @@ class Reading:
         fault.refers_to = refers_to
         return fault
 
-    def fault_of_table(self, steps: Steps, problem: Sentence, *, expected: Sentence | None = None) -> CatalogueError:
+    def fault_of_table(self, steps: KeySteps, problem: Sentence, *, expected: Sentence | None = None) -> CatalogueError:
         """Return a fault of the whole table that the steps lead to."""
         return CatalogueError(problem, place=place_of_table(steps, self.data, self.path.name), expected=expected)
 
     def unknown(
-        self, steps: Steps, problem: Sentence, value: object, known: Collection[str], *, refers_to: str | None = None
+        self, steps: KeySteps, problem: Sentence, value: object, known: Collection[str], *, refers_to: str | None = None
     ) -> CatalogueError:
         """Return the fault of a name that is none of the known ones; it lists them and gives the nearest."""
         place = place_of(steps, self.data, self.path.name)
@@ -116,12 +116,12 @@ class Reading:
         fault.refers_to = refers_to
         return fault
 
-    def unknown_gear(self, steps: Steps, gear: int) -> CatalogueError:
+    def unknown_gear(self, steps: KeySteps, gear: int) -> CatalogueError:
         """Return the fault of a gear that the controller does not have."""
         expected = gears_listed(self.gears)
         return self.fault(steps, Sentence("unknown gear"), value=gear, expected=expected, refers_to="gears")
 
-    def pressure(self, text: str, steps: Steps) -> Pressure:
+    def pressure(self, text: str, steps: KeySteps) -> Pressure:
         """Read a pressure of one of the sections."""
         try:
             pressure = Pressure.parse(text)
@@ -131,7 +131,7 @@ class Reading:
             self.section(pressure.section, steps)
         return pressure
 
-    def ends(self, high: str, low: str, table: Steps, what: Literal["gap", "leak"]) -> tuple[Pressure, Pressure]:
+    def ends(self, high: str, low: str, table: KeySteps, what: Literal["gap", "leak"]) -> tuple[Pressure, Pressure]:
         """Read the two pressures between which a gap or leak lies, the first that of a section or circuit."""
         begin, end = self.pressure(high, (*table, "from")), self.pressure(low, (*table, "to"))
         if begin.section is None:
@@ -141,21 +141,21 @@ class Reading:
             raise self.fault((*table, "to"), _TO_ITSELF[what], value=low, expected=Sentence("another pressure"))
         return begin, end
 
-    def section(self, name: str, steps: Steps) -> str:
+    def section(self, name: str, steps: KeySteps) -> str:
         """Check the name of a section."""
         if name not in self.sections:
             problem = Sentence("no such section or circuit")
             raise self.unknown(steps, problem, name, self.sections, refers_to="circuits")
         return name
 
-    def gears_of(self, stated: Sequence[int] | None, steps: Steps) -> frozenset[int]:
+    def gears_of(self, stated: Sequence[int] | None, steps: KeySteps) -> frozenset[int]:
         """Check gears; all of the controller's where none are stated."""
         others = sorted(set(stated or ()) - set(self.gears))
         if others:
             raise self.unknown_gear(steps, others[0])
         return frozenset(self.gears if stated is None else stated)
 
-    def by_point(self, stated: Mapping[str, float], steps: Steps, unit: float) -> Mapping[str, float]:
+    def by_point(self, stated: Mapping[str, float], steps: KeySteps, unit: float) -> Mapping[str, float]:
         """Check that every operating point, and nothing else, has its number."""
         for name in stated:
             if name not in self.points:
@@ -167,7 +167,7 @@ class Reading:
             raise self.fault(steps, Sentence("not all operating points are stated"), expected=expected)
         return MappingProxyType({name: number * unit for name, number in stated.items()})
 
-    def set_pressure(self, stated: SetTable | None, steps: Steps, gears: Iterable[int]) -> SetPressure | None:
+    def set_pressure(self, stated: SetTable | None, steps: KeySteps, gears: Iterable[int]) -> SetPressure | None:
         """Read what a regulator is set to."""
         if stated is None:
             return None
@@ -199,7 +199,7 @@ class Reading:
             return SetPressure(points=self.by_point(stated, steps, 1e3))
         return SetPressure(number=stated * 1e3)
 
-    def _without_signal(self, steps: Steps, problem: Sentence, key: str) -> CatalogueError:
+    def _without_signal(self, steps: KeySteps, problem: Sentence, key: str) -> CatalogueError:
         expected = Sentence("{key} in every table [[operating_points]]", key=key)
         return self.fault(steps, problem, expected=expected)
 
@@ -228,14 +228,14 @@ def _scaled(values: Sequence[float], unit: float) -> tuple[float, ...]:
     return tuple(value * unit for value in values)
 
 
-def read_circuits(tables: Sequence[CircuitTable], reading: Reading) -> tuple[Circuit, ...]:
+def read_circuits(tables: Sequence[CircuitTable], reading: PartReading) -> tuple[Circuit, ...]:
     """Return the circuits of a file.
 
     What is wrong is gathered: an id given twice or that means something else, an unknown section, gear or operating
     point, circuits that follow or feed themselves.
     """
 
-    def circuit(table: CircuitTable, where: Steps) -> Circuit:
+    def circuit(table: CircuitTable, where: KeySteps) -> Circuit:
         if table.id in {*SECTIONS, *DRAINS} or table.id.isdigit():
             problem, expected = Sentence("an id that already names something else"), Sentence("another id")
             raise reading.fault((*where, "id"), problem, value=table.id, expected=expected)
@@ -255,7 +255,7 @@ def read_circuits(tables: Sequence[CircuitTable], reading: Reading) -> tuple[Cir
     return tuple(circuits)
 
 
-def _refuse_circles(circuits: Sequence[Circuit], tables: Sequence[CircuitTable], reading: Reading) -> None:
+def _refuse_circles(circuits: Sequence[Circuit], tables: Sequence[CircuitTable], reading: PartReading) -> None:
     """Refuse set pressures that follow one another in a circle, and circuits that feed one another in one."""
     follows = {
         circuit.id: {circuit.set_pressure.following.section}
@@ -281,7 +281,7 @@ def _refuse_circles(circuits: Sequence[Circuit], tables: Sequence[CircuitTable],
                 break  # the others of the circle would say the same
 
 
-def read_line(table: LineTable, reading: Reading) -> SetPressure | None:
+def read_line(table: LineTable, reading: PartReading) -> SetPressure | None:
     """Return the set pressure of the line, which may follow a circuit but no section that the line supplies."""
     at = ("line", "set_kpa")
     with reading.gathering():
@@ -294,13 +294,13 @@ def read_line(table: LineTable, reading: Reading) -> SetPressure | None:
     return None
 
 
-def read_leaks(tables: Sequence[LeakTable], reading: Reading) -> tuple[Leak, ...]:
+def read_leaks(tables: Sequence[LeakTable], reading: PartReading) -> tuple[Leak, ...]:
     """Return the leaks beside the lands.
 
     What is wrong is gathered: an unknown section or gear, an id given twice, a leak that could leak nothing.
     """
 
-    def leak(table: LeakTable, where: Steps) -> Leak:
+    def leak(table: LeakTable, where: KeySteps) -> Leak:
         high, low = reading.ends(table.high, table.low, where, "leak")
         at = in_si(table)
         return made(
@@ -317,13 +317,13 @@ def read_leaks(tables: Sequence[LeakTable], reading: Reading) -> tuple[Leak, ...
     return tuple(reading.each(tables, ("leaks",), leak, twice=Sentence("leak given twice")))
 
 
-def read_consumers(tables: Sequence[ConsumerTable], reading: Reading) -> tuple[Consumer, ...]:
+def read_consumers(tables: Sequence[ConsumerTable], reading: PartReading) -> tuple[Consumer, ...]:
     """Return the consumers.
 
     What is wrong is gathered: an operating point that is unknown or not stated, or an id given twice.
     """
 
-    def consumer(table: ConsumerTable, where: Steps) -> Consumer:
+    def consumer(table: ConsumerTable, where: KeySteps) -> Consumer:
         stated, per_minute = table.flow_dm3_min, 1.0 / 60e3
         by_point = isinstance(stated, dict)
         flow = reading.by_point(stated, (*where, "flow_dm3_min"), per_minute) if by_point else stated / 60e3
@@ -333,14 +333,16 @@ def read_consumers(tables: Sequence[ConsumerTable], reading: Reading) -> tuple[C
     return tuple(reading.each(tables, ("consumers",), consumer, twice=Sentence("consumer given twice")))
 
 
-def read_permissible(tables: Sequence[PermissiblePressureTable], reading: Reading) -> tuple[PermissiblePressure, ...]:
+def read_permissible(
+    tables: Sequence[PermissiblePressureTable], reading: PartReading
+) -> tuple[PermissiblePressure, ...]:
     """Return between which pressures main pressure must lie.
 
     What is wrong is gathered: an unknown gear, or a gear or range given twice in one state.
     """
     known: list[PermissiblePressure] = []
 
-    def permissible(table: PermissiblePressureTable, where: Steps) -> None:
+    def permissible(table: PermissiblePressureTable, where: KeySteps) -> None:
         stated = (table.gears or []) if table.gear is None else [table.gear]
         key = "gears" if table.gear is None else "gear"
         gears = reading.gears_of(stated, (*where, key))
@@ -358,7 +360,9 @@ def read_permissible(tables: Sequence[PermissiblePressureTable], reading: Readin
     return tuple(known)
 
 
-def _refuse_twice(problem: Sentence, key: str, both: Iterable[int | str], where: Steps, reading: Reading) -> None:
+def _refuse_twice(
+    problem: Sentence, key: str, both: Iterable[int | str], where: KeySteps, reading: PartReading
+) -> None:
     """Refuse a gear or range whose permissible pressures another table states for the same state."""
     for value in sorted(both, key=str):
         raise reading.fault((*where, key), problem, value=value)

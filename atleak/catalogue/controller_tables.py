@@ -47,7 +47,7 @@ PART_NAMES: Mapping[PartKind, Sentence] = MappingProxyType(
 )
 Seal = Literal["o_ring", "teflon_ring"]  # a ring on the land: it leaks past its ring alone
 SEALS: Mapping[Seal, str] = MappingProxyType({"o_ring": "an O-ring", "teflon_ring": "a Teflon ring"})
-Bore = Literal["plain", "sleeved"]
+_Bore = Literal["plain", "sleeved"]
 
 
 class NewOrigin(StrEnum):
@@ -74,7 +74,7 @@ _NEW_ORIGINS = {
 
 class MaterialTable(Strict):
     expansion_per_k: float = key(
-        "Expansion", "21.3 for cast aluminium, 12 for steel", usual=usual.EXPANSION, gt=0, lt=1e-3
+        "Expansion", "21.3 for cast aluminium, 12 for steel", usual=usual.USUAL_EXPANSION, gt=0, lt=1e-3
     )
     source: Source
     evidence: StatedEvidence = None
@@ -115,7 +115,7 @@ class LandTable(Strict):
         known="Clearance is",
         known_of_all="New clearances are",
         radial=True,
-        usual=usual.CLEARANCE,
+        usual=usual.USUAL_CLEARANCE,
         default=None,
     )
     mounting_tolerance_um: Positive | None = key(
@@ -150,7 +150,7 @@ class ComponentTable(Strict):
     id: NonEmptyText = key("Id", "As on the drawing: 8, 12', boost_valve", width=28)
     name: NonEmptyText = key("Name", width=34)
     part: PartKind = key("Part", "Spool unless stated", default="spool")
-    bore: Bore = key("Bore", "Plain unless stated", default="plain")
+    bore: _Bore = key("Bore", "Plain unless stated", default="plain")
     lands: list[LandTable] = []
 
 
@@ -211,8 +211,8 @@ class RelationTable(Strict):
 class OperatingPointTable(Strict):
     name: Identifier = key("Name", ID_HELP, width=18)
     label: NonEmptyText = key("Label", "What people see", width=28)
-    temperature_c: float = key("Fluid temperature", usual=usual.TEMPERATURE, ge=-60, le=200)
-    engine_rpm: float = key("Engine speed", becomes="engine_speed", usual=usual.ENGINE_SPEED, gt=0, le=15_000)
+    temperature_c: float = key("Fluid temperature", usual=usual.USUAL_TEMPERATURE, ge=-60, le=200)
+    engine_rpm: float = key("Engine speed", becomes="engine_speed", usual=usual.USUAL_ENGINE_SPEED, gt=0, le=15_000)
     gear: int = key("Gear", "R, N or a number", width=7)
     p_g_kpa: float = key(
         "Main pressure",
@@ -245,7 +245,7 @@ class DefaultsTable(Strict):
         "Of lands that state none, when new. Bore minus spool where diametral, half of it where radial",
         up_to=("Up to, where it is a range", "Its upper end"),
         radial=True,
-        usual=usual.CLEARANCE,
+        usual=usual.USUAL_CLEARANCE,
         default=None,
     )
     mounting_tolerance_um: Positive | None = key(

@@ -23,10 +23,10 @@ from atleak.catalogue.usual_values import (
     THICKEST,
     THINNEST,
     WIDEST_NEW,
-    Pattern,
+    KeyPattern,
     Usual,
 )
-from atleak.common.errors import Message, Steps
+from atleak.common.errors import KeySteps, Message
 from atleak.common.file_faults import place_of
 from atleak.common.sentences import Sentence
 from atleak.equations.fluid import astm_d341, astm_d341_coefficients
@@ -55,7 +55,7 @@ def doubts_of(
     displacement
         of a controller's pump [m³/rev] where its dimensions give it, else None.
     """
-    found: list[tuple[Steps, Sentence]] = []
+    found: list[tuple[KeySteps, Sentence]] = []
     for pattern, usual in usual_values(model).items():
         found += _unusual(data, pattern, usual)
     if kind == "controllers":
@@ -72,7 +72,7 @@ def doubts_of(
     )
 
 
-def _unusual(data: Mapping[str, Any], pattern: Pattern, usual: Usual) -> Iterator[tuple[Steps, Sentence]]:
+def _unusual(data: Mapping[str, Any], pattern: KeyPattern, usual: Usual) -> Iterator[tuple[KeySteps, Sentence]]:
     for steps, value in _at(data, pattern, ()):
         ends = value if isinstance(value, list) else [value]
         for end in ends:
@@ -81,7 +81,7 @@ def _unusual(data: Mapping[str, Any], pattern: Pattern, usual: Usual) -> Iterato
                 break
 
 
-def _at(table: Any, pattern: Pattern, before: Steps) -> Iterator[tuple[Steps, Any]]:
+def _at(table: Any, pattern: KeyPattern, before: KeySteps) -> Iterator[tuple[KeySteps, Any]]:
     """Yield every value to which the pattern leads, with the steps to it."""
     if not pattern:
         yield before, table
@@ -96,14 +96,14 @@ def _at(table: Any, pattern: Pattern, before: Steps) -> Iterator[tuple[Steps, An
         yield from _at(value, tuple(rest), (*before, name))
 
 
-def _of_clearances(data: Mapping[str, Any]) -> Iterator[tuple[Steps, Sentence]]:
+def _of_clearances(data: Mapping[str, Any]) -> Iterator[tuple[KeySteps, Sentence]]:
     """Ask whether mounting clearances are diametral, where their median is over what new valves have.
 
     Up to `WIDEST_NEW` only where nobody says that they were measured (on a used unit too) or published.
     """
     defaults = _table(data, "defaults")
     widths: list[float] = []
-    first: Steps | None = None
+    first: KeySteps | None = None
     stated = True
     for steps, land in _at(data, ("components", EACH, "lands", EACH), ()):
         if not isinstance(land, Mapping):
@@ -142,7 +142,7 @@ def _listed(table: Mapping[str, Any]) -> list[Any]:
     return [name for each in lists if isinstance(each, list) for name in each]
 
 
-def _of_origins(data: Mapping[str, Any]) -> Iterator[tuple[Steps, Sentence]]:
+def _of_origins(data: Mapping[str, Any]) -> Iterator[tuple[KeySteps, Sentence]]:
     """Doubt limits that are called a choice of this project, or published, and that no shipped file calls so.
 
     A copy of a shipped set keeps saying whose its limits are, whatever they were changed to.
@@ -177,7 +177,7 @@ def _shipped_limits() -> tuple[dict[str, Any], ...]:
     return tuple(read_tables("limits", name)[0] for name in shipped_files("limits"))
 
 
-def _of_viscosities(data: Mapping[str, Any]) -> Iterator[tuple[Steps, Sentence]]:
+def _of_viscosities(data: Mapping[str, Any]) -> Iterator[tuple[KeySteps, Sentence]]:
     """Doubt viscosities that no transmission fluid has at their temperature."""
     key = "kinematic_viscosity_mm2_s"
     for name in ("viscosity", "table"):

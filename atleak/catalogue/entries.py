@@ -26,7 +26,7 @@ from atleak.catalogue.keys import key
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import CatalogueError, OutputError, Place, reason_of, text_reason, unknown
 from atleak.common.file_faults import NotAccepted
-from atleak.common.files import home, made, replace_file
+from atleak.common.files import home, made_folder, replace_file
 from atleak.common.sentences import Sentence
 
 
@@ -142,7 +142,7 @@ Loaded = TypeVar("Loaded")
 
 
 @dataclass(frozen=True)
-class Listed(Generic[Loaded]):
+class ListedEntry(Generic[Loaded]):
     """The entries of one kind, by id, and what is wrong with each own file that cannot be used."""
 
     entries: dict[str, Loaded]
@@ -181,7 +181,7 @@ class Shelf(Generic[Loaded]):
 
     def usable(self) -> list[Loaded]:
         """Return every entry that can be used, shipped or own."""
-        return list(listed(self.kind, self.load).entries.values())
+        return list(listed_entries(self.kind, self.load).entries.values())
 
 
 @cache  # they stay the same as long as a process, and a fleet asks for them with every unit
@@ -243,7 +243,7 @@ def write_own(kind: str, name: str, text: str, *, over: str = "") -> Path:
     if path.exists() and hashlib.sha256(path.read_bytes()).hexdigest() != over:
         problem = Sentence("was changed by someone else since") if over else _THERE
         raise OutputError(problem, place=place, expected=Sentence("another id, or a decision to replace it"))
-    made(path.parent)
+    made_folder(path.parent)
     replace_file(path, text.encode("utf-8"))
     return path
 
@@ -256,7 +256,7 @@ def remove_own(kind: str, name: str) -> None:
     OutputError
         a file that is not there, or that cannot be moved.
     """
-    _move(own_folder(kind) / f"{name}.toml", made(own_folder(kind) / _REMOVED) / f"{name}.toml")
+    _move(own_folder(kind) / f"{name}.toml", made_folder(own_folder(kind) / _REMOVED) / f"{name}.toml")
 
 
 def removed_own(kind: str) -> dict[str, Path]:
@@ -287,7 +287,7 @@ def _move(path: Path, to: Path) -> None:
         raise OutputError(problem, place=Place(file=path.name)) from error
 
 
-def listed(kind: str, load: Callable[[str], Loaded]) -> Listed[Loaded]:
+def listed_entries(kind: str, load: Callable[[str], Loaded]) -> ListedEntry[Loaded]:
     """Load every entry of a kind by id; an own file that cannot be used hinders none of the others.
 
     Parameters
@@ -311,7 +311,7 @@ def listed(kind: str, load: Callable[[str], Loaded]) -> Listed[Loaded]:
             if name in shipped:
                 raise
             faults.append(fault)
-    return Listed(entries, tuple(faults))
+    return ListedEntry(entries, tuple(faults))
 
 
 def _same_id(path: Path) -> CatalogueError:

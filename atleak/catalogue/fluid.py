@@ -27,8 +27,8 @@ ViscosityModel = Literal["d341", "tabulated", "regression"]
 FluidState = Literal["fresh", "used"]
 # Viscosity of a used fluid over that of the fresh one, where the fluid has no data of its own used state: choice of
 # this project after the source study's fluid, which had lost 23 % at 80 °C after 106 315 km. Representative.
-USED_VISCOSITY = (0.75, 0.80)
-USED_THINNER = tuple(round(PERCENT * (1.0 - factor)) for factor in reversed(USED_VISCOSITY))  # [%] from, to
+_USED_VISCOSITY = (0.75, 0.80)
+USED_THINNER = tuple(round(PERCENT * (1.0 - factor)) for factor in reversed(_USED_VISCOSITY))  # [%] from, to
 HIGHEST_TEMPERATURE = 150.0  # °C: no source in the catalogue measured a fluid above it
 
 
@@ -57,7 +57,7 @@ class Fluid(Headed):
     def in_state(self, state: FluidState) -> Fluid:
         """Return this fluid fresh or used.
 
-        Used, it has its own used data where its file names them; or else `USED_VISCOSITY` times the fresh one's
+        Used, it has its own used data where its file names them; or else `_USED_VISCOSITY` times the fresh one's
         viscosity, its middle as the value and its width as `viscosity_half_width`, with the fresh one's density.
 
         Raises
@@ -74,7 +74,7 @@ class Fluid(Headed):
             raise InputError(problem, value=state, expected=Sentence("used, or the file of the fresh fluid"))
         if self.used is not None:
             return replace(load_fluid(self.used), fresh=self)
-        low, high = USED_VISCOSITY
+        low, high = _USED_VISCOSITY
         middle = 0.5 * (low + high)
         return replace(
             self,

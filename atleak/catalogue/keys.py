@@ -16,7 +16,7 @@ from typing import Any, NamedTuple, TypeVar
 from pydantic import BaseModel, Field
 from pydantic.fields import FieldInfo
 
-from atleak.catalogue.usual_values import EACH, Pattern, Usual
+from atleak.catalogue.usual_values import EACH, KeyPattern, Usual
 from atleak.common.file_faults import model_in
 
 Made = TypeVar("Made")
@@ -24,7 +24,7 @@ _KEY = "key"
 LIMIT = "percent"  # key of a limit in the table of its level, whatever its unit
 
 
-class Unit(NamedTuple):
+class _Unit(NamedTuple):
     """A unit as people read it, and how many of the SI unit it is: ``size``, or one part in ``parts``."""
 
     label: str
@@ -38,23 +38,23 @@ class Unit(NamedTuple):
         return tuple(map(self.in_si, value)) if isinstance(value, list) else value
 
 
-NO_UNIT = Unit("")
-_UNITS: Mapping[str, Unit] = MappingProxyType(  # by the end of a key, the longer ones first
+NO_UNIT = _Unit("")
+_UNITS: Mapping[str, _Unit] = MappingProxyType(  # by the end of a key, the longer ones first
     {
-        "_g_cm3_k": Unit("g/(cm³·K)", 1e3),
-        "_g_cm3": Unit("g/cm³", 1e3),
-        "_dm3_min": Unit("dm³/min", parts=60e3),
-        "_mm2_s": Unit("mm²/s", 1e-6),
-        "_percent": Unit("%", 1e-2),
-        "_per_k": Unit("1/K"),
-        "_mm3": Unit("mm³", 1e-9),
-        "_rpm": Unit("rpm", parts=60.0),
-        "_kpa": Unit("kPa", 1e3),
-        "_mpa": Unit("MPa", 1e6),
-        "_mm": Unit("mm", 1e-3),
-        "_um": Unit("µm", 1e-6),
-        "_ma": Unit("mA", 1e-3),
-        "_c": Unit("°C"),
+        "_g_cm3_k": _Unit("g/(cm³·K)", 1e3),
+        "_g_cm3": _Unit("g/cm³", 1e3),
+        "_dm3_min": _Unit("dm³/min", parts=60e3),
+        "_mm2_s": _Unit("mm²/s", 1e-6),
+        "_percent": _Unit("%", 1e-2),
+        "_per_k": _Unit("1/K"),
+        "_mm3": _Unit("mm³", 1e-9),
+        "_rpm": _Unit("rpm", parts=60.0),
+        "_kpa": _Unit("kPa", 1e3),
+        "_mpa": _Unit("MPa", 1e6),
+        "_mm": _Unit("mm", 1e-3),
+        "_um": _Unit("µm", 1e-6),
+        "_ma": _Unit("mA", 1e-3),
+        "_c": _Unit("°C"),
     }
 )
 
@@ -90,7 +90,7 @@ def key_of(field: FieldInfo) -> Key | None:
     return described if isinstance(described, Key) else None
 
 
-def unit_of(name: str) -> tuple[str, Unit]:
+def unit_of(name: str) -> tuple[str, _Unit]:
     """Return the name of a key without its unit, and that unit.
 
     >>> unit_of("contact_length_mm")[0], unit_of("contact_length_mm")[1].label, unit_of("land")
@@ -115,7 +115,7 @@ def in_si(table: BaseModel) -> dict[str, Any]:
 
 
 @cache
-def _plan(model: type[BaseModel], kind: Any = None) -> tuple[tuple[str, str, Unit], ...]:
+def _plan(model: type[BaseModel], kind: Any = None) -> tuple[tuple[str, str, _Unit], ...]:
     """Return the names of values with those of their keys and units: all of a table, or those of an object."""
     wanted = None if kind is None else {each.name for each in dataclasses.fields(kind)}
     plan = []
@@ -128,12 +128,12 @@ def _plan(model: type[BaseModel], kind: Any = None) -> tuple[tuple[str, str, Uni
 
 
 @cache
-def usual_values(model: type[BaseModel]) -> Mapping[Pattern, Usual]:
+def usual_values(model: type[BaseModel]) -> Mapping[KeyPattern, Usual]:
     """Return between which values the numbers of a file usually lie, by the steps to them through its tables."""
     return MappingProxyType(dict(_usual(model, ())))
 
 
-def _usual(model: type[BaseModel], at: Pattern) -> Iterator[tuple[Pattern, Usual]]:
+def _usual(model: type[BaseModel], at: KeyPattern) -> Iterator[tuple[KeyPattern, Usual]]:
     for name, field in model.model_fields.items():
         described, inner = key_of(field), model_in(field.annotation)
         here = (*at, field.alias or name)

@@ -31,7 +31,7 @@ def known_values(entry: ControllerFile) -> tuple[KnownValue, ...]:
     return tuple(_known_values(entry))
 
 
-def counted(values: Iterable[KnownValue]) -> dict[Evidence | None, int]:
+def counted_values(values: Iterable[KnownValue]) -> dict[Evidence | None, int]:
     """Count values by what they are known from; None stands for those of which the file says nothing."""
     counts = Counter(value.evidence for value in values)
     return {evidence: counts[evidence] for evidence in (*Evidence, None)}

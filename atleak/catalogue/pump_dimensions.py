@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from atleak.catalogue.controller_parts import Reading
+from atleak.catalogue.controller_parts import PartReading
 from atleak.catalogue.keys import unit_of
 from atleak.catalogue.pump import Pump, PumpClearances, PumpGaps, TipGaps
 from atleak.catalogue.pump_tables import PumpKind, PumpTable
@@ -86,7 +86,7 @@ _DIMENSIONS = tuple(
 )
 
 
-def read_pump(table: PumpTable, reading: Reading) -> Pump | None:
+def read_pump(table: PumpTable, reading: PartReading) -> Pump | None:
     """Return the pump of a table, or None where its displacement cannot be known; what is wrong is gathered."""
     _check_kind(table, reading)
     _check_clearances(table, reading)
@@ -140,7 +140,7 @@ def _own_dimensions(kind: PumpKind | None) -> Collection[str]:
     return {*of.sizes, *of.of_faces, *of.of_tips, *(_BY_MODULE if kind in _WITH_MODULE else ())}
 
 
-def _check_kind(table: PumpTable, reading: Reading) -> None:
+def _check_kind(table: PumpTable, reading: PartReading) -> None:
     """Refuse dimensions that a pump of this kind does not have, or those of a kind that is not stated."""
     own = _own_dimensions(table.kind)
     others = [key for key in _DIMENSIONS if getattr(table, key) is not None and key not in own]
@@ -156,7 +156,7 @@ def _check_kind(table: PumpTable, reading: Reading) -> None:
         reading.faults.append(reading.fault(("pump", key), problem, value=getattr(table, key), expected=expected))
 
 
-def _check_faces(kind: PumpKind | None, sizes: dict[str, Any], reading: Reading) -> None:
+def _check_faces(kind: PumpKind | None, sizes: dict[str, Any], reading: PartReading) -> None:
     """Refuse a sealing land that ends where it begins, and go on without the diameter where it does."""
     for outer, inner in () if kind is None else dict.fromkeys(_KINDS[kind].faces):
         if sizes.get(outer, 1.0) <= sizes.get(inner, 0.0):
@@ -166,7 +166,7 @@ def _check_faces(kind: PumpKind | None, sizes: dict[str, Any], reading: Reading)
             reading.faults.append(reading.fault(at, problem, value=value, expected=expected))
 
 
-def _check_clearances(table: PumpTable, reading: Reading) -> None:
+def _check_clearances(table: PumpTable, reading: PartReading) -> None:
     for name in ("side_clearance", "tip_clearance"):
         new, most = getattr(table, f"{name}_um"), getattr(table, f"{name}_limit_um")
         at = ("pump", f"{name}_limit_um")
@@ -180,7 +180,7 @@ def _check_clearances(table: PumpTable, reading: Reading) -> None:
             reading.faults.append(reading.fault(at, problem, value=new or most, expected=expected))
 
 
-def _displacement(table: PumpTable, sizes: Mapping[str, Any], reading: Reading) -> float | None:
+def _displacement(table: PumpTable, sizes: Mapping[str, Any], reading: PartReading) -> float | None:
     """Return what a pump displaces [m³/rev]; None, with the fault gathered, where the table does not say."""
     kind = None if table.kind is None else _KINDS[table.kind]
     if table.displacement_mm3 is not None:
@@ -213,7 +213,7 @@ def _displacement(table: PumpTable, sizes: Mapping[str, Any], reading: Reading) 
     return None
 
 
-def _misfit(table: PumpTable, reading: Reading) -> CatalogueError | None:
+def _misfit(table: PumpTable, reading: PartReading) -> CatalogueError | None:
     """Return the fault of dimensions that cannot be those of one pump, each in the unit of the file."""
     if table.kind is not None and table.kind in _BEYOND:
         outer, inner = _BEYOND[table.kind]
@@ -229,7 +229,7 @@ def _misfit(table: PumpTable, reading: Reading) -> CatalogueError | None:
     return None
 
 
-def _meshing_misfit(table: PumpTable, reading: Reading) -> CatalogueError | None:
+def _meshing_misfit(table: PumpTable, reading: PartReading) -> CatalogueError | None:
     """Return the fault of a pinion or ring gear whose tips do not reach past the circle on which both roll."""
     tip, ring_tip, apart = table.tip_diameter_mm, table.ring_tip_diameter_mm, table.centre_distance_mm
     teeth, ring_teeth = table.teeth, table.ring_teeth

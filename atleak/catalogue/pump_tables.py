@@ -15,8 +15,8 @@ from atleak.common.sentences import Sentence
 
 PumpKind = Literal["external_gear", "crescent", "gerotor", "vane"]
 
-Length = Annotated[float, Field(gt=0, lt=1000)]
-Clearance = Annotated[float, Field(gt=0, lt=2000)]
+_Length = Annotated[float, Field(gt=0, lt=1000)]
+_Clearance = Annotated[float, Field(gt=0, lt=2000)]
 Count = Annotated[int, Field(ge=1, le=200)]
 
 #: Keys that only the slip through a pump's gaps needs.
@@ -56,59 +56,59 @@ class PumpTable(Strict):
     width_mm: Positive | None = _key("Width", "Width of the gears, rotors or vanes along their axis")
     tooth_height_mm: Positive | None = _key("Height of a tooth", "Height of a tooth from root to tip")
     ring_teeth: Count | None = _key("Teeth of the ring gear", "Crescent: teeth of the ring gear")
-    tip_diameter_mm: Length | None = _key(
+    tip_diameter_mm: _Length | None = _key(
         "Diameter over the tips", "Over the tips of a gear, of the pinion, or of the inner rotor's lobes"
     )
-    root_diameter_mm: Length | None = _key(
+    root_diameter_mm: _Length | None = _key(
         "Diameter at the roots", "At the roots of a gear, of the pinion, or between the inner rotor's lobes"
     )
-    ring_tip_diameter_mm: Length | None = _key(
+    ring_tip_diameter_mm: _Length | None = _key(
         "Ring gear between tips", "Crescent: between opposite tips of the ring gear's teeth"
     )
-    ring_root_diameter_mm: Length | None = _key(
+    ring_root_diameter_mm: _Length | None = _key(
         "Ring gear between roots", "Crescent: between opposite roots of the ring gear's teeth"
     )
-    ring_outer_diameter_mm: Length | None = _key(
+    ring_outer_diameter_mm: _Length | None = _key(
         "Outside of the ring gear or outer rotor", "Crescent and gerotor: outside of the ring gear or outer rotor"
     )
-    centre_distance_mm: Length | None = _key(
+    centre_distance_mm: _Length | None = _key(
         "Distance of the axes",
         "Gears: from axis to axis. Crescent: half of the difference between the largest and the "
         "smallest distance from the shaft's bore to the pocket's wall",
     )
     vanes: Count | None = _key("Vanes", "Vane: how many vanes")
-    cam_ring_diameter_mm: Length | None = _key("Bore of the vanes' ring", "Vane: bore of the ring that they run in")
-    rotor_diameter_mm: Length | None = _key(
+    cam_ring_diameter_mm: _Length | None = _key("Bore of the vanes' ring", "Vane: bore of the ring that they run in")
+    rotor_diameter_mm: _Length | None = _key(
         "Diameter of the vanes' rotor",
         "Vane: outside of the rotor; it gives the stroke where eccentricity_mm is not stated",
     )
-    eccentricity_mm: Length | None = _key("Eccentricity", "Vane: of the ring against the rotor at full stroke")
+    eccentricity_mm: _Length | None = _key("Eccentricity", "Vane: of the ring against the rotor at full stroke")
     held_at_demand: bool = _key(
         "Held at demand",
         "true where the stroke falls to what is taken: shares and reserve are then of the full stroke",
         default=False,
     )
-    shaft_diameter_mm: Length | None = _key(
+    shaft_diameter_mm: _Length | None = _key(
         "Shaft, hub or bushing", "Where the faces of gear or rotor end inside: shaft, hub or bushing"
     )
-    tip_land_mm: Length | None = _key(
+    tip_land_mm: _Length | None = _key(
         "Length of a tip's land", "Length of one tip along which it faces the wall, in the direction of turning"
     )
     sealing_tips: Count | None = _key(
         "Sealing tips", "Gears: tips of one gear that lie between delivery and suction at any moment, least"
     )
-    side_clearance_um: Clearance | None = _key(
+    side_clearance_um: _Clearance | None = _key(
         "Side clearance",
         "When new: axial play, depth of the pocket less width of gears or rotors",
         usual=usual.SIDE_CLEARANCE,
     )
-    side_clearance_limit_um: Clearance | None = _key(
+    side_clearance_limit_um: _Clearance | None = _key(
         "Limit of the side clearance", "The most side clearance that the manual allows"
     )
-    tip_clearance_um: Clearance | None = _key(
+    tip_clearance_um: _Clearance | None = _key(
         "Tip clearance", "When new: between the tips and what they seal against", usual=usual.TIP_CLEARANCE
     )
-    tip_clearance_limit_um: Clearance | None = _key(
+    tip_clearance_limit_um: _Clearance | None = _key(
         "Limit of the tip clearance", "The most tip clearance that the manual allows"
     )
     volumetric_efficiency: float = _key(

@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from atleak.catalogue.repairs import written_land
-from atleak.common.errors import CatalogueError, Steps
+from atleak.common.errors import CatalogueError, KeySteps
 from atleak.common.file_faults import steps_to
 
 # What stands for a head, a pump, a material or a default that is wrong: none of it matters to the other tables.
@@ -32,7 +32,7 @@ class Remaining:
 
     whole: Mapping[str, Any]  # all of the file
     data: dict[str, Any]
-    kept: dict[Steps, list[int]] = field(default_factory=dict)  # by list: the places that its entries had before
+    kept: dict[KeySteps, list[int]] = field(default_factory=dict)  # by list: the places that its entries had before
     names: set[str] = field(default_factory=set)  # of the tables that were set aside
     lands: set[tuple[str, int]] = field(default_factory=set)  # likewise
     in_doubt: set[str] = field(default_factory=set)  # lists of which an entry's own name or number is wrong
@@ -41,7 +41,7 @@ class Remaining:
     def of(cls, data: Mapping[str, Any], error: ValidationError) -> Remaining:
         """Set aside what pydantic calls wrong: an unknown key alone, else the table or the land in which it stands."""
         remaining = cls(data, copy.deepcopy(dict(data)))
-        aside: dict[Steps, set[int]] = {}
+        aside: dict[KeySteps, set[int]] = {}
         faults = error.errors(include_url=False)
         for steps in (steps_to(fault) for fault in faults if fault["type"] == "extra_forbidden"):
             remaining._holder(steps).pop(steps[-1], None)
@@ -61,13 +61,13 @@ class Remaining:
             remaining._drop(path, aside[path])
         return remaining
 
-    def _holder(self, steps: Steps) -> Any:
+    def _holder(self, steps: KeySteps) -> Any:
         holder: Any = self.data
         for step in steps[:-1]:
             holder = holder[step]
         return holder
 
-    def _stand_in(self, steps: Steps) -> None:
+    def _stand_in(self, steps: KeySteps) -> None:
         top = str(steps[0]) if steps else ""
         if top == "defaults":
             self._stand_in_default(str(steps[1]) if len(steps) > 1 else None)
@@ -92,7 +92,7 @@ class Remaining:
         else:
             self.data["defaults"].pop(key, None)
 
-    def _drop(self, path: Steps, numbers: set[int]) -> None:
+    def _drop(self, path: KeySteps, numbers: set[int]) -> None:
         holder = self._holder(path)
         entries: list[Any] = holder[path[-1]]
         for number in numbers:
@@ -100,7 +100,7 @@ class Remaining:
         self.kept[path] = [number for number in range(len(entries)) if number not in numbers]
         holder[path[-1]] = [entries[number] for number in self.kept[path]]
 
-    def _remember(self, path: Steps, table: Any) -> None:
+    def _remember(self, path: KeySteps, table: Any) -> None:
         """Keep the names under which others may refer to a table that is set aside."""
         if not isinstance(table, dict):
             return

@@ -65,7 +65,7 @@ class RepairTable(Strict):
         "Afterwards; the lower end of a range",
         up_to=("Up to", ""),
         radial=True,
-        usual=usual.CLEARANCE,
+        usual=usual.USUAL_CLEARANCE,
         default=None,
     )
     mounting_tolerance_um: Positive | None = key("Tolerance", radial=True, usual=usual.TOLERANCE, default=None)

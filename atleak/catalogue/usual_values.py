@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from atleak.common.sentences import Sentence, any_of
 
 EACH = "*"  # any entry of a list, or any name
-Pattern = tuple[str, ...]
+KeyPattern = tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -62,13 +62,13 @@ DISPLACEMENT = Usual(Sentence("the displacement of one revolution"), "mm³", 3e3
 LAND_DIAMETER = Usual(Sentence("the diameter of a land"), "mm", 3.0, 80.0, _OF_MM)
 CONTACT_LENGTH = Usual(Sentence("a contact length"), "mm", 0.8, 40.0, _OF_MM)
 ORIFICE = Usual(Sentence("the diameter of an orifice"), "mm", 0.2, 12.0, _OF_MM)
-CLEARANCE = Usual(Sentence("a radial clearance when new"), "µm", 2.0, 100.0, _OF_UM)
+USUAL_CLEARANCE = Usual(Sentence("a radial clearance when new"), "µm", 2.0, 100.0, _OF_UM)
 NEW_CLEARANCE = Usual(Sentence("the median radial clearance of new lands"), "µm", 6.4, 20.0)
 """Sonnax, valve body inspection: new valves have a diametral clearance of 0.0127 to 0.040 mm."""
 WIDEST_NEW = 40.0  # [µm] median over which even a measured one is doubted: the source study's unit, used, has 28.5
 
-TEMPERATURE = Usual(Sentence("a fluid temperature"), "°C", -30.0, 150.0)
-ENGINE_SPEED = Usual(Sentence("an engine speed"), "rpm", 400.0, 7000.0, {"1/s": 60.0})
+USUAL_TEMPERATURE = Usual(Sentence("a fluid temperature"), "°C", -30.0, 150.0)
+USUAL_ENGINE_SPEED = Usual(Sentence("an engine speed"), "rpm", 400.0, 7000.0, {"1/s": 60.0})
 SIDE_CLEARANCE = Usual(Sentence("the side clearance of a pump"), "µm", 10.0, 300.0, _OF_UM)
 TIP_CLEARANCE = Usual(Sentence("the tip clearance of a pump"), "µm", 20.0, 1000.0, _OF_UM)
 TOLERANCE = Usual(Sentence("the tolerance of a mounting clearance"), "µm", 0.2, 40.0, _OF_UM)
@@ -77,7 +77,7 @@ MAIN_PRESSURE = Usual(Sentence("a main pressure"), "kPa", 100.0, 3500.0, _OF_KPA
 CONVERTER_PRESSURE = Usual(Sentence("a converter pressure"), "kPa", 0.0, 1500.0, _OF_KPA)
 SET_PRESSURE = Usual(Sentence("the set pressure of a circuit"), "kPa", 10.0, 3500.0, _OF_KPA)
 EFFICIENCY = Usual(Sentence("a volumetric efficiency"), "", 0.6, 1.0, {"%": 0.01})
-EXPANSION = Usual(Sentence("a linear expansion"), "1/K", 5e-6, 35e-6, {"10⁻⁶/K": 1e-6})
+USUAL_EXPANSION = Usual(Sentence("a linear expansion"), "1/K", 5e-6, 35e-6, {"10⁻⁶/K": 1e-6})
 
 WEAR = Usual(Sentence("a limit of wear"), "%", 2.0, 300.0, _OF_ONE)
 WEAR_LIMIT = Usual(Sentence("a limit of the radial clearance"), "µm", 5.0, 300.0, _OF_UM)

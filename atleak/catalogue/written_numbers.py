@@ -72,7 +72,9 @@ class WrittenNumber:
         return Sentence("{reason}.", reason=self.reason) if self.reason else self.reason
 
 
-TEMPERATURE = AskedNumber(Sentence("temperature"), "°C", 95.5, (-60.0, 200.0), usual.TEMPERATURE.ends, "temperature")
+TEMPERATURE = AskedNumber(
+    Sentence("temperature"), "°C", 95.5, (-60.0, 200.0), usual.USUAL_TEMPERATURE.ends, "temperature"
+)
 MEASURING_TEMPERATURE = AskedNumber(
     Sentence("measuring temperature"), "°C", 21.5, (-20.0, 60.0), (10.0, 35.0), "temperature"
 )
@@ -83,7 +85,7 @@ PUMP_TIP_CLEARANCE = AskedNumber(
     Sentence("pump tip clearance"), "µm", 150.5, (1.0, 2e3), usual.TIP_CLEARANCE.ends, "clearance"
 )
 ENGINE_SPEED = AskedNumber(
-    Sentence("engine speed"), "rpm", 850.5, (1.0, 15_000.0), usual.ENGINE_SPEED.ends, "engine_speed"
+    Sentence("engine speed"), "rpm", 850.5, (1.0, 15_000.0), usual.USUAL_ENGINE_SPEED.ends, "engine_speed"
 )
 MILEAGE = AskedNumber(Sentence("mileage"), "km", 106315.0, (0.0, 9_999_999.0), (1_000.0, 1_000_000.0), "distance")
 PRICE = AskedNumber(Sentence("price"), "", 61.5, (0.0, 1e8), (0.0, 1e6))

@@ -16,7 +16,7 @@ from collections.abc import Collection, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
 
-from atleak.cli.parser import COMMANDS, Parser, add_shown, groups_of, parsed
+from atleak.cli.parser import COMMANDS, Parser, add_shown, groups_of_options, parsed
 from atleak.common.errors import AtleakError
 from atleak.common.printable import only_what_is_asked_for, printable_streams
 from atleak.version import __version__
@@ -99,7 +99,7 @@ def _parser(called: Collection[str | None] = tuple(COMMANDS)) -> Parser:
     whole = Parser(prog="atleak", description="Internal leakage of automatic-transmission valve bodies.", epilog=_MORE)
     whole.add_argument("--version", action="version", version=f"atleak {__version__}", help="print it and end")
     add_shown(whole)
-    commands = groups_of(whole, "COMMAND")
+    commands = groups_of_options(whole, "COMMAND")
     for name, (module, about) in COMMANDS.items():
         if name in called:
             import_module(f"atleak.cli.{module}").add_parser(commands, name)

@@ -10,13 +10,13 @@ import sys
 from typing import Any
 
 from atleak.catalogue.controller_file import load_controller
-from atleak.catalogue.entries import KINDS, Evidence, Listed, listed, own_folder
+from atleak.catalogue.entries import KINDS, Evidence, ListedEntry, listed_entries, own_folder
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.instruments import load_instrument
 from atleak.catalogue.limits import load_limits
 from atleak.cli.parser import add_command, add_group
 from atleak.cli.shared import Outputs, add_force, add_json
-from atleak.common.files import made
+from atleak.common.files import made_folder
 from atleak.common.printable import asked_for
 from atleak.common.wording import wording
 from atleak.report.json.diagnosis import limits_record
@@ -40,13 +40,13 @@ def add_parser(commands: Any, name: str) -> None:
 
 def _path(options: argparse.Namespace) -> int:
     for kind in KINDS:
-        made(own_folder(kind))
+        made_folder(own_folder(kind))
     print(own_folder(), file=asked_for(sys.stdout))
     return 0
 
 
 def _controllers(options: argparse.Namespace) -> int:
-    known = listed("controllers", load_controller)
+    known = listed_entries("controllers", load_controller)
     rows: list[dict[str, Any]] = [
         {
             "id": controller.id,
@@ -79,7 +79,7 @@ def _controllers(options: argparse.Namespace) -> int:
 
 
 def _fluids(options: argparse.Namespace) -> int:
-    known = listed("fluids", load_fluid)
+    known = listed_entries("fluids", load_fluid)
     rows = [
         {
             "id": fluid.id,
@@ -99,12 +99,12 @@ def _fluids(options: argparse.Namespace) -> int:
 
 
 def _limits(options: argparse.Namespace) -> int:
-    known = listed("limits", load_limits)
+    known = listed_entries("limits", load_limits)
     return _list(known, [limits_record(limits) for limits in known.entries.values()], ["id", "name", "source"], options)
 
 
 def _instruments(options: argparse.Namespace) -> int:
-    known = listed("instruments", load_instrument)
+    known = listed_entries("instruments", load_instrument)
     rows = [
         {
             "id": instrument.id,
@@ -125,7 +125,7 @@ def _instruments(options: argparse.Namespace) -> int:
 
 
 def _list(
-    known: Listed[Any],
+    known: ListedEntry[Any],
     rows: list[dict[str, Any]],
     columns: list[str],
     options: argparse.Namespace,

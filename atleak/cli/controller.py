@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from atleak.analysis.learning.learned_clearances import Learned, learn
-from atleak.analysis.learning.learned_words import messages, summary, with_learned
+from atleak.analysis.learning.learned_words import learned_messages, summary, with_learned
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import checked_controller, load_controller, written_toml
 from atleak.catalogue.entries import Entry, read_tables
@@ -123,7 +123,7 @@ def _show(learned: Learned) -> None:
     lands = learned_lands(learned, wording("en"))
     pair = Column("pair", of=lambda each: "{}/{}".format(*each.land.key), whole=True)  # as options and records take it
     print_table(replace(lands, columns=(pair, *lands.columns[1:])))
-    for message in messages(learned):
+    for message in learned_messages(learned):
         print(f"{'! ' if message.level == 'warning' else ''}{message.text}")
 
 

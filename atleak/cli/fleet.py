@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from atleak.cli.job_options import add_choices, chosen_case
 from atleak.cli.parser import add_command, add_group
-from atleak.cli.shared import Outputs, add_force, add_json, add_print, number, print_font, print_options
+from atleak.cli.shared import Outputs, add_force, add_json, add_print, number_argument, print_font, print_options
 from atleak.common.errors import InputError, Message, OutputError
 from atleak.common.sentences import Sentence
 from atleak.common.verdicts import FLAGGED, Verdict
@@ -194,7 +194,7 @@ def _count(text: str) -> int:
 
 
 def _seconds(text: str) -> float:
-    seconds = number(text)
+    seconds = number_argument(text)
     if seconds < 0.0:
         raise argparse.ArgumentTypeError(f"{text!r} is no time: write seconds, or 0 for no limit")
     return seconds

@@ -14,7 +14,7 @@ from atleak.catalogue.written_numbers import (
     PUMP_TIP_CLEARANCE,
     TEMPERATURE,
 )
-from atleak.cli.parser import Options
+from atleak.cli.parser import CommandOptions
 from atleak.cli.shared import (
     SAMPLE_LOG,
     add_columns,
@@ -22,8 +22,8 @@ from atleak.cli.shared import (
     add_pairs,
     length_of,
     log_constants,
-    number,
-    number_of,
+    number_argument,
+    number_of_argument,
     or_sample,
 )
 from atleak.common.errors import InputError, unknown
@@ -63,7 +63,7 @@ _OF_ONE_JOB: dict[str, Any] = {
 }
 
 
-def _add_measured(group: Options) -> None:
+def _add_measured(group: CommandOptions) -> None:
     help = (
         "measuring sheet: xlsx, xls, ods or csv; sample: the one that comes with atleak, unless there is a file "
         "of that name; without one the road test is judged by itself"
@@ -80,7 +80,7 @@ def _add_measured(group: Options) -> None:
     group.add_argument("--pressures", metavar="FILE", help=help)
 
 
-def add_sheet(group: Options) -> None:
+def add_sheet(group: CommandOptions) -> None:
     """Add how measuring sheets are read, and with what they were measured."""
     group.add_argument("--sheet", metavar="NAME", help="of the workbook, where several hold readings")
     help = "of the diameters, where the sheet does not say: mm, µm, inch"
@@ -90,46 +90,50 @@ def add_sheet(group: Options) -> None:
     help = "an empty cell under a valve, land, part or direction means the one above it"
     group.add_argument("--fill-down", action="store_true", help=help)
     help = "of gauge and parts when they were measured [°C]; as the job record or the sheet says unless given"
-    group.add_argument("--measuring-temperature", metavar="C", type=number_of(MEASURING_TEMPERATURE), help=help)
+    group.add_argument(
+        "--measuring-temperature", metavar="C", type=number_of_argument(MEASURING_TEMPERATURE), help=help
+    )
     group.add_argument("--spool-instrument", metavar="ID|FILE", help="with which spools were measured")
     group.add_argument("--sleeve-instrument", metavar="ID|FILE", help="with which sleeves were measured")
 
 
-def _add_road_test(group: Options) -> None:
+def _add_road_test(group: CommandOptions) -> None:
     help = "road-test log of any logger: text, xlsx or mf4; sample: likewise"
     group.add_argument("--road-test", metavar="LOG", type=or_sample(SAMPLE_LOG), help=help)
     add_columns(group)
 
 
-def _add_catalogue(group: Options) -> None:
+def _add_catalogue(group: CommandOptions) -> None:
     add_controller(group)
     group.add_argument("--fluid", metavar="ID|FILE", help="ATF in the transmission; `atleak fluids` lists those known")
     help = "of the fluid in the transmission; taken as fresh unless given"
     group.add_argument("--fluid-state", metavar="fresh|used", type=_fluid_state, help=help)
 
 
-def _add_unit(group: Options) -> None:
+def _add_unit(group: CommandOptions) -> None:
     _add_catalogue(group)
-    group.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help="of the vehicle [km]")
+    group.add_argument("--mileage", metavar="KM", type=number_of_argument(MILEAGE), help="of the vehicle [km]")
     group.add_argument("--complaint", metavar="ID", help="of the customer, one that the valve body's file maps")
     group.add_argument("--job", metavar="RECORD", help="what the workshop wrote down (TOML or JSON)")
     help = "plan with this repair of the valve body's file; of other lands the cheapest is planned"
     group.add_argument("--repair", metavar="ID", action="append", default=[], help=help)
 
 
-def _add_condition(group: Options) -> None:
-    group.add_argument("--temperature", metavar="C", type=number_of(TEMPERATURE), help="of the fluid [°C]")
-    group.add_argument("--rpm", metavar="N", type=number_of(ENGINE_SPEED), help="engine speed")
+def _add_condition(group: CommandOptions) -> None:
+    group.add_argument("--temperature", metavar="C", type=number_of_argument(TEMPERATURE), help="of the fluid [°C]")
+    group.add_argument("--rpm", metavar="N", type=number_of_argument(ENGINE_SPEED), help="engine speed")
     group.add_argument("--gear", metavar="N", type=int, help="gear that is engaged")
 
 
-def _add_computing(group: Options) -> None:
+def _add_computing(group: CommandOptions) -> None:
     group.add_argument("--limits", metavar="ID|FILE", help="limits to judge by; `atleak limits` lists those known")
     group.add_argument("--profile", metavar="NAME", type=_profile, help="of the engine: workshop unless given")
     add_pairs(group, "--set", "OPTION=VALUE", "one option of the profile")
     help = "one assumed uncertainty; or eccentricity=unknown, an option of the profile"
     add_pairs(group, "--assume", "NAME=VALUE", help)
-    group.add_argument("--guard", metavar="K", type=number, help="guard band of every limit in standard uncertainties")
+    group.add_argument(
+        "--guard", metavar="K", type=number_argument, help="guard band of every limit in standard uncertainties"
+    )
 
 
 def _profile(text: str) -> str:

@@ -22,14 +22,14 @@ from atleak.cli.shared import (
     add_job_id,
     add_json,
     check_targets,
-    job_files,
+    named_job_files,
     say_differences,
     say_written,
 )
 from atleak.common.errors import AtleakError, InputError, Place
-from atleak.common.files import made, replace_file
+from atleak.common.files import made_folder, replace_file
 from atleak.common.printable import asked_for
-from atleak.common.seals import Kind
+from atleak.common.seals import SealedKind
 from atleak.common.sentences import Sentence
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import signed, wording
@@ -81,12 +81,12 @@ def _export(options: argparse.Namespace) -> int:
 
     book, folder = open_book(), Path(options.output)
     ids = _ids(book, options)
-    targets: list[tuple[Kind, str]] = [
+    targets: list[tuple[SealedKind, str]] = [
         ("job file" if path.suffix == ".zip" else "table", str(folder / path))
         for path in export_paths(book, ids).values()
     ]
     check_targets(options, [], targets)
-    made(folder / "tables")
+    made_folder(folder / "tables")
     for path, content in exported(book, ids):
         replace_file(folder / path, content)
     print(f"written: {len(ids)} job{'s' * (len(ids) != 1)} and their tables in {folder}")
@@ -106,7 +106,7 @@ def _import(options: argparse.Namespace) -> int:
     from atleak.job_book.exchange import import_job
 
     book, failed = open_book(), 0
-    for path in job_files(options.files):
+    for path in named_job_files(options.files):
         try:
             taken = import_job(book, path)
         except AtleakError as error:  # one file that cannot be used does not stop the others

@@ -10,7 +10,7 @@ from typing import Any
 from atleak.common.errors import nearest_name, unknown
 from atleak.common.sentences import Sentence
 
-Options = argparse.ArgumentParser | argparse._ArgumentGroup
+CommandOptions = argparse.ArgumentParser | argparse._ArgumentGroup
 """What options are added to: a command, or one of the groups under which its help lists them."""
 
 COMMANDS = {
@@ -115,10 +115,10 @@ def add_shown(parser: Parser, *, quiet: bool = True) -> None:
 
 def add_group(commands: Any, name: str, examples: Iterable[str]) -> Any:
     """Add a command that has commands of its own; by itself it shows its help. Return what those are added to."""
-    return groups_of(_added(commands, name, "", examples), "ACTION")
+    return groups_of_options(_added(commands, name, "", examples), "ACTION")
 
 
-def groups_of(parser: Parser, metavar: str) -> Any:
+def groups_of_options(parser: Parser, metavar: str) -> Any:
     """Return what the commands of a parser are added to; without one of them it shows its help, as a fault of usage."""
 
     def show(options: argparse.Namespace) -> int:

@@ -14,14 +14,14 @@ from atleak.cli.shared import (
     add_force,
     add_print,
     check_targets,
-    job_files,
+    named_job_files,
     print_font,
     print_options,
     say_differences,
     say_doubts,
     say_written,
 )
-from atleak.job.batch import KINDS, report_paths, write_reports
+from atleak.job.batch import REPORT_KINDS, report_paths, write_reports
 from atleak.report.terminal import TerminalConsole
 
 
@@ -45,9 +45,11 @@ def run(options: argparse.Namespace) -> int:
     """Write the reports of every job; one that cannot be read does not stop the others."""
     printed = print_options(options, options.formats, "--formats {}")
     font = print_font(options, options.formats, "--formats pdf")
-    sources = job_files(options.jobs)
+    sources = named_job_files(options.jobs)
     planned = report_paths(sources, Path(options.output), options.formats)
-    check_targets(options, map(str, sources), ((KINDS[form], str(path)) for of in planned for form, path in of.items()))
+    check_targets(
+        options, map(str, sources), ((REPORT_KINDS[form], str(path)) for of in planned for form, path in of.items())
+    )
     with Progress(console=TerminalConsole(sys.stderr), transient=True, disable=getattr(options, "quiet", False)) as bar:
         task = bar.add_task("reports", total=len(sources))
         reported = write_reports(
@@ -70,6 +72,6 @@ def run(options: argparse.Namespace) -> int:
 def _formats(text: str) -> list[str]:
     names = [name.strip().lower() for name in text.split(",")]
     for name in names:
-        if name not in KINDS:
-            raise argparse.ArgumentTypeError(f"{name!r} is not one of {', '.join(KINDS)}")
+        if name not in REPORT_KINDS:
+            raise argparse.ArgumentTypeError(f"{name!r} is not one of {', '.join(REPORT_KINDS)}")
     return names

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atleak.catalogue.written_numbers import INTERVAL, AskedNumber, decimal_number, read_number
-from atleak.cli.parser import Options
+from atleak.cli.parser import CommandOptions
 from atleak.common import seals as marks
 from atleak.common.errors import InputError, Message, Place, unknown
 from atleak.common.files import replace_file, shipped
 from atleak.common.printable import asked_for, unguarded
-from atleak.common.seals import Kind
+from atleak.common.seals import SealedKind
 from atleak.common.sentences import Sentence
 from atleak.common.style import DEFAULT_PAPER, PAPERS
 from atleak.common.unit_systems import SYSTEMS
@@ -31,24 +31,26 @@ if TYPE_CHECKING:
 # --- options ------------------------------------------------------------------------------------------------------
 
 
-def add_controller(parser: Options) -> None:
+def add_controller(parser: CommandOptions) -> None:
     """Add ``--controller``, which `chosen_controller` loads."""
     help = "valve body: the study's four-speed one unless given; `atleak controllers` lists those known"
     parser.add_argument("--controller", metavar="ID|FILE", help=help)
 
 
-def add_pairs(parser: Options, option: str, metavar: str, help: str, read: Callable[[str], Any] | None = None) -> None:
+def add_pairs(
+    parser: CommandOptions, option: str, metavar: str, help: str, read: Callable[[str], Any] | None = None
+) -> None:
     """Add an option that takes ``NAME=VALUE`` and may be repeated."""
     parser.add_argument(option, metavar=metavar, type=read or pair, action="append", default=[], help=help)
 
 
-def add_job_id(parser: Options, count: str | None = None) -> None:
+def add_job_id(parser: CommandOptions, count: str | None = None) -> None:
     """Add the argument that names a job of the book, or several, which `compared_jobs.named_job` finds."""
     help = "id of a job, its first characters, or the job's number"
     parser.add_argument("job" if count is None else "jobs", metavar="ID", nargs=count, help=help)
 
 
-def job_files(names: Sequence[str]) -> list[Path]:
+def named_job_files(names: Sequence[str]) -> list[Path]:
     """Return the job files that are named: each by itself, all of a folder, or by a pattern as ``jobs/*.zip``.
 
     A shell of Windows hands a pattern on as it was typed.
@@ -94,12 +96,12 @@ def or_sample(name: str) -> Callable[[str], str]:
     return lambda text: str(shipped(f"{SAMPLES}/{name}")) if text == "sample" and not Path(text).is_file() else text
 
 
-def add_force(parser: Options) -> None:
+def add_force(parser: CommandOptions) -> None:
     """Add ``--force``, which `check_targets` asks for."""
     parser.add_argument("--force", action="store_true", help="write over files that atleak did not make, too")
 
 
-def add_json(parser: Options) -> None:
+def add_json(parser: CommandOptions) -> None:
     """Add ``--json``, which `write_json` serves."""
     help = "everything as JSON, to a file or (-) to standard output, alone; `atleak schema` describes it"
     parser.add_argument("--json", metavar="FILE|-", help=help)
@@ -110,13 +112,13 @@ _PRINT = {  # what is chosen of printing: the choices, the first unless given
     "units": ("metric", tuple(SYSTEMS)),
     "paper": (DEFAULT_PAPER, tuple(PAPERS)),
 }
-SHOWN = "language", "units"  # of what a terminal shows
+_SHOWN = "language", "units"  # of what a terminal shows
 
 
-def add_print(parser: Options, *, shown: bool = False) -> None:
+def add_print(parser: CommandOptions, *, shown: bool = False) -> None:
     """Add the options of printing, which `print_options` gathers; what is ``shown`` has that language, too."""
     for name, (unless_given, choices) in _PRINT.items():
-        of = "what is shown and of the PDF" if shown and name in SHOWN else "the PDF and the workbook"
+        of = "what is shown and of the PDF" if shown and name in _SHOWN else "the PDF and the workbook"
         parser.add_argument(f"--{name}", choices=choices, help=f"of {of}: {unless_given} unless given")
     help = "for characters that the PDF's own fonts lack; without it the one kept on the page Workshop data"
     parser.add_argument("--font", metavar="FILE", help=help)
@@ -148,7 +150,7 @@ def print_options(
         whether what the terminal shows is in that language and those units.
     """
     for name in _PRINT:
-        if getattr(options, name) is not None and not {"pdf", "xlsx"} & set(formats) and not (shown and name in SHOWN):
+        if getattr(options, name) is not None and not {"pdf", "xlsx"} & set(formats) and not (shown and name in _SHOWN):
             doubt_option(f"--{name}", [asked.format(each) for each in ("pdf", "xlsx")])
     return {name: getattr(options, name) or unless_given for name, (unless_given, _) in _PRINT.items()}
 
@@ -158,7 +160,7 @@ def doubt_option(option: str, others: Iterable[str]) -> None:
     print(f"atleak: {option} does nothing without {' or '.join(others)}", file=sys.stderr)
 
 
-def add_columns(parser: Options) -> None:
+def add_columns(parser: CommandOptions) -> None:
     """Add the options about a log's columns, which `log_choices` gathers."""
     add_pairs(parser, "--map", "QUANTITY=COLUMN", "the column of a quantity of the log")
     add_pairs(parser, "--unit", "QUANTITY=UNIT", "the unit of a quantity of the log")
@@ -168,7 +170,7 @@ def add_columns(parser: Options) -> None:
     )
     add_pairs(parser, "--constant", "QUANTITY=VALUE", help, constant)
     help = "seconds from row to row of a log without a clock: 0.033"
-    parser.add_argument("--interval", metavar="S", type=number_of(INTERVAL), help=help)
+    parser.add_argument("--interval", metavar="S", type=number_of_argument(INTERVAL), help=help)
     help = "read only one row in N of the log, where all would take too much memory"
     parser.add_argument("--every", metavar="N", type=_every, default=1, help=help)
 
@@ -193,7 +195,7 @@ def pair(text: str) -> tuple[str, str]:
     return name.strip(), value.strip()
 
 
-def number(text: str) -> float:
+def number_argument(text: str) -> float:
     """Read a number with decimal comma or point."""
     value = decimal_number(text)
     if value is None:
@@ -201,7 +203,7 @@ def number(text: str) -> float:
     return value
 
 
-def number_of(asked: AskedNumber) -> Callable[[str], float]:
+def number_of_argument(asked: AskedNumber) -> Callable[[str], float]:
     """Return the reader of an option that takes this number; one that is accepted with a doubt is doubted aloud."""
 
     def read(text: str) -> float:
@@ -217,7 +219,7 @@ def number_of(asked: AskedNumber) -> Callable[[str], float]:
 
 def length_of(asked: AskedNumber) -> Callable[[str], float]:
     """Return the reader of an option that takes a length in the asked number's unit, or with another one behind it."""
-    in_own_unit = number_of(asked)
+    in_own_unit = number_of_argument(asked)
 
     def read(text: str) -> float:
         from atleak.common.units import find_unit, unit
@@ -247,7 +249,7 @@ def constant(text: str) -> tuple[str, float | str]:
     if name == "main_pressure" and value.replace("-", "_") == OPERATING_POINTS:
         return name, OPERATING_POINTS
     known = QUANTITIES[name]
-    stated = number_of(AskedNumber(known.label, known.workshop_unit))(value)
+    stated = number_of_argument(AskedNumber(known.label, known.workshop_unit))(value)
     return name, unit(known.workshop_unit, known.unit_kind).to_si(stated) if known.unit_kind else stated
 
 
@@ -286,7 +288,7 @@ def chosen_road_test(options: argparse.Namespace) -> RoadTest:
 
 # --- files written ------------------------------------------------------------------------------------------------
 
-_ASKED: dict[str, Kind] = {
+_ASKED: dict[str, SealedKind] = {
     "xlsx": "report workbook",
     "pdf": "PDF",
     "job_file": "job file",
@@ -294,7 +296,7 @@ _ASKED: dict[str, Kind] = {
     "json": "record",
 }
 _BINARY = ("xlsx", "pdf", "job_file")  # options of which no terminal or pipe takes the file
-_ENDINGS: dict[Kind, tuple[str, ...]] = {
+_ENDINGS: dict[SealedKind, tuple[str, ...]] = {
     "record": (".json",),
     "report workbook": (".xlsx",),
     "measuring sheet": (".xlsx",),
@@ -304,7 +306,7 @@ _ENDINGS: dict[Kind, tuple[str, ...]] = {
     "table": (".csv", ".parquet"),
     "TOML file": (".toml",),
 }
-_ONE_ENDING: dict[Kind, Sentence] = {  # kinds that no other command reads under another name
+_ONE_ENDING: dict[SealedKind, Sentence] = {  # kinds that no other command reads under another name
     "measuring sheet": Sentence("the measuring sheet is an Excel workbook"),
     "controller workbook": Sentence("the workbook is a .xlsx file"),
     "TOML file": Sentence("the description is a .toml file"),
@@ -328,7 +330,7 @@ class Outputs:
     """
 
     def __init__(
-        self, options: argparse.Namespace, inputs: Iterable[str | None] = (), output: Kind | None = None
+        self, options: argparse.Namespace, inputs: Iterable[str | None] = (), output: SealedKind | None = None
     ) -> None:
         kinds = _ASKED if output is None else {"output": output, **_ASKED}
         asked = {name: getattr(options, name, None) for name in kinds}
@@ -383,14 +385,14 @@ def write_file(target: str, content: Any) -> list[str]:
 
 
 def check_targets(
-    options: argparse.Namespace, inputs: Iterable[str | None], targets: Iterable[tuple[Kind, str]]
+    options: argparse.Namespace, inputs: Iterable[str | None], targets: Iterable[tuple[SealedKind, str]]
 ) -> None:
     """Refuse, before anything is computed, to write over a file that must not be replaced.
 
     A file whose name says that it is of another kind is refused too; a name that says nothing is taken.
     """
     targets = list(targets)
-    marks.check_targets(inputs, targets, force=options.force)
+    marks.check_seals(inputs, targets, force=options.force)
     for kind, target in targets:
         ending = Path(target).suffix.lower()
         if ending in _ENDINGS_OF_OTHERS and ending not in _ENDINGS[kind]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from atleak.catalogue.written_numbers import MILEAGE
 from atleak.cli.parser import add_command
-from atleak.cli.shared import Outputs, add_controller, add_force, chosen_controller, number_of
+from atleak.cli.shared import Outputs, add_controller, add_force, chosen_controller, number_of_argument
 from atleak.common.unit_systems import SYSTEMS
 from atleak.common.wording import languages
 from atleak.job.zip_file import load_job
@@ -43,7 +43,7 @@ def add_parser(commands: Any, name: str) -> None:
     for name, what in _TEXTS.items():
         head.add_argument(f"--{name}", metavar="TEXT", help=f"{what}; as the job record says unless given")
     asked = "of the vehicle [km]; as the job record says unless given"
-    head.add_argument("--mileage", metavar="KM", type=number_of(MILEAGE), help=asked)
+    head.add_argument("--mileage", metavar="KM", type=number_of_argument(MILEAGE), help=asked)
 
 
 def run(options: argparse.Namespace) -> int:

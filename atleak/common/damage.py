@@ -81,7 +81,7 @@ def own_errors_only(
                 raise
             except DAMAGE as error:
                 arguments = signature(read).bind(*given, **options).arguments
-                raise damaged(error, kind, called(*(arguments.get(name) for name in named))) from error
+                raise damaged(error, kind, _called(*(arguments.get(name) for name in named))) from error
 
         return reading
 
@@ -145,7 +145,7 @@ def reason_in_short(error: BaseException) -> str:
     return f"{type(error).__name__}: {said}" if said else type(error).__name__
 
 
-def called(*given: Any) -> str | None:
+def _called(*given: Any) -> str | None:
     """Return the first name among some values: a text as it stands, of a path its last part, of a file its name."""
     for value in given:
         if isinstance(value, PurePath):

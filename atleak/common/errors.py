@@ -37,7 +37,7 @@ class DomainError(AtleakError, ValueError):
     """A number outside the domain in which an equation holds."""
 
 
-Steps = tuple[str | int, ...]
+KeySteps = tuple[str | int, ...]
 """Where in a file's tables a value stands: ``("components", 2, "lands", 0, "contact_length_mm")``."""
 
 
@@ -56,7 +56,7 @@ class Place:
     column: str | None = None
     table: str | None = None
     key: str | None = None
-    steps: Steps = field(default=(), compare=False)
+    steps: KeySteps = field(default=(), compare=False)
 
     @property
     def known(self) -> dict[str, Any]:

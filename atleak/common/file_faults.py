@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from atleak.common.errors import AnyInputError, InputError, Place, Steps, nearest_name, one_of
+from atleak.common.errors import AnyInputError, InputError, KeySteps, Place, nearest_name, one_of
 from atleak.common.sentences import Sentence
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -84,10 +84,10 @@ def validated(
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise together(in_words(error, data, file, model, kind)) from None
+        raise faults_together(fault_in_words(error, data, file, model, kind)) from None
 
 
-def together(faults: Sequence[AnyInputError]) -> AnyInputError:
+def faults_together(faults: Sequence[AnyInputError]) -> AnyInputError:
     """Return the first of some faults, with the others listed below it."""
     first, *others = faults
     first.others = tuple(others)
@@ -95,7 +95,7 @@ def together(faults: Sequence[AnyInputError]) -> AnyInputError:
     return first
 
 
-def in_words(
+def fault_in_words(
     error: ValidationError, data: Any, file: str, model: type[BaseModel], kind: type[AnyInputError]
 ) -> list[AnyInputError]:
     """Return what pydantic found wrong, one fault each, a mistyped key before the one that it leaves missing."""
@@ -117,7 +117,7 @@ def place_of_table(steps: Sequence[str | int], data: Any, file: str) -> Place:
     return Place(file=file, table=_table_name(steps, data) or None, steps=tuple(steps))
 
 
-def steps_to(fault: Any) -> Steps:
+def steps_to(fault: Any) -> KeySteps:
     """Return the steps through a file's tables to what pydantic found wrong."""
     location = tuple(fault["loc"])
     # a fault in a table's own name is marked by one step more; an unknown key may be called like that mark

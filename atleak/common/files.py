@@ -52,7 +52,7 @@ def home() -> Path:
     return user_data_path("atleak", appauthor=False)
 
 
-def made(folder: Path) -> Path:
+def made_folder(folder: Path) -> Path:
     """Make a folder where it is not there yet, and return it; the user's own is for nobody else.
 
     Raises
@@ -265,7 +265,7 @@ def rewritten(path: Path) -> Iterator[dict[str, object]]:
     place = Place(file=str(path))
     lock = FileLock(path.with_suffix(".lock"), timeout=_PATIENCE, mode=PRIVATE)
     try:
-        made(path.parent)
+        made_folder(path.parent)
         with lock.acquire(poll_interval=_POLL):
             entries = _load(path)
             if entries is None:
@@ -339,7 +339,7 @@ def keep_draft(token: str, text: str, person: str = "") -> None:
     OutputError
         where the user's folder cannot be written.
     """
-    replace_file(made(_folder(person)) / f"{token}.json", text.encode("utf-8"), mode=PRIVATE)
+    replace_file(made_folder(_folder(person)) / f"{token}.json", text.encode("utf-8"), mode=PRIVATE)
 
 
 def drafts(person: str = "") -> dict[str, Path]:

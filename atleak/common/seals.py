@@ -21,11 +21,11 @@ from atleak.common.errors import OutputError, Place, reason_of
 from atleak.common.sentences import Sentence
 from atleak.version import __version__
 
-Kind = Literal[
+SealedKind = Literal[
     "record", "report workbook", "measuring sheet", "controller workbook", "PDF", "job file", "table", "TOML file"
 ]  # fmt: skip
 
-_NAMES: dict[Kind, Sentence] = {
+_NAMES: dict[SealedKind, Sentence] = {
     "record": Sentence("record"),
     "report workbook": Sentence("report workbook"),
     "measuring sheet": Sentence("measuring sheet"),
@@ -54,7 +54,7 @@ NO_SOUND_ZIP = (  # the exceptions that zipfile raises for a damaged archive
 )  # fmt: skip
 
 
-def unsealed(kind: Kind) -> str:
+def unsealed(kind: SealedKind) -> str:
     """Return what a workbook's property `PROPERTY` says before `sealed` puts in the digest of its parts."""
     return f"{kind} {_UNSEALED}"
 
@@ -78,8 +78,8 @@ def _seal(parts: Iterable[zipfile.ZipInfo]) -> str:
     return hashlib.sha256("\n".join(entries).encode()).hexdigest()
 
 
-def check_targets(
-    inputs: Iterable[str | None], targets: Iterable[tuple[Kind, str | None]], *, force: bool = False
+def check_seals(
+    inputs: Iterable[str | None], targets: Iterable[tuple[SealedKind, str | None]], *, force: bool = False
 ) -> None:
     """Check that nothing is written over an input, over another target, or over a file that atleak did not make.
 
@@ -114,7 +114,7 @@ def check_targets(
         raise OutputError(foreign[0].problem, place=foreign[0].place, expected=foreign[0].expected, others=foreign[1:])
 
 
-def _obstacle(path: Path, kind: Kind) -> Sentence | None:
+def _obstacle(path: Path, kind: SealedKind) -> Sentence | None:
     """Say why a file may not be replaced by one of this kind; None where it may."""
     try:
         if not path.is_file() or path.stat().st_size == 0 or _kind(path) == kind:
@@ -126,7 +126,7 @@ def _obstacle(path: Path, kind: Kind) -> Sentence | None:
     return Sentence("is there already and is no {kind} that atleak made, or was changed since", kind=_NAMES[kind])
 
 
-def _kind(path: Path) -> Kind | None:
+def _kind(path: Path) -> SealedKind | None:
     """Return the kind of file that atleak made; None where it did not make it, or the file was changed since."""
     with path.open("rb") as stream:
         start = stream.read(4)
@@ -141,7 +141,7 @@ def _kind(path: Path) -> Kind | None:
         return _record(stream.read(_RECORD_LIMIT + 1))
 
 
-def _record(content: bytes) -> Kind | None:
+def _record(content: bytes) -> SealedKind | None:
     """Recognise a record: it names its format and atleak; in a list every entry has an id and names atleak."""
     if len(content) > _RECORD_LIMIT:
         return None
@@ -153,7 +153,7 @@ def _record(content: bytes) -> Kind | None:
     return "record" if isinstance(first, dict) and known in first and isinstance(first.get("atleak"), str) else None
 
 
-def _pdf(stream: BinaryIO, size: int) -> Kind | None:
+def _pdf(stream: BinaryIO, size: int) -> SealedKind | None:
     """Recognise a PDF of atleak that is unchanged.
 
     A signature or a note is added behind the end of a PDF; a program that saves it anew dates it.
@@ -164,7 +164,7 @@ def _pdf(stream: BinaryIO, size: int) -> Kind | None:
     return "PDF" if whole and _PDF.search(tail) and _MADE.search(tail) else None
 
 
-def _archive(stream: BinaryIO, size: int) -> Kind | None:
+def _archive(stream: BinaryIO, size: int) -> SealedKind | None:
     if not _few_entries(stream, size):
         return None
     try:
@@ -174,7 +174,7 @@ def _archive(stream: BinaryIO, size: int) -> Kind | None:
             mark = _SEALED.search((_beginning(bundle, _PART, _PROPERTIES) or b"").decode("utf-8", "replace"))
             if mark is None or mark[2] != _seal(bundle.infolist()):
                 return None
-            return next((kind for kind in get_args(Kind) if kind == mark[1]), None)
+            return next((kind for kind in get_args(SealedKind) if kind == mark[1]), None)
     except NO_SOUND_ZIP:
         return None
 

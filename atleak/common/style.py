@@ -18,18 +18,18 @@ from atleak.common.errors import unknown
 from atleak.common.sentences import Sentence
 from atleak.common.verdicts import Band, Verdict
 
-Point = tuple[float, float]
+_Point = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class SignShape:
     """A sign as a polygon in the square from −1 to 1, y downwards: no font is needed to draw it."""
 
-    points: tuple[Point, ...]
+    points: tuple[_Point, ...]
     filled: bool = True
 
 
-def _circle(radius: float, corners: int = 32) -> tuple[Point, ...]:
+def _circle(radius: float, corners: int = 32) -> tuple[_Point, ...]:
     turns = (2.0 * math.pi * number / corners for number in range(corners))
     return tuple((round(radius * math.cos(turn), 4), round(radius * math.sin(turn), 4)) for turn in turns)
 
@@ -129,7 +129,7 @@ class Inks:
     metal: str = "#D9DEE3"  # spools without a verdict
 
 
-PAPER = Inks(ink="#1B2733", soft="#5A6670", rule="#B8C2CB", leakage="#A3211B", pump="#1F4E79", share="#1B2733")
+PAPER_INKS = Inks(ink="#1B2733", soft="#5A6670", rule="#B8C2CB", leakage="#A3211B", pump="#1F4E79", share="#1B2733")
 SCREEN = Inks(ink="#16222b", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00")
 DARK = Inks(ink="#E8EEF2", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00",
             card="#1B262E")  # fmt: skip
@@ -142,16 +142,16 @@ OK_IN_PART = replace(  # units that are ok as far as they were measured, which i
 )
 # what a unit holds or draws when new and once repaired, what nobody judges, and marks of what is stated
 AS_NEW = replace(
-    LOOKS[Verdict.OK], screen="rgba(128,128,128,0.3)", fill="#FFFFFF", line=PAPER.ink, pattern="", hatch=""
+    LOOKS[Verdict.OK], screen="rgba(128,128,128,0.3)", fill="#FFFFFF", line=PAPER_INKS.ink, pattern="", hatch=""
 )
-REPAIRED = replace(AS_NEW, screen=SCREEN.leakage, fill=PAPER.rule, pattern="-")
-NOT_JUDGED = replace(AS_NEW, screen=SCREEN.rule, fill=PAPER.metal)
-STATED = replace(
-    AS_NEW, screen=SCREEN.share, fill=PAPER.ink, marker="line-ns",
+REPAIRED = replace(AS_NEW, screen=SCREEN.leakage, fill=PAPER_INKS.rule, pattern="-")
+NOT_JUDGED = replace(AS_NEW, screen=SCREEN.rule, fill=PAPER_INKS.metal)
+STATED_INKS = replace(
+    AS_NEW, screen=SCREEN.share, fill=PAPER_INKS.ink, marker="line-ns",
     shape=SignShape(((-0.12, -2.6), (0.12, -2.6), (0.12, 2.6), (-0.12, 2.6))),
 )  # fmt: skip
-LEAST = replace(STATED, marker="triangle-right", shape=SignShape(((-0.8, -0.9), (0.9, 0.0), (-0.8, 0.9))))
-MOST = replace(STATED, marker="triangle-left", shape=SignShape(((0.8, -0.9), (-0.9, 0.0), (0.8, 0.9))))
+LEAST = replace(STATED_INKS, marker="triangle-right", shape=SignShape(((-0.8, -0.9), (0.9, 0.0), (-0.8, 0.9))))
+MOST = replace(STATED_INKS, marker="triangle-left", shape=SignShape(((0.8, -0.9), (-0.9, 0.0), (0.8, 0.9))))
 EDGE = "#C5CDD5"  # of a drawing's card without a flagged land
 CLEAR = "rgba(0,0,0,0)"  # a figure's ground on the screen: the page's own
 HATCHING = "rgba(255,255,255,0.7)"  # strokes of a pattern on the screen

@@ -27,9 +27,9 @@ MM2_S = 1.0e6  # m²/s → mm²/s
 G_CM3 = 1.0e-3  # kg/m³ → g/cm³
 RPM = 60.0  # 1/s → 1/min
 PERCENT = 100.0
-INCH = 0.0254  # [m]
+_INCH = 0.0254  # [m]
 MILE = 1609.344  # [m]
-PSI = 4.4482216152605 / INCH**2  # [Pa], pound-force on a square inch: 6894.757293168361
+PSI = 4.4482216152605 / _INCH**2  # [Pa], pound-force on a square inch: 6894.757293168361
 QUART = 0.946352946e-3  # [m³], US liquid quart: 57.75 in³
 
 
@@ -100,8 +100,8 @@ _METRIC = {
     "percent": ShownUnit("%", 1),
     "number": ShownUnit("", 2),
 }
-_INCHES = 1.0 / (INCH * MM)
-_TENTHS = 1.0e4 / (INCH * UM)
+_INCHES = 1.0 / (_INCH * MM)
+_TENTHS = 1.0e4 / (_INCH * UM)
 _CUBIC_INCHES = _INCHES**3
 _FAHRENHEIT = 9.0 / 5.0
 

@@ -43,7 +43,7 @@ class Unit:
         return (value - self.offset) / self.factor if self.offset else value / self.factor
 
 
-KINDS: Mapping[str, Sentence] = {  # as sentences name them
+UNIT_KINDS: Mapping[str, Sentence] = {  # as sentences name them
     "length": Sentence("length"),
     "pressure": Sentence("pressure"),
     "temperature": Sentence("temperature"),

@@ -50,7 +50,7 @@ def begun(sentence: str) -> str:
 
 
 @runtime_checkable
-class Condition(Protocol):
+class _Condition(Protocol):
     """What is named of an operating point."""
 
     @property
@@ -117,7 +117,7 @@ class Wording:
         """
         return self.get("names", name)
 
-    def condition(self, point: Condition) -> str:
+    def condition(self, point: _Condition) -> str:
         """Return the name of an operating point in the reader's language and unit."""
         if self.as_filed:
             return point.label
@@ -285,7 +285,7 @@ class _Spoken:
             return self._quantity(value, specification)
         if isinstance(value, float | int):
             return self._number(format(value, specification))
-        if isinstance(value, Condition):
+        if isinstance(value, _Condition):
             return isolated(say.condition(value))
         return isolated(format(value, specification))
 

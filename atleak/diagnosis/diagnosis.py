@@ -28,7 +28,7 @@ from atleak.diagnosis.land import (
     without_rate,
 )
 from atleak.diagnosis.messages import messages_of, sheet_messages
-from atleak.diagnosis.provisional import Basis, representative_bases
+from atleak.diagnosis.provisional import AssumedBasis, representative_bases
 from atleak.diagnosis.road import driven, evaluated
 from atleak.diagnosis.road_findings import RoadFindings
 from atleak.diagnosis.rules import Rule, UnitRules, cannot_be, unit_rules
@@ -261,7 +261,7 @@ class Diagnosis:
         return max((self._decision_on(each) for each in every), key=_certainty, default=None)
 
     @cached_property
-    def provisional(self) -> tuple[Basis, ...]:
+    def provisional(self) -> tuple[AssumedBasis, ...]:
         """Return which representative values the verdict rests on: past a limit those of the rule that decided."""
         if self.verdict == Verdict.NOT_MEASURED:
             return ()

@@ -21,20 +21,20 @@ from atleak.common.errors import DomainError, Message, Place
 from atleak.common.sentences import Sentence, in_a_row
 from atleak.common.unit_systems import KPA, Quantity
 from atleak.common.verdicts import Verdict, worst
-from atleak.diagnosis.gauge_patterns import Pattern, Standing, Stands, find_patterns
+from atleak.diagnosis.gauge_patterns import GaugeStanding, Pattern, Stands, find_patterns
 from atleak.diagnosis.rules import Rule, permissible_steps
 from atleak.diagnosis.uncertainty import Assumptions, RuleDecision
 from atleak.diagnosis.uncertainty.decision import decide_normal, decide_rule
-from atleak.diagnosis.uncertainty.posterior import MOST_RISE, Lost, Shown, Unit, losses
+from atleak.diagnosis.uncertainty.posterior import MOST_RISE, Lost, PosteriorUnit, Shown, losses
 from atleak.diagnosis.uncertainty.sources import find_sources
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import LINE as LINE_SECTION
 from atleak.engine.projection import Projection, project
 from atleak.measurements.gauge_readings import (
-    LINE,
+    LINE_TAP,
     TOGETHER,
-    Cell,
     Engine,
+    GaugeCell,
     GaugeReading,
     PressureTable,
     applied,
@@ -85,7 +85,7 @@ class CheckedReading:
     unjudged: Sentence | None = None  # why no rule judges it
 
     @property
-    def cell(self) -> Cell:
+    def cell(self) -> GaugeCell:
         """Return its cell."""
         return self.reading.cell
 
@@ -276,7 +276,7 @@ class _Checker:
         shown = []
         for reading in self.table.readings:
             point, tap = self._drawn_at(reading), reading.cell.tap
-            if point is None or (tap != LINE and self._not_comparable(reading) is not None):
+            if point is None or (tap != LINE_TAP and self._not_comparable(reading) is not None):
                 continue
             pressure, section = self._at_the_lines_best(reading), _section(tap)
             if pressure is not None:
@@ -289,7 +289,7 @@ class _Checker:
         states = cast("Sequence[LandClearance]", self.model.clearances)
         sources, _ = find_sources(states, readings, self.controller, instruments, self.assumptions)
         at = {each.point: self.at_hand[each.point] for each in shown}
-        return losses(Unit(self.model, sources, self.assumptions, at.values()), shown, wanted)
+        return losses(PosteriorUnit(self.model, sources, self.assumptions, at.values()), shown, wanted)
 
     def _drawn_at(self, reading: GaugeReading) -> OperatingPoint | None:
         """Return the operating point at which losses are drawn for a reading; None where nothing is expected there."""
@@ -307,7 +307,7 @@ class _Checker:
             return _NO_POINT
         beside = self.table.line_beside(reading)
         if beside is None:
-            return _APART if self.table.at(replace(reading.cell, tap=LINE)) else None
+            return _APART if self.table.at(replace(reading.cell, tap=LINE_TAP)) else None
         if beside.pressure <= 0.0:
             return _NO_LINE
         most = point.main_pressure * (1.0 + MOST_RISE * self.assumptions.line_rise)
@@ -319,11 +319,11 @@ class _Checker:
         Only where the line moved by more than its gauge errs: a tap that hangs on the line goes with it, and of the
         line's own readings the highest counts.
         """
-        line = [each.pressure for each in self.table.at(replace(reading.cell, tap=LINE))]
+        line = [each.pressure for each in self.table.at(replace(reading.cell, tap=LINE_TAP))]
         highest, lowest = max(line, default=0.0), min(line, default=0.0)
         if highest - lowest <= _MOVED * np.sqrt(2.0) * self.uncertainty * highest:
             return reading.pressure
-        if reading.cell.tap == LINE:
+        if reading.cell.tap == LINE_TAP:
             return reading.pressure if reading.pressure == highest else None
         circuit, beside = circuit_at(self.controller, reading.cell.tap), self.table.line_beside(reading)
         follows = circuit is not None and circuit.set_pressure is None and beside is not None and beside.pressure > 0.0
@@ -338,14 +338,14 @@ class _Checker:
             return checked
         if lost is None:
             return self._by_the_line(checked, steps) if point is None else checked
-        reason = None if tap == LINE else self._not_comparable(reading)
+        reason = None if tap == LINE_TAP else self._not_comparable(reading)
         showed = self._at_the_lines_best(reading)
         surely = (showed or 0.0) * (1.0 - _SURELY * self.uncertainty)
         if surely > lost.quantile(0.975, lost.expected):
             reason = reason or (_TOO_HIGH if surely > lost.highest else _CONTRADICT)
         if reason is not None:
             return replace(checked, unjudged=reason)
-        kind = RuleKind.BELOW_EXPECTED if tap == LINE else RuleKind.CIRCUIT_LOSS
+        kind = RuleKind.BELOW_EXPECTED if tap == LINE_TAP else RuleKind.CIRCUIT_LOSS
         if showed is None:  # the line fell after it was at its highest, by which the draws are weighed
             below = replace(lost, draws=lost.draws + lost.expected - reading.pressure)
             u = math.hypot(self.uncertainty * reading.pressure, below.standard_uncertainty)
@@ -370,7 +370,7 @@ class _Checker:
 
     def unjudged(self, checked: CheckedReading) -> CheckedReading:
         """Return a reading that no rule judges with the reason for it."""
-        tap = checked.cell.tap != LINE and self.limits.circuit_loss is not None
+        tap = checked.cell.tap != LINE_TAP and self.limits.circuit_loss is not None
         reason = checked.unjudged or (self._not_comparable(checked.reading) if tap else None)
         return replace(checked, unjudged=reason or _NOTHING_PERMITTED)
 
@@ -394,7 +394,7 @@ class _Checker:
         projection, tap = None if point is None else self._projected(point), reading.cell.tap
         if projection is None:
             return None
-        if tap == LINE:
+        if tap == LINE_TAP:
             return projection.main_pressure_held
         return next((each.pressure for each in projection.circuits if each.circuit.id == tap), None)
 
@@ -425,16 +425,16 @@ class _Checker:
             stated_state=point.stated_state if reading.engine_speed is None else point.state,
         )
 
-    def standing(self, checked: CheckedReading) -> Standing:
+    def standing(self, checked: CheckedReading) -> GaugeStanding:
         """Return a reading as the patterns need it."""
         reading = checked.reading
-        return Standing(
+        return GaugeStanding(
             cell=reading.cell,
             pressure=reading.pressure,
             repeat=reading.repeat,
             uncertainty=self.uncertainty * reading.pressure,
             stands=checked.stands,
-            loss=checked.loss if reading.cell.tap != LINE and checked.verdict is not Verdict.OK else None,
+            loss=checked.loss if reading.cell.tap != LINE_TAP and checked.verdict is not Verdict.OK else None,
             causes=checked.lost.causes if checked.lost is not None else {},
             measured=any(
                 each.measured and reading.cell.tap in (gap.high.section, gap.low.section)
@@ -484,7 +484,7 @@ class _Checker:
             )
             yield Message("info", "pressure_not_judged", text, place)
         alone = [each.label for each in readings if each.lost is not None and each.line is None]
-        alone = [label for label in alone if not any(each.cell.tap == LINE for each in readings)]
+        alone = [label for label in alone if not any(each.cell.tap == LINE_TAP for each in readings)]
         if alone:
             text = Sentence(
                 "The line was not read: whether a circuit lost its pressure by itself or with the line cannot be told "
@@ -508,10 +508,10 @@ class _Checker:
 
 
 def _section(tap: str) -> str:
-    return LINE_SECTION if tap == LINE else tap
+    return LINE_SECTION if tap == LINE_TAP else tap
 
 
-def _where(cell: Cell) -> Sentence:
+def _where(cell: GaugeCell) -> Sentence:
     return Sentence("{range}, {engine}", range=cell.range, engine=cell.engine.label)
 
 

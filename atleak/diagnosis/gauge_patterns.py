@@ -13,7 +13,7 @@ from typing import Literal
 
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.diagnosis.uncertainty.posterior import Cause
-from atleak.measurements.gauge_readings import LINE, Cell, Engine
+from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell
 
 Stands = Literal["low", "normal", "high"]
 PatternKind = Literal["low_at_slow_idle", "one_range_low", "falling", "all_low", "all_high", "circuit_loss"]
@@ -26,10 +26,10 @@ _SURELY = 2.0  # standard uncertainties of the gauge
 
 
 @dataclass(frozen=True)
-class Standing:
+class GaugeStanding:
     """One gauge reading, as the patterns need it."""
 
-    cell: Cell
+    cell: GaugeCell
     pressure: float  # [Pa]
     repeat: int = 1
     uncertainty: float = 0.0  # [Pa] standard, of the gauge
@@ -45,11 +45,11 @@ class Pattern:
 
     kind: PatternKind
     source: PatternSource
-    cells: tuple[Cell, ...]
+    cells: tuple[GaugeCell, ...]
     ranges: tuple[SelectorRange, ...] = ()  # that are low
     others: tuple[SelectorRange, ...] = ()  # that are not
     circuits: tuple[str, ...] = ()  # ids of those that may leak
-    worst: Cell | None = None  # of those that fall or have lost most
+    worst: GaugeCell | None = None  # of those that fall or have lost most
     amount: float | None = None  # there: by which fraction it fell, or what it has lost against new [Pa]
     causes: Mapping[Cause, float] = field(default_factory=dict)  # there: which part of that each explains
     measured: bool = False  # whether any land that explains it was
@@ -59,15 +59,15 @@ class Pattern:
 class _Line:
     """How main pressure stands in every range, by state of the engine: by the last reading of each cell."""
 
-    readings: Sequence[Standing]
+    readings: Sequence[GaugeStanding]
     of_engine: Mapping[Engine, Mapping[SelectorRange, Stands]] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, readings: Sequence[Standing]) -> _Line:
+    def of(cls, readings: Sequence[GaugeStanding]) -> _Line:
         """Return the line's cells that are judged."""
-        last: dict[Cell, Standing] = {}
+        last: dict[GaugeCell, GaugeStanding] = {}
         for each in sorted(readings, key=lambda each: each.repeat):
-            if each.cell.tap == LINE and each.stands is not None:
+            if each.cell.tap == LINE_TAP and each.stands is not None:
                 last[each.cell] = each
         by_engine: dict[Engine, dict[SelectorRange, Stands]] = {}
         for cell, each in last.items():
@@ -75,17 +75,17 @@ class _Line:
             by_engine.setdefault(cell.engine, {})[cell.range] = each.stands
         return cls(readings, by_engine)
 
-    def all_are(self, stands: Stands) -> tuple[Cell, ...]:
+    def all_are(self, stands: Stands) -> tuple[GaugeCell, ...]:
         """Return all judged cells where every one of them stands so, in enough ranges and states; else none."""
         enough = [engine for engine, ranges in self.of_engine.items() if len(ranges) >= RANGES_THAT_TELL]
         every = {each for ranges in self.of_engine.values() for each in ranges.values()}
         if len(enough) < STATES_THAT_TELL or every != {stands}:
             return ()
-        return tuple(Cell(selected, engine) for engine, ranges in self.of_engine.items() for selected in ranges)
+        return tuple(GaugeCell(selected, engine) for engine, ranges in self.of_engine.items() for selected in ranges)
 
 
 def find_patterns(
-    readings: Sequence[Standing], applied: Mapping[SelectorRange, frozenset[str]] | None = None
+    readings: Sequence[GaugeStanding], applied: Mapping[SelectorRange, frozenset[str]] | None = None
 ) -> tuple[Pattern, ...]:
     """Return the patterns that a table shows; none where too few cells were measured to tell.
 
@@ -116,7 +116,7 @@ def _low_at_slow_idle(line: _Line) -> Iterator[Pattern]:
     fast = line.of_engine.get(faster, {})
     both = [selected for selected in slow if selected in fast]
     if len(both) >= RANGES_THAT_TELL and set(slow.values()) == {"low"} and "low" not in fast.values():
-        cells = [Cell(selected, engine) for engine in (Engine.SLOW_IDLE, faster) for selected in both]
+        cells = [GaugeCell(selected, engine) for engine in (Engine.SLOW_IDLE, faster) for selected in both]
         yield Pattern("low_at_slow_idle", "practice", tuple(cells), ranges=tuple(slow))
 
 
@@ -132,7 +132,7 @@ def _one_range(line: _Line, applied: Mapping[SelectorRange, frozenset[str]]) -> 
     """One range low and the others not: the circuit of its clutch or brake."""
     judged = {engine: ranges for engine, ranges in line.of_engine.items() if len(ranges) >= RANGES_THAT_TELL}
     low = {selected for ranges in line.of_engine.values() for selected, stands in ranges.items() if stands == "low"}
-    cells = [Cell(each, engine) for engine, ranges in judged.items() for each in ranges if ranges[each] == "low"]
+    cells = [GaugeCell(each, engine) for engine, ranges in judged.items() for each in ranges if ranges[each] == "low"]
     if len(low) != 1 or not cells:
         return
     (selected,) = low
@@ -148,9 +148,9 @@ def _one_range(line: _Line, applied: Mapping[SelectorRange, frozenset[str]]) -> 
     )
 
 
-def _falling(readings: Sequence[Standing]) -> Iterator[Pattern]:
+def _falling(readings: Sequence[GaugeStanding]) -> Iterator[Pattern]:
     """Pressure that falls with every reading, by more than the gauge may err: the filter."""
-    by_cell: dict[Cell, list[Standing]] = {}
+    by_cell: dict[GaugeCell, list[GaugeStanding]] = {}
     for each in sorted(readings, key=lambda each: each.repeat):
         by_cell.setdefault(each.cell, []).append(each)
     fell = {}
@@ -164,9 +164,9 @@ def _falling(readings: Sequence[Standing]) -> Iterator[Pattern]:
         yield Pattern("falling", "practice", tuple(fell), worst=worst, amount=fell[worst])
 
 
-def _circuit_loss(readings: Sequence[Standing]) -> Iterator[Pattern]:
+def _circuit_loss(readings: Sequence[GaugeStanding]) -> Iterator[Pattern]:
     """Circuits that have lost more than their limit: where to look, the likeliest first."""
-    lost: dict[str, dict[Cell, Standing]] = {}
+    lost: dict[str, dict[GaugeCell, GaugeStanding]] = {}
     for each in readings:
         if each.loss is not None:
             lost.setdefault(each.cell.tap, {})[each.cell] = each

@@ -35,7 +35,7 @@ from atleak.engine.projection import Projection
 from atleak.equations.statistics import normal_quantile
 from atleak.measurements.readings import LandClearance
 
-COVERAGE = 0.90  # of the intervals of rates and of mileages
+MILEAGE_COVERAGE = 0.90  # of the intervals of rates and of mileages
 FARTHEST = 1.0e6  # [km] beyond which nobody foresees a repair: choice of this project
 _LEAST = 1e-12  # [m] that a clearance is uncertain at least: without any error a weight would be infinite
 _LEAST_WAY = 1.0  # [km] over which a rate can be told at all: a choice of this project
@@ -91,12 +91,12 @@ class WearLine:
         way = np.array([1.0, mileage - self.origin])
         return math.sqrt(max(float(way @ self.covariance @ way), 0.0))
 
-    def band(self, mileage: float, coverage: float = COVERAGE) -> tuple[float, float]:
+    def band(self, mileage: float, coverage: float = MILEAGE_COVERAGE) -> tuple[float, float]:
         """Return the interval of the clearance at a mileage [m]."""
         reach = _deviate(coverage) * self.uncertainty_at(mileage)
         return self.at(mileage) - reach, self.at(mileage) + reach
 
-    def rate_interval(self, coverage: float = COVERAGE) -> tuple[float, float]:
+    def rate_interval(self, coverage: float = MILEAGE_COVERAGE) -> tuple[float, float]:
         """Return the interval of the rate [m/km]."""
         reach = _deviate(coverage) * math.sqrt(float(self.covariance[1, 1]))
         return self.rate - reach, self.rate + reach
@@ -106,7 +106,7 @@ class WearLine:
         """Return whether wear can be told from measurement: the interval of the rate is above zero."""
         return self.rate_interval()[0] > 0.0
 
-    def reaches(self, limit: float, present: float, coverage: float = COVERAGE) -> Crossing:
+    def reaches(self, limit: float, present: float, coverage: float = MILEAGE_COVERAGE) -> Crossing:
         """Return the mileage at which the clearance reaches a limit [m].
 
         Parameters

@@ -17,7 +17,7 @@ from atleak.diagnosis.rules import Rule
 from atleak.measurements.readings import LandClearance
 
 
-class Basis(StrEnum):
+class AssumedBasis(StrEnum):
     """What a verdict can rest on besides the readings."""
 
     MOUNTING_CLEARANCE = "mounting_clearance"
@@ -37,35 +37,35 @@ class Basis(StrEnum):
 
 
 _FLOW = {
-    Basis.CONTACT_LENGTH,
-    Basis.NOMINAL_DIAMETER,
-    Basis.MATERIALS,
-    Basis.GAPS,
-    Basis.OPERATING_POINT,
-    Basis.SECTIONS,
-    Basis.LINE,
-    Basis.CIRCUITS,
-    Basis.FLUID,
+    AssumedBasis.CONTACT_LENGTH,
+    AssumedBasis.NOMINAL_DIAMETER,
+    AssumedBasis.MATERIALS,
+    AssumedBasis.GAPS,
+    AssumedBasis.OPERATING_POINT,
+    AssumedBasis.SECTIONS,
+    AssumedBasis.LINE,
+    AssumedBasis.CIRCUITS,
+    AssumedBasis.FLUID,
 }
-_SHARE = {*_FLOW, Basis.PUMP}
-_HELD = {*_SHARE, Basis.MOUNTING_CLEARANCE, Basis.LEAKS, Basis.CONSUMERS}
-_RESTS_ON: dict[RuleKind, set[Basis]] = {
-    RuleKind.WEAR: {Basis.MOUNTING_CLEARANCE, Basis.NOMINAL_DIAMETER},
-    RuleKind.CLEARANCE: {Basis.NOMINAL_DIAMETER},
-    RuleKind.PAIR_SHARE: {*_SHARE, Basis.MOUNTING_CLEARANCE},  # it is judged by its growth over new, too
-    RuleKind.TOTAL_SHARE: {*_SHARE, Basis.MOUNTING_CLEARANCE},
+_SHARE = {*_FLOW, AssumedBasis.PUMP}
+_HELD = {*_SHARE, AssumedBasis.MOUNTING_CLEARANCE, AssumedBasis.LEAKS, AssumedBasis.CONSUMERS}
+_RESTS_ON: dict[RuleKind, set[AssumedBasis]] = {
+    RuleKind.WEAR: {AssumedBasis.MOUNTING_CLEARANCE, AssumedBasis.NOMINAL_DIAMETER},
+    RuleKind.CLEARANCE: {AssumedBasis.NOMINAL_DIAMETER},
+    RuleKind.PAIR_SHARE: {*_SHARE, AssumedBasis.MOUNTING_CLEARANCE},  # it is judged by its growth over new, too
+    RuleKind.TOTAL_SHARE: {*_SHARE, AssumedBasis.MOUNTING_CLEARANCE},
     RuleKind.RESERVE: _HELD,
     RuleKind.CIRCUIT_LOSS: _HELD,
     RuleKind.BELOW_EXPECTED: _HELD,
-    RuleKind.PERMISSIBLE_PRESSURE: {*_HELD, Basis.PERMISSIBLE_PRESSURE},
+    RuleKind.PERMISSIBLE_PRESSURE: {*_HELD, AssumedBasis.PERMISSIBLE_PRESSURE},
 }  # the others are measured on both sides
 _OF_LANDS = {
-    Basis.MOUNTING_CLEARANCE: "mounting_clearance_um",
-    Basis.CONTACT_LENGTH: "contact_length_mm",
-    Basis.NOMINAL_DIAMETER: "nominal_diameter_mm",
+    AssumedBasis.MOUNTING_CLEARANCE: "mounting_clearance_um",
+    AssumedBasis.CONTACT_LENGTH: "contact_length_mm",
+    AssumedBasis.NOMINAL_DIAMETER: "nominal_diameter_mm",
 }
 _HARDLY_MATTERS = ("density_g_cm3", "density_slope_g_cm3_k")  # by which fluids differ by some percent
-_TABLES = {"pressures": Basis.SECTIONS}  # of a file whose name is not that of what rests on them
+_TABLES = {"pressures": AssumedBasis.SECTIONS}  # of a file whose name is not that of what rests on them
 
 
 def representative_bases(
@@ -75,7 +75,7 @@ def representative_bases(
     states: Iterable[LandClearance],
     *,
     uses_slip: bool,
-) -> tuple[Basis, ...]:
+) -> tuple[AssumedBasis, ...]:
     """Return which representative values some rules rest on, each once.
 
     Parameters
@@ -96,25 +96,27 @@ def representative_bases(
     tables = {_TABLES.get(each.table, each.table) for each in values if each.table != "pump" or each.value in of_pump}
     own_points = entry.operating_points if entry else ()
     points = {point.name for point in own_points if point.evidence is Evidence.REPRESENTATIVE}
-    bases: set[Basis] = set()
+    bases: set[AssumedBasis] = set()
     for rule, lands in rules:
         rests_on = _RESTS_ON.get(rule.kind, set())
         if rule.kind is RuleKind.CLEARANCE and any(land.key in without_sleeve for land in lands):
-            rests_on = {*rests_on, Basis.MOUNTING_CLEARANCE}
+            rests_on = {*rests_on, AssumedBasis.MOUNTING_CLEARANCE}
         if rule.condition is None and rule.kind is RuleKind.PERMISSIBLE_PRESSURE:  # gauges or a log measured it
-            rests_on = {Basis.PERMISSIBLE_PRESSURE}
+            rests_on = {AssumedBasis.PERMISSIBLE_PRESSURE}
         for basis in rests_on - bases:
             if basis in _OF_LANDS:
-                unknown = [each for each in lands if basis is not Basis.NOMINAL_DIAMETER or each.key not in whole]
+                unknown = [
+                    each for each in lands if basis is not AssumedBasis.NOMINAL_DIAMETER or each.key not in whole
+                ]
                 rests = any(_OF_LANDS[basis] in each.representative for each in unknown)
-            elif basis is Basis.FLUID:
+            elif basis is AssumedBasis.FLUID:
                 rests = any(value not in _HARDLY_MATTERS for value in fluid.representative)
-            elif basis is Basis.OPERATING_POINT:
+            elif basis is AssumedBasis.OPERATING_POINT:
                 rests = bool(points) if rule.condition is None else rule.condition.like in points  # gauges: at several
             else:
                 rests = basis in tables
             bases |= {basis} if rests else set()
-    return tuple(basis for basis in Basis if basis in bases)
+    return tuple(basis for basis in AssumedBasis if basis in bases)
 
 
 def _of_pump(controller: Controller, uses_slip: bool) -> set[str]:

@@ -25,7 +25,7 @@ import numpy as np
 
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.engine.restrictions import Branch, Gap, Orifice, Restriction, leaks_both_ways
+from atleak.engine.restrictions import Branch, GapBranch, Orifice, Restriction, leaks_both_ways
 from atleak.equations import orifice as orifice_equations
 
 BALANCED = 1e-9  # mass balance of every circuit, over the largest flow of its network
@@ -189,8 +189,8 @@ class _Structure:
         branches = [
             each for each in network.branches if {each.high.section, each.low.section} & touched or each.into in touched
         ]
-        gaps = [each for each in branches if isinstance(each.restriction, Gap)]
-        holes = [each for each in branches if not isinstance(each.restriction, Gap)]
+        gaps = [each for each in branches if isinstance(each.restriction, GapBranch)]
+        holes = [each for each in branches if not isinstance(each.restriction, GapBranch)]
         self.branches = [*gaps, *holes, *network.feeds]
         self.gaps, self.others = len(gaps), len(branches)  # how many stand first: gaps, and all but feeds
         self.ends = [(self.rows[each.high.section], self.rows[each.low.section]) for each in self.branches]
@@ -248,7 +248,7 @@ class _Columns:
     shape: tuple[int, ...]
     size: int
     pressures: np.ndarray  # [Pa], shape (pressures, columns): changed in place until everything balances
-    gaps: Gap  # stacked, shapes (gaps, 1 or columns)
+    gaps: GapBranch  # stacked, shapes (gaps, 1 or columns)
     orifices: Orifice  # likewise, the feeds last
 
     @classmethod
@@ -269,7 +269,7 @@ class _Columns:
         for name, pressure in sections.items():
             pressures[structure.rows[name]] = np.maximum(np.broadcast_to(pressure, shape).reshape(-1), 0.0)
         stacked = [_stacked(each, shape) for each in numbers]
-        columns = cls(structure, shape, size, pressures, Gap(*stacked[:2]), Orifice(*stacked[2:]))
+        columns = cls(structure, shape, size, pressures, GapBranch(*stacked[:2]), Orifice(*stacked[2:]))
         columns.start_from_above()
         return columns
 
@@ -285,7 +285,7 @@ class _Columns:
             pressures.shape[1:],
             pressures.shape[1],
             pressures,
-            Gap(of(gaps.conductance), of(gaps.bend)),
+            GapBranch(of(gaps.conductance), of(gaps.bend)),
             Orifice(of(orifices.coefficient), of(orifices.transition)),
         )
 

@@ -19,12 +19,12 @@ import pandas as pd
 from pandas.api.indexers import BaseIndexer
 
 from atleak.measurements.events import Thresholds, engine_starts, gear_shifts
-from atleak.measurements.events.event import segments, within
+from atleak.measurements.events.event import segments, within_span
 from atleak.measurements.road_test import RoadTest, Segment
 
 SUSTAINED_SECONDS = 0.5  # of the running median: choice of this project
 SUSTAINED_SAMPLES = 5  # that it takes at least: choice of this project
-ROUNDING = 1e-12  # relative: values that differ by less are equal but for rounding
+_ROUNDING = 1e-12  # relative: values that differ by less are equal but for rounding
 _LIVELY = ("main_pressure", "converter_pressure", "engine_speed")  # channels whose noise the median is to take out
 
 
@@ -39,7 +39,7 @@ class Instant:
     sample: int  # of the log: the instant itself or, of a median, the sample that comes nearest to it
 
 
-def share_of(leakage: np.ndarray, capacity: np.ndarray) -> np.ndarray:
+def share_of_samples(leakage: np.ndarray, capacity: np.ndarray) -> np.ndarray:
     """Return leakage / pump capacity; NaN where the pump delivers nothing."""
     return leakage / np.where(capacity > 0.0, capacity, np.nan)
 
@@ -51,7 +51,7 @@ def first_largest(values: np.ndarray) -> int:
     1
     """
     most = float(values[np.nanargmax(values)])
-    return int(np.argmax(values >= most - ROUNDING * abs(most)))
+    return int(np.argmax(values >= most - _ROUNDING * abs(most)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,7 @@ class Extremes:
 
     @cached_property
     def _share(self) -> np.ndarray | None:
-        return None if self.pump_capacity is None else share_of(self.leakage, self.pump_capacity)
+        return None if self.pump_capacity is None else share_of_samples(self.leakage, self.pump_capacity)
 
     def _at(self, sample: int) -> Instant:
         flow = float(self.leakage[sample])
@@ -119,7 +119,7 @@ class Extremes:
     def _sustained(self, values: np.ndarray) -> Instant | None:
         if not np.isfinite(values).any():
             return None
-        clock = clock_of(self.time, self.segments, self.window)
+        clock = clock_at(self.time, self.segments, self.window)
         medians = running_median(values, clock, self.window)
         if not np.isfinite(medians).any():
             return None
@@ -127,9 +127,9 @@ class Extremes:
         near = np.flatnonzero(np.abs(clock - clock[middle]) <= 0.5 * self.window * (1.0 + 1e-9))
         near = near[np.isfinite(values[near])]
         capacity = None if self.pump_capacity is None else self.pump_capacity[near]
-        share = None if capacity is None else share_of(self.leakage[near], capacity)
+        share = None if capacity is None else share_of_samples(self.leakage[near], capacity)
         away = np.abs(values[near] - medians[middle])  # of an even number of samples two are as near
-        nearest = int(np.argmax(away <= away.min() + ROUNDING * abs(medians[middle])))
+        nearest = int(np.argmax(away <= away.min() + _ROUNDING * abs(medians[middle])))
         return Instant(
             time=float(self.time[middle]),
             leakage=float(np.median(self.leakage[near])),
@@ -181,7 +181,7 @@ def running_median(values: np.ndarray, clock: np.ndarray, window: float) -> np.n
     return rolling.median().to_numpy()
 
 
-def clock_of(time: np.ndarray, segments: Sequence[Segment], window: float) -> np.ndarray:
+def clock_at(time: np.ndarray, segments: Sequence[Segment], window: float) -> np.ndarray:
     """Return the stamps from zero on, with the segments so far apart that no window reaches from one into the next."""
     breaks = np.zeros(len(time))
     breaks[[segment.start_row for segment in segments]] = 1.0
@@ -212,7 +212,7 @@ class CountedSamples:
         self.time, self._segments = road_test.time, road_test.segments
         shifts = (event for event in gear_shifts(road_test) if event.duration < LASTING)
         cut_out = (*engine_starts(road_test), *shifts)
-        engine, out = road_test.values("engine_speed"), within(self.time, cut_out)
+        engine, out = road_test.values("engine_speed"), within_span(self.time, cut_out)
         if engine is not None:
             out |= engine < Thresholds.idle_low
         part, steps = np.zeros(len(self.time), int), np.zeros(len(self.time))
@@ -233,7 +233,7 @@ class CountedSamples:
 
     def smooth(self, values: np.ndarray) -> np.ndarray:
         """Return the median of half a second where there are samples enough for one; what is unknown stays so."""
-        clock = clock_of(self.time, self._segments, SUSTAINED_SECONDS)
+        clock = clock_at(self.time, self._segments, SUSTAINED_SECONDS)
         medians = running_median(values, clock, SUSTAINED_SECONDS)
         return np.where(np.isnan(values) | np.isnan(medians), values, medians)
 

@@ -18,7 +18,7 @@ from atleak.engine.operation import LINE, Operation, wanted
 _ROUNDING = 1e-9  # relative to the pump's flow: less than that is no flow
 
 
-class Kind(StrEnum):
+class FlowKind(StrEnum):
     """What fluid passes on its way from the pump."""
 
     PUMP = "pump"
@@ -33,15 +33,15 @@ class Kind(StrEnum):
     SUMP = "sump"
 
 
-SOURCES = frozenset({Kind.PUMP, Kind.BEYOND})
-ENDS = frozenset({Kind.SLIP, Kind.CONSUMER, Kind.LEFT, Kind.ELSEWHERE, Kind.SUMP})
+SOURCES = frozenset({FlowKind.PUMP, FlowKind.BEYOND})
+ENDS = frozenset({FlowKind.SLIP, FlowKind.CONSUMER, FlowKind.LEFT, FlowKind.ELSEWHERE, FlowKind.SUMP})
 
 
 @dataclass(frozen=True)
-class Place:
+class FlowPlace:
     """A place that fluid passes, named as in the controller's file."""
 
-    kind: Kind
+    kind: FlowKind
     name: str = ""  # of a section, circuit, leak or consumer; the component of a land
     land: int = 0  # of a component
     path: int = 0  # of a land that leaks in several ways: which of them
@@ -51,8 +51,8 @@ class Place:
 class Flow:
     """What flows from one place to the next."""
 
-    source: Place
-    target: Place
+    source: FlowPlace
+    target: FlowPlace
     flow: float  # [m³/s], never negative
 
 
@@ -63,20 +63,20 @@ class Flows:
     pressures: Mapping[str, float]  # [Pa] that every section and circuit holds
     flows: tuple[Flow, ...]
 
-    def into(self, place: Place) -> float:
+    def into(self, place: FlowPlace) -> float:
         """Return what flows into a place [m³/s]."""
         return sum(each.flow for each in self.flows if each.target == place)
 
-    def out_of(self, place: Place) -> float:
+    def out_of(self, place: FlowPlace) -> float:
         """Return what flows out of a place [m³/s]."""
         return sum(each.flow for each in self.flows if each.source == place)
 
 
 _PUMP, _SUMP, _LINE, _ELSEWHERE = (
-    Place(Kind.PUMP),
-    Place(Kind.SUMP),
-    Place(Kind.SECTION, LINE),
-    Place(Kind.ELSEWHERE),
+    FlowPlace(FlowKind.PUMP),
+    FlowPlace(FlowKind.SUMP),
+    FlowPlace(FlowKind.SECTION, LINE),
+    FlowPlace(FlowKind.ELSEWHERE),
 )
 
 
@@ -84,13 +84,13 @@ class _Sums:
     """Flows between places, added up."""
 
     def __init__(self) -> None:
-        self.flows: dict[tuple[Place, Place], float] = {}
+        self.flows: dict[tuple[FlowPlace, FlowPlace], float] = {}
 
-    def add(self, source: Place, target: Place, flow: float) -> None:
+    def add(self, source: FlowPlace, target: FlowPlace, flow: float) -> None:
         ends, flow = ((source, target), flow) if flow >= 0.0 else ((target, source), -flow)
         self.flows[ends] = self.flows.get(ends, 0.0) + flow
 
-    def missing_at(self, place: Place) -> float:
+    def missing_at(self, place: FlowPlace) -> float:
         """Return what leaves a place beyond what comes in [m³/s]."""
         return sum(flow * ((source == place) - (target == place)) for (source, target), flow in self.flows.items())
 
@@ -111,9 +111,9 @@ def flows_at(model: LeakageModel, point: OperatingPoint) -> Flows:
     sums = _Sums()
     for ends in (*_through(model, network, held.balance), *_fed(network, held.balance)):
         sums.add(*ends)
-    places = {place for ends in sums.flows for place in ends if place.kind is Kind.SECTION}
-    circuits = {Place(Kind.SECTION, circuit.id) for circuit in controller.circuits}
-    vented = {Place(Kind.SECTION, name) for name in network.vented}
+    places = {place for ends in sums.flows for place in ends if place.kind is FlowKind.SECTION}
+    circuits = {FlowPlace(FlowKind.SECTION, circuit.id) for circuit in controller.circuits}
+    vented = {FlowPlace(FlowKind.SECTION, name) for name in network.vented}
     for section in sorted(places - {_LINE} - circuits | places & vented, key=lambda place: place.name):
         missing = sums.missing_at(section)
         end = _SUMP if section in vented else _ELSEWHERE
@@ -122,16 +122,16 @@ def flows_at(model: LeakageModel, point: OperatingPoint) -> Flows:
     slip = min(float(model.pump.slip(held.main_pressure, viscosity)), supply)
     given = min(drawn, supply - slip)
     sums.add(_PUMP, _LINE, given)
-    sums.add(Place(Kind.BEYOND), _LINE, drawn - given)
-    sums.add(_PUMP, Place(Kind.SLIP), slip)
+    sums.add(FlowPlace(FlowKind.BEYOND), _LINE, drawn - given)
+    sums.add(_PUMP, FlowPlace(FlowKind.SLIP), slip)
     left = supply - slip - given
     for after_line in (False, True):
         flows = wanted(network, held.main_pressure, held.required, after_line=after_line)
         part = min(left / total, 1.0) if (total := float(sum(flows.values()))) > 0.0 else 0.0
         for name, flow in flows.items():
-            sums.add(_PUMP, Place(Kind.CONSUMER, name), part * float(flow))
+            sums.add(_PUMP, FlowPlace(FlowKind.CONSUMER, name), part * float(flow))
         left -= part * total
-    sums.add(_PUMP, Place(Kind.LEFT), left)
+    sums.add(_PUMP, FlowPlace(FlowKind.LEFT), left)
     least = _ROUNDING * max(supply, drawn)
     return Flows(
         MappingProxyType({name: float(pressure) for name, pressure in held.balance.pressures.items()}),
@@ -139,29 +139,29 @@ def flows_at(model: LeakageModel, point: OperatingPoint) -> Flows:
     )
 
 
-def _through(model: LeakageModel, network: Network, balance: Balance) -> Iterator[tuple[Place, Place, float]]:
+def _through(model: LeakageModel, network: Network, balance: Balance) -> Iterator[tuple[FlowPlace, FlowPlace, float]]:
     """Return the flows through every land and leak: from its section to it, and on from there."""
     gear = network.point.gear
     paths: Counter[LandKey] = Counter()
     lands = []
     for gap in model.gaps_in(gear):
-        lands.append(Place(Kind.LAND, *gap.key, paths[gap.key]))
+        lands.append(FlowPlace(FlowKind.LAND, *gap.key, paths[gap.key]))
         paths[gap.key] += 1
-    leaks = [Place(Kind.LEAK, leak.id) for leak in model.controller.leaks if gear in leak.gears]
+    leaks = [FlowPlace(FlowKind.LEAK, leak.id) for leak in model.controller.leaks if gear in leak.gears]
     for place, branch in zip([*lands, *leaks], network.branches, strict=True):
         flow = float(network.flow(branch, balance.pressures))
-        source = Place(Kind.SECTION, branch.high.section or LINE)
+        source = FlowPlace(FlowKind.SECTION, branch.high.section or LINE)
         target = _SUMP if branch.counts else _ELSEWHERE
         if not branch.counts and branch.into is not None:
-            target = Place(Kind.SECTION, branch.into)
+            target = FlowPlace(FlowKind.SECTION, branch.into)
         yield source, place, flow
         yield place, target, flow
 
 
-def _fed(network: Network, balance: Balance) -> Iterator[tuple[Place, Place, float]]:
+def _fed(network: Network, balance: Balance) -> Iterator[tuple[FlowPlace, FlowPlace, float]]:
     """Return what every circuit takes through each of its feeds, and what it relieves to the sump."""
     for circuit in network.controller.circuits:
-        place = Place(Kind.SECTION, circuit.id)
+        place = FlowPlace(FlowKind.SECTION, circuit.id)
         if circuit.id not in network.vented:
             yield place, _SUMP, float(balance.relief[circuit.id])
         taken = float(balance.feeds.get(circuit.id, 0.0))
@@ -171,6 +171,6 @@ def _fed(network: Network, balance: Balance) -> Iterator[tuple[Place, Place, flo
         most = sum(max(flow, 0.0) for flow in could)
         for feed, flow, backward in zip(feeds, could, back, strict=True):
             part = max(flow, 0.0) / most if most > 0.0 else 1.0 / len(feeds)
-            yield Place(Kind.SECTION, feed.high.section or LINE), place, (taken - sum(back)) * part + backward
+            yield FlowPlace(FlowKind.SECTION, feed.high.section or LINE), place, (taken - sum(back)) * part + backward
         if not feeds:  # supplied by the line without any resistance
             yield _LINE, place, taken

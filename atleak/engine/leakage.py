@@ -195,12 +195,12 @@ class GapLaw:
         density: Any,
         contact_length: Any,
         eccentricity_factor: Any = None,
-    ) -> restrictions.Gap:
+    ) -> restrictions.GapBranch:
         """Return a gap as a restriction of a network: its `flow` at any pressure drop, with the same arguments."""
         factors = (diameter, clearance, kinematic_viscosity, density, contact_length)
         eccentric = self.eccentricity_factor if eccentricity_factor is None else eccentricity_factor
         loss = 0.0 if self.linear else gap_equations.ENTRY_AND_EXIT_LOSS
-        return restrictions.Gap(*gap_equations.entry_loss_terms(*factors, loss, eccentric))
+        return restrictions.GapBranch(*gap_equations.entry_loss_terms(*factors, loss, eccentric))
 
     def entry_loss(
         self, pressure_drop: Any, clearance: Any, kinematic_viscosity: Any, density: Any, contact_length: Any
@@ -328,7 +328,7 @@ class LeakageModel:
         terms = self.law.restriction(*factors)
         stacked = np.broadcast_arrays(terms.conductance, terms.bend)
         rows = [row if row.ndim > 1 else row.tolist() for row in stacked]
-        restricted = (restrictions.Gap(*each) for each in zip(*rows, strict=True))
+        restricted = (restrictions.GapBranch(*each) for each in zip(*rows, strict=True))
         gaps = [
             (geometry.gap, restriction, geometry.drawn_from_pump)
             for geometry, restriction in zip(self._in_gear(condition.gear), restricted, strict=True)

@@ -111,7 +111,7 @@ _PART = 8192  # samples worked on at a time
 
 #: Of some samples: the balance of the circuits, what is drawn from the pump by the section or circuit that it leaves
 #: [m³/s], and by section where the drop of a gap is negative and leaks nothing; arrays of shape (samples,).
-Flows = tuple[Balance, dict[str, Any], dict[str, np.ndarray]]
+_Flows = tuple[Balance, dict[str, Any], dict[str, np.ndarray]]
 _Joined = tuple[Gap, bool, np.ndarray]  # gaps between the same two pressures: one for all, and their polynomials' sum
 
 
@@ -165,7 +165,7 @@ class CircuitLog:
 
     def parts(
         self, gear: int, samples: np.ndarray, main_pressure: np.ndarray, converter: np.ndarray, temperature: np.ndarray
-    ) -> Iterator[tuple[np.ndarray, Flows]]:
+    ) -> Iterator[tuple[np.ndarray, _Flows]]:
         """Solve some samples of one gear, in parts: yield which samples and what flows there.
 
         Parameters
@@ -182,14 +182,14 @@ class CircuitLog:
 
     def _flows(
         self, gear: int, joined: list[_Joined], main: np.ndarray, converter: np.ndarray, temperature: np.ndarray
-    ) -> Flows:
+    ) -> _Flows:
         model = self.model
         dynamic = model.dynamic_viscosity(temperature)
         density = model.fluid.density(temperature, model.profile.viscosity)
         kinematic = dynamic / density
         rises = np.ones((DEGREES, len(temperature)))
         powers(temperature, rises)
-        gaps = [(gap, restrictions.Gap(summed @ rises / dynamic), counts) for gap, counts, summed in joined]
+        gaps = [(gap, restrictions.GapBranch(summed @ rises / dynamic), counts) for gap, counts, summed in joined]
         for geometry in self.alone:
             if gear in geometry.gap.gears:
                 mean = geometry.effective_clearance(temperature)

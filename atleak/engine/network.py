@@ -26,7 +26,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.balance import Balance, balance
-from atleak.engine.restrictions import Branch, Gap, Orifice, Restriction, leaks_both_ways
+from atleak.engine.restrictions import Branch, GapBranch, Orifice, Restriction, leaks_both_ways
 from atleak.equations import fluid as fluid_equations
 from atleak.equations import orifice as orifice_equations
 
@@ -39,7 +39,7 @@ class Network:
 
     controller: Controller
     point: OperatingPoint
-    lands: tuple[Branch[Gap], ...]  # the gaps
+    lands: tuple[Branch[GapBranch], ...]  # the gaps
     leaks: tuple[Branch[Restriction], ...]  # rings and check balls
     feeds: tuple[Branch[Orifice], ...]  # each into the circuit that it feeds; only of circuits that are not vented
     solves: bool  # whether pressures follow from the balance; else circuits hold what they are set to, or fed with
@@ -96,7 +96,7 @@ class Network:
         leaks = [self.flow(branch, balance.pressures) for branch in self.leaks if branch.counts]
         return sum([*self._through(gaps, balance.pressures), *leaks]) + sum(balance.relief.values())
 
-    def _through(self, gaps: Sequence[Branch[Gap]], pressures: Mapping[str, Any]) -> Iterable[Any]:
+    def _through(self, gaps: Sequence[Branch[GapBranch]], pressures: Mapping[str, Any]) -> Iterable[Any]:
         """Return the flow of each gap [m³/s], of all at once where they are alike in shape."""
         drops = [branch.drop(pressures) for branch in gaps]
         drops = [
@@ -112,7 +112,7 @@ class Network:
         conductance, bend, drop = (
             column.reshape(len(gaps), *(1,) * (deepest - column.ndim), *column.shape[1:]) for column in stacked
         )
-        return list(Gap(conductance, bend).flow(drop))
+        return list(GapBranch(conductance, bend).flow(drop))
 
     def beside_lands(self, balance: Balance) -> Any:
         """Return the part of it that no land leaks [m³/s]: rings, check balls and what is relieved."""
@@ -123,7 +123,7 @@ class Network:
 def network(
     controller: Controller,
     point: OperatingPoint,
-    gaps: Iterable[tuple[catalogue.Gap, Gap, bool]],
+    gaps: Iterable[tuple[catalogue.Gap, GapBranch, bool]],
     kinematic_viscosity: Any,
     density: Any,
     *,
@@ -149,7 +149,7 @@ def network(
             if leak.viscosity is None:
                 restriction = Orifice(orifice_equations.orifice_leak(1.0, *measured, leak.density, density), SHARP)
             else:
-                restriction = Gap(orifice_equations.laminar_leak(1.0, *measured, leak.viscosity, viscosity))
+                restriction = GapBranch(orifice_equations.laminar_leak(1.0, *measured, leak.viscosity, viscosity))
             into = None if leak.into_sump else leak.low.section
             leaks.append(Branch(leak.high, leak.low, restriction, into, leak.into_sump))
     feeds = []

@@ -23,7 +23,7 @@ from atleak.catalogue.repairs import LandKey
 from atleak.engine.balance import Balance
 from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.network import Network
-from atleak.engine.restrictions import Branch, Gap
+from atleak.engine.restrictions import Branch, GapBranch
 
 LINE = "p_g"  # the section that supplies all others
 _EXACT = 1e-12  # of the pressure, or of the flow that is lacking: at which a search for the line pressure ends
@@ -97,7 +97,7 @@ class Operation:
     @cached_property
     def held(self) -> Held:
         """Return the line pressure that holds, and all pressures with it."""
-        return hold(self.network, self.point, self.model.pump, self.viscosity, self.demanded)
+        return held_pressure(self.network, self.point, self.model.pump, self.viscosity, self.demanded)
 
     def pressures(self, names: Iterable[str], shape: tuple[int, ...]) -> dict[str, np.ndarray]:
         """Return what the line, as p_g, and some circuits hold [Pa], arrays of a shape."""
@@ -144,7 +144,7 @@ def consumed(network: Network, main: Any, required: Any, *, after_line: bool | N
     return sum(wanted(network, main, required, after_line=after_line).values())
 
 
-def hold(
+def held_pressure(
     network: Network, point: OperatingPoint, pump: PumpFlow, dynamic_viscosity: Any, near: Balance | None = None
 ) -> Held:
     """Find the line pressure that holds in a network at an operating point, coming down from the required one.
@@ -314,7 +314,7 @@ class LandStates:
         return tuple(gap.key for gap in self.model.gaps_in(self.point.gear))
 
     @cached_property
-    def gaps(self) -> tuple[Branch[Gap], ...]:
+    def gaps(self) -> tuple[Branch[GapBranch], ...]:
         """Return the gaps of the network in every state at once: arrays of shape (states,)."""
         return self.network([dict.fromkeys(self.keys, state) for state in range(len(self.networks))]).lands
 
@@ -333,7 +333,7 @@ class LandStates:
         states = np.array([[choice.get(key, 0) for choice in choices] for key in self.keys], int)
         of_gap = np.arange(len(lands))[:, None]
         conductances, bends = (part[states, of_gap] if lands else () for part in self._numbers)
-        restricted = (Gap(*each) for each in zip(conductances, bends, strict=True))
+        restricted = (GapBranch(*each) for each in zip(conductances, bends, strict=True))
         return replace(
             self.networks[0],
             lands=tuple(land.with_restriction(each) for land, each in zip(lands, restricted, strict=True)),

@@ -19,7 +19,7 @@ class Restriction(Protocol):
 
 
 @dataclass(frozen=True)
-class Gap:
+class GapBranch:
     """An annular gap, or another laminar leak: `restricted_flow`."""
 
     conductance: Any  # [m³/(s Pa)]

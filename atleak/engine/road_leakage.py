@@ -22,11 +22,11 @@ from atleak.catalogue.operating_point import IDLE_SPEED, OperatingPoint
 from atleak.common.errors import Message, Place, RoadTestError
 from atleak.common.sentences import Name, Sentence, in_a_row
 from atleak.common.unit_systems import KPA, Quantity
-from atleak.engine.extremes import Extremes, Instant, first_largest, share_of, sustained_window
+from atleak.engine.extremes import Extremes, Instant, first_largest, share_of_samples, sustained_window
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.series import LeakageSeries, leakage_series
 from atleak.measurements.events import Thresholds, engine_starts
-from atleak.measurements.events.event import within
+from atleak.measurements.events.event import within_span
 from atleak.measurements.road_test import Channel, RoadTest
 
 
@@ -168,7 +168,7 @@ def said_of_samples(model: LeakageModel, samples: RoadSamples, hotter: int) -> I
         yield Message("warning", "no_engine_speed", text)
     elif no_delivery := int(np.count_nonzero((capacity <= 0.0) & (total > 0.0))):
         without = {"count": no_delivery, "samples": size}
-        if (share_of(total, capacity) >= 0.0).any():
+        if (share_of_samples(total, capacity) >= 0.0).any():
             text = Sentence(
                 "In {count} of {samples} samples the pump delivers nothing while pressure stands: no share can be "
                 "given there, and the largest share is that of the other samples.",
@@ -294,7 +294,7 @@ class RoadLeakage:
     @property
     def share(self) -> np.ndarray | None:
         """Return leakage / pump capacity of every sample; NaN where the pump stands."""
-        return None if self.pump_capacity is None else share_of(self.leakage, self.pump_capacity)
+        return None if self.pump_capacity is None else share_of_samples(self.leakage, self.pump_capacity)
 
     @property
     def instants(self) -> tuple[Instant, ...]:
@@ -355,7 +355,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     hotter = int(np.count_nonzero((samples.temperature > hottest(model)) & (samples.main > 0.0)))
     messages = [*said_of_assumed(road_test, assumed), *said_of_samples(model, samples, hotter)]
     starts = engine_starts(road_test)
-    starting = within(road_test.time, starts)
+    starting = within_span(road_test.time, starts)
     extremes, start = _extremes(road_test, samples, starting & samples.known, len(starts), messages)
     return RoadLeakage(
         road_test=road_test,

@@ -19,7 +19,7 @@ from atleak.common.sentences import Sentence
 
 POSITIVE, _NOT_NEGATIVE = Sentence("positive"), Sentence("zero or positive")
 # Those that a file or a person can state so that no equation holds; any other is named to programmers only.
-STATED: dict[str, Sentence] = {
+STATED_NAMES: dict[str, Sentence] = {
     name: name
     for name in (
         Sentence("area left for control pressure (A_1 - A_2W + A_3W)"),
@@ -99,7 +99,7 @@ def refuse(name: str, value: NDArray[np.float64], bad: NDArray[np.bool_], expect
     first = float(np.broadcast_to(value, bad.shape)[place])
     said = Sentence(
         "{name} must be {expected}, found {found}",
-        name=STATED.get(name, name),
+        name=STATED_NAMES.get(name, name),
         expected=expected,
         found=_with_unit(Sentence("{number:g}", number=first), unit),
     )

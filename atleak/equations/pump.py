@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from atleak.common.sentences import Sentence
-from atleak.equations._domain import STATED, not_negative, positive, refuse, result, values, within
+from atleak.equations._domain import STATED_NAMES, not_negative, positive, refuse, result, values, within
 from atleak.equations.gap import entry_loss_terms, restricted_flow
 
 #: Working pressure angle of a pump's involute gears where only their outlines are known [rad]: the usual 20°, choice of
@@ -289,7 +289,7 @@ def _base_pitch(working_diameter: Any, teeth: Any) -> Any:
 def _diameters(name: str, large: ArrayLike, other: str, small: ArrayLike) -> tuple[Any, Any]:
     """Return two diameters, the first above the second."""
     over, under = positive(name, large, "m"), positive(other, small, "m")
-    refuse(name, over, over <= under, Sentence("above the {other}", other=STATED.get(other, other)), "m")
+    refuse(name, over, over <= under, Sentence("above the {other}", other=STATED_NAMES.get(other, other)), "m")
     return over, under
 
 

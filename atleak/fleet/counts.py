@@ -26,10 +26,10 @@ from atleak.fleet.sums import (
     LandOverMileage,
     MileageClass,
     PairTrouble,
-    TemperatureClass,
+    TemperatureSums,
     VerdictCounts,
 )
-from atleak.fleet.visits import Lands, Visits
+from atleak.fleet.visits import Lands, UnitVisits
 
 _DECIDED_BY = ["decided_by_kind", "decided_by_component", "decided_by_land", "decided_by_circuit"]
 
@@ -125,7 +125,7 @@ def classes_of(mileages: np.ndarray, width: float) -> np.ndarray:
     return np.floor(mileages / width)
 
 
-def wear_over_mileage(visits: Visits, lands: Lands) -> tuple[LandOverMileage, ...]:
+def wear_by_mileage(visits: UnitVisits, lands: Lands) -> tuple[LandOverMileage, ...]:
     """Return the wear of every land of a valve body over mileage; all visits count."""
     mileage, unit = visits.rows["mileage_km"].to_numpy(float), visits.rows["unit"].to_numpy()
     width = class_width(mileage)
@@ -166,7 +166,7 @@ _CONDITION = ["name", "temperature_c", "engine_rpm", "gear"]
 _OF_CONDITIONS = (HASH, *_CONDITION, "label", "p_g_kpa", "p_g_held_kpa", "share_percent", "band")
 
 
-def temperatures_of(results: Results, controller: str, visits: Visits) -> tuple[TemperatureClass, ...]:
+def temperatures_of(results: Results, controller: str, visits: UnitVisits) -> tuple[TemperatureSums, ...]:
     """Return the classes of fluid temperature that the logs of a valve body's units pass through, the coldest first.
 
     Of every unit its last log counts.
@@ -175,12 +175,12 @@ def temperatures_of(results: Results, controller: str, visits: Visits) -> tuple[
     return tuple(_class(mine) for _, mine in rows.groupby(["temperature_low_c", "temperature_high_c"], sort=True))
 
 
-def _class(units: pd.DataFrame) -> TemperatureClass:
+def _class(units: pd.DataFrame) -> TemperatureSums:
     in_bands = units[list(_BAND_SECONDS)].sum()
     in_any = float(in_bands.sum())
     shares = {band: float(in_bands[f"{band}_s"] / in_any * PERCENT) for band in BANDS} if in_any else None
     in_part = float(units.loc[units["lands_measured"] < units["lands_total"], f"{Band.GREEN}_s"].sum())
-    return TemperatureClass(
+    return TemperatureSums(
         low_c=float(units["temperature_low_c"].iloc[0]),
         high_c=float(units["temperature_high_c"].iloc[0]),
         seconds=float(units["seconds"].sum()),
@@ -202,7 +202,7 @@ def _over_time(units: pd.DataFrame, column: str) -> float | None:
     return float((known[column] * known["seconds"]).sum() / seconds) if seconds else None
 
 
-def conditions_of(results: Results, controller: str, visits: Visits) -> tuple[ConditionSpread, ...]:
+def conditions_of(results: Results, controller: str, visits: UnitVisits) -> tuple[ConditionSpread, ...]:
     """Return the stated conditions over the units of a valve body of which anything was measured."""
     rows = _rows(results, "conditions", _OF_CONDITIONS, controller, visits, "counts")
     rows = rows[rows["lands_measured"] > 0]
@@ -229,7 +229,7 @@ def _conditions(rows: pd.DataFrame) -> Iterator[ConditionSpread]:
 
 
 def _rows(
-    results: Results, data_set: DataSet, columns: tuple[str, ...], controller: str, visits: Visits, which: str
+    results: Results, data_set: DataSet, columns: tuple[str, ...], controller: str, visits: UnitVisits, which: str
 ) -> pd.DataFrame:
     """Return the rows of a data set that are of the visits that count, in their order."""
     table = results.table(data_set, columns, [controller])

@@ -26,13 +26,13 @@ from atleak.common.damage import unexpected
 from atleak.common.errors import FleetError, InputError, Message, Place
 from atleak.common.sentences import Sentence
 from atleak.fleet.columns import ErrorKind, Rows
-from atleak.fleet.results import Results, Standing
+from atleak.fleet.results import Results, ResultStanding
 from atleak.fleet.rows import error_rows
 from atleak.fleet.units import FleetUnit
 from atleak.fleet.worker import BEGUN, OVERDUE, OtherVersionError, on_worker
 from atleak.version import __version__
 
-AHEAD = 2  # units at a worker: the one it works on, and the next
+_AHEAD = 2  # units at a worker: the one it works on, and the next
 TRIES_OVERDUE = 2  # of a unit that takes too long
 TRIES_ALONE = 2  # of a unit whose worker ended, after the one among others
 WRITTEN_EVERY = 20.0  # [s]
@@ -82,7 +82,7 @@ class Run:
     def __init__(
         self,
         units: Iterable[FleetUnit],
-        known: Mapping[str, Standing],
+        known: Mapping[str, ResultStanding],
         results: Results,
         client: Client,
         time_limit: float | None,
@@ -201,7 +201,7 @@ class Run:
     @property
     def _room(self) -> int:
         """Return how many units more can be handed out."""
-        return max(AHEAD * self._threads - len(self._under_way), 0)
+        return max(_AHEAD * self._threads - len(self._under_way), 0)
 
     def _draw(self) -> None:
         """Have as many units wait as can be handed out, or as are found among those known already within a moment."""

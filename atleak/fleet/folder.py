@@ -33,7 +33,7 @@ from atleak.common.sentences import Sentence, some
 from atleak.fleet.columns import DATA_SETS, PARTITION, DataSet, columns_of
 from atleak.version import __version__
 
-FORMAT = 1  # of the data sets
+_FORMAT = 1  # of the data sets
 _RUN, _LOCK = "run.json", "run.lock"
 _KIND = "atleak fleet"  # says in `run.json` whose folder it is
 _NOT_OURS = {".DS_Store", "Thumbs.db", "desktop.ini"}  # that systems put into any folder
@@ -53,7 +53,7 @@ def check_readable(folder: Path) -> None:
         problem = Sentence("holds no results of a fleet")
         expected = Sentence("the folder that 'atleak fleet run' was given for its results")
         raise FleetError(problem, place=Place(file=str(folder)), expected=expected)
-    if run["format"] > FORMAT:
+    if run["format"] > _FORMAT:
         raise _other_version(folder, run)
 
 
@@ -66,7 +66,7 @@ def check_version(folder: Path) -> None:
         naming both versions.
     """
     run = _run_of(folder)
-    if run is not None and (run["format"], run.get("atleak")) != (FORMAT, __version__):
+    if run is not None and (run["format"], run.get("atleak")) != (_FORMAT, __version__):
         raise _other_version(folder, run, Sentence("another folder, or --replace to begin anew"))
 
 
@@ -139,7 +139,7 @@ def write_run(folder: Path) -> None:
     OutputError
         it cannot be written.
     """
-    text = json.dumps({"kind": _KIND, "format": FORMAT, "atleak": __version__}, indent=2)
+    text = json.dumps({"kind": _KIND, "format": _FORMAT, "atleak": __version__}, indent=2)
     replace_file(folder / _RUN, f"{text}\n".encode())
 
 
@@ -163,7 +163,7 @@ def _run_of(folder: Path) -> dict[str, Any] | None:
 
 
 COMMITTING: tuple[DataSet, ...] = ("units", "errors")  # written last: by their parts those of the others count
-BESIDE: tuple[DataSet, ...] = tuple(each for each in DATA_SETS if each not in COMMITTING)
+BESIDE_UNITS: tuple[DataSet, ...] = tuple(each for each in DATA_SETS if each not in COMMITTING)
 _NOT_KNOWN = "not-known"  # in a folder's name, in the place of a valve body's id: no id has a hyphen
 _COLUMNS = "schema.parquet"  # without a row, for those who read a data set to which nothing was written yet
 _LONGEST = 200  # characters of a valve body's id
@@ -174,16 +174,16 @@ UNFINISHED = ".atleak-*.part"  # files of a process that ended in the midst of w
 
 
 @dataclass(frozen=True, order=True)
-class Part:
+class ResultPart:
     """A part of a data set; those of one batch have one name, and the name of a later batch sorts after it."""
 
     name: str
     folder: str  # of the valve body
     data_set: DataSet
 
-    def of(self, data_set: DataSet) -> Part:
+    def of(self, data_set: DataSet) -> ResultPart:
         """Return the part of another data set that was written with it."""
-        return Part(self.name, self.folder, data_set)
+        return ResultPart(self.name, self.folder, data_set)
 
     @property
     def controller(self) -> str | None:
@@ -218,10 +218,10 @@ def folder_of(controller: str | None) -> str:
     return f"{PARTITION}={name}"
 
 
-def parts_of(folder: Path, data_set: DataSet) -> list[Part]:
+def parts_of(folder: Path, data_set: DataSet) -> list[ResultPart]:
     """Return all parts of a data set that are there, whether they count or not."""
     found = (folder / data_set).glob(f"{PARTITION}=*/*.parquet")
-    return [Part(path.name, path.parent.name, data_set) for path in found if _NAME.fullmatch(path.name)]
+    return [ResultPart(path.name, path.parent.name, data_set) for path in found if _NAME.fullmatch(path.name)]
 
 
 def name_after(names: Collection[str]) -> str:
@@ -233,7 +233,7 @@ def name_after(names: Collection[str]) -> str:
     return f"part-{stamp.strftime(_STAMP)}Z-{secrets.token_hex(4)}.parquet"
 
 
-def write_part(folder: Path, part: Part, tables: Iterable[pa.Table], beside: Sequence[DataSet] = ()) -> None:
+def write_part(folder: Path, part: ResultPart, tables: Iterable[pa.Table], beside: Sequence[DataSet] = ()) -> None:
     """Write a part whole, or nothing of it.
 
     Parameters
@@ -271,12 +271,12 @@ def write_columns(folder: Path, data_set: DataSet, *, anew: bool) -> None:
     OutputError
         it cannot be written.
     """
-    part = Part(_COLUMNS, folder_of(None), data_set)
+    part = ResultPart(_COLUMNS, folder_of(None), data_set)
     if anew or not part.under(folder).is_file():
         write_part(folder, part, ())
 
 
-def read_part(folder: Path, part: Part, columns: Sequence[str]) -> tuple[pa.Table, tuple[DataSet, ...]]:
+def read_part(folder: Path, part: ResultPart, columns: Sequence[str]) -> tuple[pa.Table, tuple[DataSet, ...]]:
     """Read some columns of a part, and of which data sets a part was written with it.
 
     A column that an earlier version of atleak did not write is null.

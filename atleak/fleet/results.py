@@ -26,10 +26,10 @@ from atleak.common.errors import FleetError, OutputError, Place, reason_of
 from atleak.common.sentences import Sentence
 from atleak.fleet.columns import DATA_SETS, HASH, PARTITION, DataSet, Rows, columns_of
 from atleak.fleet.folder import (
-    BESIDE,
+    BESIDE_UNITS,
     COMMITTING,
     UNFINISHED,
-    Part,
+    ResultPart,
     check_free,
     check_readable,
     check_version,
@@ -51,7 +51,7 @@ _TRIES = 20  # at reading while a run puts other parts in place of those that we
 Counts = Sequence[bool]  # of the rows of a part of `units` or `errors`
 
 
-class Standing(NamedTuple):
+class ResultStanding(NamedTuple):
     """As what a unit stands in the results."""
 
     reference: str
@@ -76,7 +76,7 @@ class Results:
         self.folder = folder
         self._lock = lock
         self._made = made  # the folder was not there, and nothing is written to it yet
-        self._known: dict[Part, _Units] = {}  # a part never changes
+        self._known: dict[ResultPart, _Units] = {}  # a part never changes
 
     @classmethod
     def open(cls, folder: str | Path, *, for_writing: bool = False, replace: bool = False) -> Self:
@@ -152,13 +152,13 @@ class Results:
             if self._made:
                 remove_empty(self.folder)
 
-    def standing(self) -> dict[str, Standing]:
+    def standing(self) -> dict[str, ResultStanding]:
         """Return, by the hash of every unit that has a result or an error, as what it stands there."""
-        found: dict[str, Standing] = {}
+        found: dict[str, ResultStanding] = {}
         for part, counts in self._counting():
             units = self._known[part]
             standing = zip(units.references, units.groups, repeat(part.data_set == "errors"))
-            found.update(compress(zip(units.hashes, map(Standing._make, standing), strict=True), counts))
+            found.update(compress(zip(units.hashes, map(ResultStanding._make, standing), strict=True), counts))
         return found
 
     def done(self) -> set[str]:
@@ -221,11 +221,11 @@ class Results:
             naming the part that cannot be written, and why; nothing of these rows is kept.
         """
         name, rows = self._next_name(), _last_of_each(rows)
-        tables: dict[Part, list[pa.Table]] = {}
-        for data_set in (*BESIDE, *COMMITTING):
+        tables: dict[ResultPart, list[pa.Table]] = {}
+        for data_set in (*BESIDE_UNITS, *COMMITTING):
             for each in rows:
                 if data_set in each.tables:
-                    part = Part(name, folder_of(each.controller), data_set)
+                    part = ResultPart(name, folder_of(each.controller), data_set)
                     tables.setdefault(part, []).append(each.tables[data_set])
         self._commit(tables)
 
@@ -240,7 +240,9 @@ class Results:
         for parts in _to_rewrite(self._counting()):
             self._rewrite(parts)
         whole = set(parts_of(self.folder, "units"))
-        left_over = [part for each in BESIDE for part in parts_of(self.folder, each) if part.of("units") not in whole]
+        left_over = [
+            part for each in BESIDE_UNITS for part in parts_of(self.folder, each) if part.of("units") not in whole
+        ]
         self._remove(left_over)
         for data_set in DATA_SETS:
             for path in (self.folder / data_set).glob(f"*/{UNFINISHED}"):
@@ -259,7 +261,7 @@ class Results:
         if replace:
             for part in [part for data_set in COMMITTING for part in parts_of(self.folder, data_set)]:
                 _remove_counting(part.under(self.folder))
-            self._remove([part for data_set in BESIDE for part in parts_of(self.folder, data_set)])
+            self._remove([part for data_set in BESIDE_UNITS for part in parts_of(self.folder, data_set)])
         write_run(self.folder)
         for data_set in DATA_SETS:
             write_columns(self.folder, data_set, anew=replace)
@@ -267,7 +269,7 @@ class Results:
     def _next_name(self) -> str:
         return name_after([part.name for data_set in DATA_SETS for part in parts_of(self.folder, data_set)])
 
-    def _counting(self) -> list[tuple[Part, Counts]]:
+    def _counting(self) -> list[tuple[ResultPart, Counts]]:
         """Return every part of `units` and `errors`, the earliest first, and which of its rows count."""
         parts = sorted(part for data_set in COMMITTING for part in parts_of(self.folder, data_set))
         self._known = {part: self._known.get(part) or self._units_of(part) for part in parts}
@@ -279,7 +281,7 @@ class Results:
         counts = iter([of_hash[sha256] == of_reference[reference] == row for row, (sha256, reference) in pairs])
         return [(part, [next(counts) for _ in units.hashes]) for part, units in self._known.items()]
 
-    def _units_of(self, part: Part) -> _Units:
+    def _units_of(self, part: ResultPart) -> _Units:
         table, beside = self._read(part, [HASH, "reference", "group"])
         hashes, references, groups = (tuple(column.to_pylist()) for column in table.columns)
         return _Units(hashes, references, groups, beside)
@@ -302,20 +304,24 @@ class Results:
                 tables.append(table.append_column(schema.field(PARTITION), of_all).select(wanted.names))
         return pa.concat_tables(tables)
 
-    def _of(self, hashes: Collection[str] | None, counting: list[tuple[Part, Counts]]) -> list[tuple[Part, Counts]]:
+    def _of(
+        self, hashes: Collection[str] | None, counting: list[tuple[ResultPart, Counts]]
+    ) -> list[tuple[ResultPart, Counts]]:
         """Return the parts with, of what counts in them, the rows of some units alone; unless given, of all."""
         if hashes is None:
             return counting
         known = ((part, zip(counts, self._known[part].hashes, strict=True)) for part, counts in counting)
         return [(part, [yes and sha256 in hashes for yes, sha256 in rows]) for part, rows in known]
 
-    def _having(self, data_set: DataSet, counting: Iterable[tuple[Part, Counts]]) -> Iterator[tuple[Part, Counts]]:
+    def _having(
+        self, data_set: DataSet, counting: Iterable[tuple[ResultPart, Counts]]
+    ) -> Iterator[tuple[ResultPart, Counts]]:
         """Yield the parts of `units` or `errors` with which rows of a data set were written that count."""
         for part, counts in counting:
             if any(counts) and data_set in (part.data_set, *self._known[part].beside):
                 yield part, counts
 
-    def _rows(self, part: Part, counts: Counts, data_set: DataSet, columns: Sequence[str]) -> pa.Table:
+    def _rows(self, part: ResultPart, counts: Counts, data_set: DataSet, columns: Sequence[str]) -> pa.Table:
         """Return the rows of a data set that count, of the units in a part of `units` or `errors`."""
         table, _ = self._read(part.of(data_set), [HASH, *(name for name in columns if name != HASH)])
         if not all(counts):
@@ -323,7 +329,7 @@ class Results:
             table = table.filter(pc.is_in(table[HASH], value_set=hashes))
         return table
 
-    def _read(self, part: Part, columns: Sequence[str]) -> tuple[pa.Table, tuple[DataSet, ...]]:
+    def _read(self, part: ResultPart, columns: Sequence[str]) -> tuple[pa.Table, tuple[DataSet, ...]]:
         try:
             return read_part(self.folder, part, columns)
         except FileNotFoundError:
@@ -340,9 +346,9 @@ class Results:
         )
         return FleetError(damaged(error).problem, place=Place(file=str(path)), expected=expected)
 
-    def _commit(self, batch: Mapping[Part, Iterable[pa.Table]]) -> None:
+    def _commit(self, batch: Mapping[ResultPart, Iterable[pa.Table]]) -> None:
         """Write the parts of a batch, all or none of them; those by which the others count stand last in it."""
-        written: list[Part] = []
+        written: list[ResultPart] = []
         try:
             for part, tables in batch.items():
                 beside: list[DataSet] = []
@@ -356,23 +362,23 @@ class Results:
             self._remove(reversed(written))
             raise
 
-    def _rewrite(self, counting: Sequence[tuple[Part, Counts]]) -> None:
+    def _rewrite(self, counting: Sequence[tuple[ResultPart, Counts]]) -> None:
         """Write what counts of some parts of `units` or `errors` as one, with what belongs to them, and remove them."""
         first, _ = counting[0]
-        merged = Part(self._next_name(), first.folder, first.data_set)
+        merged = ResultPart(self._next_name(), first.folder, first.data_set)
         batch = {
             merged.of(data_set): self._all_rows(data_set, counting)
-            for data_set in (*BESIDE, merged.data_set)
+            for data_set in (*BESIDE_UNITS, merged.data_set)
             if any(self._having(data_set, counting))
         }
         self._commit(batch)
         self._remove(part for part, _ in counting)
 
-    def _all_rows(self, data_set: DataSet, counting: Iterable[tuple[Part, Counts]]) -> Iterator[pa.Table]:
+    def _all_rows(self, data_set: DataSet, counting: Iterable[tuple[ResultPart, Counts]]) -> Iterator[pa.Table]:
         for part, counts in self._having(data_set, counting):
             yield self._rows(part, counts, data_set, columns_of(data_set).names)
 
-    def _remove(self, parts: Iterable[Part]) -> None:
+    def _remove(self, parts: Iterable[ResultPart]) -> None:
         """Remove parts as far as that is possible: one that another program holds open stays, and does not count."""
         for part in parts:
             with contextlib.suppress(OSError):
@@ -396,14 +402,14 @@ def _last_of_each(rows: Sequence[Rows]) -> list[Rows]:
     return [each for each in rows if by_hash[each.input_sha256] is by_reference[each.reference] is each]
 
 
-def _to_rewrite(counting: Iterable[tuple[Part, Counts]]) -> Iterator[list[tuple[Part, Counts]]]:
+def _to_rewrite(counting: Iterable[tuple[ResultPart, Counts]]) -> Iterator[list[tuple[ResultPart, Counts]]]:
     """Yield the parts that are better written as one: several small ones, and any of which not every row counts."""
-    loose: dict[tuple[DataSet, str], list[tuple[Part, Counts]]] = {}
+    loose: dict[tuple[DataSet, str], list[tuple[ResultPart, Counts]]] = {}
     for part, counts in counting:
         if sum(counts) < _SMALL or not all(counts):
             loose.setdefault((part.data_set, part.folder), []).append((part, counts))
     for parts in loose.values():
-        group: list[tuple[Part, Counts]] = []
+        group: list[tuple[ResultPart, Counts]] = []
         for number, (part, counts) in enumerate(parts, 1):
             group.append((part, counts))
             if number == len(parts) or sum(sum(each) for _, each in group) >= _SMALL:

@@ -23,12 +23,12 @@ from atleak.fleet.counts import (
     groups_of,
     temperatures_of,
     troubles_of,
-    wear_over_mileage,
+    wear_by_mileage,
 )
 from atleak.fleet.groups import compared
 from atleak.fleet.results import Results
-from atleak.fleet.sums import LISTED, ErrorKind, FleetSummary, SummedUnit, ValveBody
-from atleak.fleet.visits import Lands, Visits, read_lands, read_visits
+from atleak.fleet.sums import LISTED, ErrorCount, FleetSummary, SummedUnit, ValveBody
+from atleak.fleet.visits import Lands, UnitVisits, read_lands, read_visits
 from atleak.version import __version__
 
 _MESSAGES = 5  # of errors of one kind that are told
@@ -88,7 +88,7 @@ def summed_up(
     )
 
 
-def _body(results: Results, controller: str, visits: Visits, lands: Lands) -> ValveBody:
+def _body(results: Results, controller: str, visits: UnitVisits, lands: Lands) -> ValveBody:
     units = visits.counted
     of_units = lands.at(visits.rows["counts"].to_numpy())
     counts, deciders = counts_of(units), deciders_of(units)
@@ -98,7 +98,7 @@ def _body(results: Results, controller: str, visits: Visits, lands: Lands) -> Va
         counts=counts,
         deciders=deciders,
         pairs=troubles_of(of_units, deciders, counts.judged),
-        wear=wear_over_mileage(visits, lands),
+        wear=wear_by_mileage(visits, lands),
         temperatures=temperatures_of(results, controller, visits),
         conditions=conditions_of(results, controller, visits),
         comparison=compared(units, of_units),
@@ -113,7 +113,7 @@ def _past(lands: Lands) -> np.ndarray:
     return past
 
 
-def _worst(units: pd.DataFrame, visits: Visits, listed: int) -> Iterator[SummedUnit]:
+def _worst(units: pd.DataFrame, visits: UnitVisits, listed: int) -> Iterator[SummedUnit]:
     """Yield the worst units: by verdict, how sure it is, and how many lands are to be replaced; then by share."""
     ranked = units.assign(
         rank=units["verdict"].map({str(verdict): verdict.rank for verdict in Verdict}).fillna(0),
@@ -148,7 +148,7 @@ def _or_none(value: Any) -> Any:
     return None if pd.isna(value) else value
 
 
-def _errors(results: Results, controller: str | None) -> Iterator[ErrorKind]:
+def _errors(results: Results, controller: str | None) -> Iterator[ErrorCount]:
     """Yield the kinds of errors; of one valve body's summary also of files whose valve body is not known."""
     rows = results.table("errors", ["name", "kind", "message", PARTITION]).to_pandas()
     if controller is not None:
@@ -157,7 +157,7 @@ def _errors(results: Results, controller: str | None) -> Iterator[ErrorKind]:
         mine = rows[rows["kind"] == kind].sort_values("name")
         if len(mine):
             first = mine.drop_duplicates("message").head(_MESSAGES)
-            yield ErrorKind(kind, len(mine), tuple(zip(first["name"], first["message"], strict=True)))
+            yield ErrorCount(kind, len(mine), tuple(zip(first["name"], first["message"], strict=True)))
 
 
 def _messages(rows: pd.DataFrame) -> Iterator[Message]:

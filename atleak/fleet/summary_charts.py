@@ -8,16 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from atleak.analysis.rates import Rate
-from atleak.common.style import LOOKS, OK_IN_PART, PAPER, SCREEN, Look, SignShape, look_of
+from atleak.common.style import LOOKS, OK_IN_PART, PAPER_INKS, SCREEN, Look, SignShape, look_of
 from atleak.common.unit_systems import PERCENT
 from atleak.common.verdicts import BANDS, FLAGGED, Band, Verdict
-from atleak.fleet.summary_words import NAME, FleetWords, within
+from atleak.fleet.summary_words import NAME, FleetWords, within_words
 from atleak.fleet.sums import (
     Difference,
     Group,
     LandOverMileage,
     PairTrouble,
-    TemperatureClass,
+    TemperatureSums,
     ValveBody,
     VerdictCounts,
     WearDifference,
@@ -33,10 +33,10 @@ def _mark(like: Look, marker: str, screen: str, paper: str) -> Look:
     return replace(like, marker=marker, screen=screen, fill=paper, line=paper)
 
 
-_DECIDING = replace(_mark(LOOKS[Verdict.OK], "diamond", SCREEN.ink, PAPER.ink), shape=_DIAMOND)
+_DECIDING = replace(_mark(LOOKS[Verdict.OK], "diamond", SCREEN.ink, PAPER_INKS.ink), shape=_DIAMOND)
 _MEANS = {
-    "in_the_mean": _mark(LOOKS[Verdict.OK], "circle", SCREEN.leakage, PAPER.leakage),
-    "at_same_mileage": replace(_DECIDING, screen=SCREEN.share, fill=PAPER.share),
+    "in_the_mean": _mark(LOOKS[Verdict.OK], "circle", SCREEN.leakage, PAPER_INKS.leakage),
+    "at_same_mileage": replace(_DECIDING, screen=SCREEN.share, fill=PAPER_INKS.share),
 }
 
 
@@ -131,7 +131,7 @@ class FleetCharts:
 
     def groups(self, groups: Sequence[Group]) -> RowChart:
         """Return which share of each group's units is at a verdict or past it; of too few units, words alone."""
-        names = [within(group.name, NAME) for group in groups]
+        names = [within_words(group.name, NAME) for group in groups]
         layers = [
             self._rates([group.counts.rates[level] for group in groups], level, names, lift=_MARKS[level])
             for level in FLAGGED
@@ -188,7 +188,7 @@ class FleetCharts:
     def _edges(self, ends: Sequence[Span], kind: str) -> list[Span]:
         return [(float(self.say.convert(low, kind)), float(self.say.convert(high, kind))) for low, high in ends]
 
-    def temperatures(self, classes: Sequence[TemperatureClass]) -> ClassChart:
+    def temperatures(self, classes: Sequence[TemperatureSums]) -> ClassChart:
         """Return share, main pressure, time in the bands of the share and units over the temperature of the fluid.
 
         What no log tells anything of is left out.
@@ -217,7 +217,7 @@ class FleetCharts:
             [field for field, shown in zip(fields, has, strict=True) if shown],
         )
 
-    def _bands(self, classes: Sequence[TemperatureClass]) -> Iterator[tuple[str, Look, list[float]]]:
+    def _bands(self, classes: Sequence[TemperatureSums]) -> Iterator[tuple[str, Look, list[float]]]:
         """Yield the parts of the time from below: green, green as far as it was measured, the other bands."""
         for band in BANDS:
             parts = [(each.bands_percent or {}).get(band, 0.0) for each in classes]

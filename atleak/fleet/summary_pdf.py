@@ -16,7 +16,7 @@ from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.sums import FleetSummary
 from atleak.measurements.job_card import Job
 from atleak.report.charts.drawing import shortened
-from atleak.report.charts.paper import drawn
+from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.pdf.blocks import joined, section_blocks
 from atleak.report.pdf.fonts import OwnFont
 from atleak.report.pdf.typesetting import common_data, compile_pdf, write_pictures
@@ -74,7 +74,7 @@ def write_summary_pdf(
     scale = 1.0 if DEPTHS[several].drawn else _LOW
 
     def draw(picture: Picture) -> str:
-        return drawn(picture.chart, say, scale=scale)
+        return drawn_on_paper(picture.chart, say, scale=scale)
 
     head = Job() if letterhead is None else letterhead.letterhead
     title, name = say("fleet_summary.title"), Path(summary.folder).name

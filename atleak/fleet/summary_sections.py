@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from atleak.common.verdicts import BANDS, FLAGGED, VERDICTS, Verdict
 from atleak.fleet.summary_charts import FleetCharts
 from atleak.fleet.summary_tables import Counted, FleetTables, by_trouble, counted_groups
-from atleak.fleet.summary_words import TERMS, FleetWords, called, within
+from atleak.fleet.summary_words import TERMS, FleetWords, called, within_words
 from atleak.fleet.sums import GroupComparison, ValveBody, WearDifference
 from atleak.report.charts.drawing import shortened
-from atleak.report.tables.section import Facts, Part, Picture, Points, Section, Text
+from atleak.report.tables.section import Facts, Picture, Points, Section, SectionPart, Text
 
-ROWS = 12  # most rows of valve bodies in a table
+_ROWS = 12  # most rows of valve bodies in a table
 _RATES = tuple(f"past_{level}" for level in FLAGGED)
 _UNIT_NAME = 48  # letters
 _ALL = 1_000_000
@@ -69,7 +69,7 @@ class FleetSections:
             *(self.temperatures(body), self.conditions(body), self.comparison(body)),
         ]
 
-    def _section(self, name: str, parts: Iterator[Part] | Sequence[Part], level: int = 2) -> Section:
+    def _section(self, name: str, parts: Iterator[SectionPart] | Sequence[SectionPart], level: int = 2) -> Section:
         return Section(name, self.say(f"fleet_summary.section_{name}"), tuple(parts), level)
 
     def _name(self, body: ValveBody) -> str:
@@ -103,14 +103,14 @@ class FleetSections:
         """Say how many units have which verdict, of all valve bodies and of each."""
         return self._section("verdicts", self._verdicts())
 
-    def _verdicts(self) -> Iterator[Part]:
+    def _verdicts(self) -> Iterator[SectionPart]:
         say, summary = self.say, self.summary
         if not summary.counts.units:
             yield Text(say("fleet_summary.no_units"))
             return
         rows = [Counted(None, None, summary.counts)]
         if len(summary.bodies) > 1:
-            rows += [Counted(body, None, body.counts) for body in summary.bodies[:ROWS]]
+            rows += [Counted(body, None, body.counts) for body in summary.bodies[:_ROWS]]
         named = [
             (say("fleet_summary.all_units") if row.body is None else self._name(row.body), row.counts) for row in rows
         ]
@@ -126,7 +126,7 @@ class FleetSections:
             table.only("body", "units", *(f"verdict_{level}" for level in by_level)),
         )
         yield table.only("body", "units", "judged", *_RATES)
-        yield from self._notes(self.say("fleet_summary.note_rates"), more_bodies=len(summary.bodies) - ROWS)
+        yield from self._notes(self.say("fleet_summary.note_rates"), more_bodies=len(summary.bodies) - _ROWS)
 
     def _notes(self, *notes: str, **more: int) -> Iterator[Text]:
         """Yield what is to be known of a table, and what is not in it."""
@@ -166,7 +166,7 @@ class FleetSections:
         """Say which pairs are flagged and to be replaced most often."""
         return self._section("pairs", self._pairs(body) if body.counts.judged else ())
 
-    def _pairs(self, body: ValveBody) -> Iterator[Part]:
+    def _pairs(self, body: ValveBody) -> Iterator[SectionPart]:
         say, depth = self.say, self.depth
         flagged = [pair for pair in body.pairs if pair.flagged.count or pair.deciding.count]
         if not flagged:
@@ -195,7 +195,7 @@ class FleetSections:
         """Say what decided the verdicts of flagged units."""
         return self._section("deciders", self._deciders(body) if self.depth.deciders else ())
 
-    def _deciders(self, body: ValveBody) -> Iterator[Part]:
+    def _deciders(self, body: ValveBody) -> Iterator[SectionPart]:
         if body.deciders:
             yield self.tables.deciders([body]).only("decided_by", "decided").first(self.depth.deciders)
             yield from self._notes(self.say("fleet_summary.note_deciders"))
@@ -205,7 +205,7 @@ class FleetSections:
         known = any(land.latest_percent for land in body.wear)
         return self._section("wear", self._wear(body) if known else ())
 
-    def _wear(self, body: ValveBody) -> Iterator[Part]:
+    def _wear(self, body: ValveBody) -> Iterator[SectionPart]:
         say, lands = self.say, [land for land in by_trouble(body) if land.classes][: self.depth.wear]
         if not lands:
             yield Text(say("fleet_summary.no_mileage"))
@@ -229,7 +229,7 @@ class FleetSections:
         """Say what the logs tell over temperature."""
         return self._section("temperatures", self._temperatures(body))
 
-    def _temperatures(self, body: ValveBody) -> Iterator[Part]:
+    def _temperatures(self, body: ValveBody) -> Iterator[SectionPart]:
         say, classes = self.say, body.temperatures
         if not any(each.units for each in classes):
             yield Text(say("fleet_summary.no_logs"))
@@ -251,7 +251,7 @@ class FleetSections:
         """Say what is at the stated conditions."""
         return self._section("conditions", self._conditions(body) if body.conditions else ())
 
-    def _conditions(self, body: ValveBody) -> Iterator[Part]:
+    def _conditions(self, body: ValveBody) -> Iterator[SectionPart]:
         yield self.tables.conditions([body]).only("condition", "share", "held", "required", "red")
         yield from self._notes(
             self.say("fleet_summary.note_conditions"), note_partly=max(at.partly for at in body.conditions)
@@ -263,7 +263,7 @@ class FleetSections:
         """Say what differs between the groups, and what cannot be told."""
         return self._section("comparison", self._comparison(body) if self.summary.by is not None else ())
 
-    def _comparison(self, body: ValveBody) -> Iterator[Part]:
+    def _comparison(self, body: ValveBody) -> Iterator[SectionPart]:
         comparison, say, by = body.comparison, self.say, self.words.heading()
         if comparison is None:
             yield Text(say("fleet_summary.one_group", by=by))
@@ -288,7 +288,7 @@ class FleetSections:
         yield from self._wear_compared(body, comparison)
         yield from _listed(self.words.messages(comparison.messages))
 
-    def _rates_compared(self, comparison: GroupComparison) -> Iterator[Part]:
+    def _rates_compared(self, comparison: GroupComparison) -> Iterator[SectionPart]:
         told = [each for each in comparison.verdicts if each.points and each.points.differs is not None]
         found = [each for each in told if each.points and each.points.differs]
         yield Text(self._differ("rates", len(found), len(told)), leads=bool(found))
@@ -300,7 +300,7 @@ class FleetSections:
         how = "differs" if found and what == "wear" else how
         return self.say(f"fleet_summary.{what}_{how}", found=found, count=told)
 
-    def _wear_compared(self, body: ValveBody, comparison: GroupComparison) -> Iterator[Part]:
+    def _wear_compared(self, body: ValveBody, comparison: GroupComparison) -> Iterator[SectionPart]:
         told = [each for each in comparison.lands if called(each) is not None]
         found = [each for each in told if called(each)]
         yield Text(self._differ("wear", len(found), len(told)), leads=bool(told))
@@ -322,7 +322,7 @@ class FleetSections:
 
     def _drawn_differences(
         self, body: ValveBody, found: Sequence[WearDifference], told: Sequence[WearDifference]
-    ) -> Iterator[Part]:
+    ) -> Iterator[SectionPart]:
         yield from _listed([self.words.difference_of_wear(body, each) for each in found[:3]])
         drawn = (found or told)[: self.depth.drawn]
         yield Picture(
@@ -338,7 +338,7 @@ class FleetSections:
         """List the flagged units, the worst first."""
         return self._section("worst", self._worst())
 
-    def _worst(self) -> Iterator[Part]:
+    def _worst(self) -> Iterator[SectionPart]:
         say, summary = self.say, self.summary
         listed = [unit for unit in summary.worst if unit.verdict.flagged][: self.depth.units]
         if not listed:
@@ -347,7 +347,7 @@ class FleetSections:
         table = self.tables.units().only(
             *("name", "told_by", "group", "mileage", "verdict", "decided_by", "lands_past")
         )
-        yield replace(table, rows=[replace(unit, name=within(unit.name, _UNIT_NAME)) for unit in listed]).filled
+        yield replace(table, rows=[replace(unit, name=within_words(unit.name, _UNIT_NAME)) for unit in listed]).filled
         flagged = sum(summary.counts.verdicts[verdict] for verdict in FLAGGED)
         yield from self._notes(self.say("fleet_summary.note_worst"), more_units=flagged - len(listed))
 
@@ -355,7 +355,7 @@ class FleetSections:
         """Say which files have no result, and why."""
         return self._section("errors", self._errors())
 
-    def _errors(self) -> Iterator[Part]:
+    def _errors(self) -> Iterator[SectionPart]:
         say, errors = self.say, self.summary.errors
         if not errors:
             yield Text(say("fleet_summary.no_errors"))
@@ -371,6 +371,6 @@ class FleetSections:
         return self._section("rests_on", (Facts(rows),), level)
 
 
-def _listed(items: Sequence[str]) -> Iterator[Part]:
+def _listed(items: Sequence[str]) -> Iterator[SectionPart]:
     if items:
         yield Points(items)

@@ -18,8 +18,14 @@ from atleak.fleet.summary_words import FleetWords, called, cumulated
 from atleak.fleet.sums import ConditionSpread, FleetSummary, LandOverMileage, ValveBody, VerdictCounts
 from atleak.report.tables.table import VERDICT, Column, Judged, Table
 
-_QUANTILES = ("quantile_5", "quantile_25", "median", "quantile_75", "quantile_95")  # `atleak.analysis.rates.PARTS`
-Of = str | Callable[[Any], Any]  # what a cell holds of its row, or the names that lead there from it, or its item
+_QUANTILES = (
+    "quantile_5",
+    "quantile_25",
+    "median",
+    "quantile_75",
+    "quantile_95",
+)  # `atleak.analysis.rates.SHOWN_QUANTILES`
+_Of = str | Callable[[Any], Any]  # what a cell holds of its row, or the names that lead there from it, or its item
 Bodies = Iterable[ValveBody]
 
 
@@ -40,7 +46,7 @@ class Counted(NamedTuple):
     mileage: Spread | None = None
 
 
-def counted(summary: FleetSummary) -> Iterator[Counted]:
+def _counted(summary: FleetSummary) -> Iterator[Counted]:
     """Yield the units of all valve bodies, of each, then of their groups: the valve bodies stand together."""
     yield Counted(None, None, summary.counts)
     yield from (Counted(body, None, body.counts) for body in summary.bodies)
@@ -71,7 +77,7 @@ class FleetTables:
         """Return the tables that have any row, in their order."""
         bodies = self.summary.bodies
         made = (
-            self.verdicts(counted(self.summary)),
+            self.verdicts(_counted(self.summary)),
             *(table(bodies) for table in (self.pairs, self.deciders, self.wear, self.latest)),
             *(table(bodies) for table in (self.temperatures, self.conditions, self.rates_compared)),
             self.wear_compared(bodies),
@@ -245,7 +251,7 @@ class FleetTables:
         rows = [Row(body, each) for body in bodies if body.comparison for each in body.comparison.lands]
         return self._table("wear_compared", columns, rows)
 
-    def units(self, group: Of | None = None) -> Table:
+    def units(self, group: _Of | None = None) -> Table:
         """Return the units, the worst first; unless it is given, with the group by which the summary is."""
         words, say = self.words, self.say
         told_by = tuple(map(self._text, ("serial", "vin", "number")))
@@ -284,20 +290,20 @@ class FleetTables:
     def _table(self, name: str, columns: Sequence[Column], rows: Sequence[Any]) -> Table:
         return Table(name, tuple(columns), rows, self.say, self.say(f"fleet_sheets.{name}"))
 
-    def _text(self, key: str, of: Of = "", words: str = "", **more: Any) -> Column:
+    def _text(self, key: str, of: _Of = "", words: str = "", **more: Any) -> Column:
         """Return a column of words."""
         notes = self.say.texts["fleet_notes"]
         note = notes.get("past" if key.startswith("past_") else key, "")
         return Column(key, words=words or self.say(f"fleet_columns.{key}"), of=_found(of or key), note=note, **more)
 
-    def _count(self, key: str, of: Of = "", words: str = "") -> Column:
+    def _count(self, key: str, of: _Of = "", words: str = "") -> Column:
         """Return a column of numbers of units, files, lands …."""
         return self._text(key, of, words, digits=0)
 
-    def _number(self, key: str, kind: str, of: Of, digits: int | None = None) -> Column:
+    def _number(self, key: str, kind: str, of: _Of, digits: int | None = None) -> Column:
         return self._text(key, of, kind=kind, digits=digits)
 
-    def _verdict(self, key: str, of: Of = "") -> Column:
+    def _verdict(self, key: str, of: _Of = "") -> Column:
         return self._text(key, of, kind=VERDICT, width=92)
 
     def _body(self) -> Column:
@@ -319,7 +325,7 @@ class FleetTables:
         note = " ".join(filter(None, (whole.note, about)))
         return Column(f"{whole.key}.{part}", words=words, of=of, note=note, **more)
 
-    def _rate(self, key: str, of: Of, words: str = "", *, whole: bool = True) -> Column:
+    def _rate(self, key: str, of: _Of, words: str = "", *, whole: bool = True) -> Column:
         """Return the column of a rate: how many, of how many unless that is elsewhere, per cent and its interval."""
         rate: Callable[[Any], Rate] = _found(of)
         made = self._text(key, lambda row: self.words.percent(rate(row)), words, words_of="percent")
@@ -330,7 +336,7 @@ class FleetTables:
         parts += [self._part(made, part, partial(_of_it, rate, name), kind="percent") for part, name in shares.items()]
         return replace(made, parts=tuple(parts))
 
-    def _spread(self, key: str, kind: str, of: Of, digits: int | None = None, *, ends: bool = True) -> Column:
+    def _spread(self, key: str, kind: str, of: _Of, digits: int | None = None, *, ends: bool = True) -> Column:
         """Return the column of a spread: of how many units, mean, quantiles, and its ends unless they are elsewhere."""
         spread: Callable[[Any], Spread | None] = _found(of)
         made = self._text(key, lambda row: self.words.spread(spread(row), kind, digits), words_of=kind)
@@ -339,7 +345,7 @@ class FleetTables:
         units = self._part(made, "units", partial(_of_it, spread, "units"), digits=0)
         return replace(made, parts=(units, *values))
 
-    def _difference(self, key: str, of: Of = "") -> Column:
+    def _difference(self, key: str, of: _Of = "") -> Column:
         """Return the column of a difference with both of its intervals, and whether it is one."""
         found = _found(of or key)
         made = self._text(key, lambda row: self.words.difference(found(row)))
@@ -368,7 +374,7 @@ class FleetTables:
 # --- what cells hold
 
 
-def _found(of: Of) -> Callable[[Any], Any]:
+def _found(of: _Of) -> Callable[[Any], Any]:
     """Return what finds a cell's value: by the names that lead there from a row or its item; None where one is none."""
     if callable(of):
         return of

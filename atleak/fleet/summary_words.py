@@ -216,8 +216,8 @@ class FleetWords:
         assert points is not None
         return self.say(
             text,
-            first=within(found.first, NAME),
-            second=within(self.second(found.second), NAME),
+            first=within_words(found.first, NAME),
+            second=within_words(self.second(found.second), NAME),
             points=self.points(points.value),
             interval=self.interval(points.low_of_all, points.high_of_all),
             **more,
@@ -225,7 +225,7 @@ class FleetWords:
 
     def sides(self, found: WearDifference) -> str:
         """Name both sides of a difference."""
-        first, second = (within(name, NAME) for name in (found.first, self.second(found.second)))
+        first, second = (within_words(name, NAME) for name in (found.first, self.second(found.second)))
         return self.say("fleet_summary.sides", first=first, second=second)
 
     def means(self, found: WearDifference) -> str:
@@ -247,7 +247,7 @@ class FleetWords:
         return [self.say.sentence(message.text) for message in messages]
 
 
-def within(text: str, most: int) -> str:
+def within_words(text: str, most: int) -> str:
     """Return a text of at most so many letters; an ellipsis stands for its middle, since names differ at their ends.
 
     >>> within("a/folder/unit_17.zip", 12)

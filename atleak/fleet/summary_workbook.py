@@ -25,7 +25,7 @@ from atleak.common.style import (
     HEADING,
     LOOKS,
     OK_IN_PART,
-    PAPER,
+    PAPER_INKS,
     Look,
     find_paper,
 )
@@ -38,7 +38,7 @@ from atleak.fleet.sums import FleetSummary, LandOverMileage, ValveBody
 from atleak.report.sheets.paging import LINE_OF_A_BOOK, row_height
 from atleak.report.tables.table import VERDICT, Column, Table
 from atleak.report.xlsx import report_workbook
-from atleak.report.xlsx.book import Book, span
+from atleak.report.xlsx.book import ReportBook, cell_span
 from atleak.report.xlsx.summary_page import SummaryPage
 
 _ROWS = 22  # that a chart takes, the free ones below it with them
@@ -71,7 +71,7 @@ class _Source(NamedTuple):
     def cells(self, key: str) -> str:
         """Return the cells of a column, as a chart refers to them."""
         at = next(number for number, column in enumerate(self.table.columns) if column.key == key)
-        return "=" + span(self.first, self.last, at, self.table.title)
+        return "=" + cell_span(self.first, self.last, at, self.table.title)
 
     def heading(self, key: str) -> str:
         """Return what stands over a column."""
@@ -84,7 +84,7 @@ _Made = tuple[Chart, str, str]  # with its title, and what it shows in words
 class WorkbookCharts:
     """The charts of a summary, from the sheets of its tables."""
 
-    def __init__(self, book: Book, words: FleetWords, tables: Sequence[Table]) -> None:
+    def __init__(self, book: ReportBook, words: FleetWords, tables: Sequence[Table]) -> None:
         self.book, self.words, self.say = book, words, words.say
         self._tables = {table.name: table for table in tables}
 
@@ -198,8 +198,8 @@ class WorkbookCharts:
 
     def _temperature(self, source: _Source, body: ValveBody, kind: str, low: float) -> _Made:
         say, chart = self.say, self._chart("scatter", "straight")
-        over, ink = {"categories": source.cells("temperature_middle")}, {"color": PAPER.ink}
-        colour = PAPER.pump if kind == "pressure" else PAPER.leakage
+        over, ink = {"categories": source.cells("temperature_middle")}, {"color": PAPER_INKS.ink}
+        colour = PAPER_INKS.pump if kind == "pressure" else PAPER_INKS.leakage
         for part, dash, width in _SPREAD:
             line = {"color": colour, "width": width, "dash_type": dash}
             name, values = say(f"fleet_parts.{part}"), source.cells(f"{kind}.{part}")
@@ -284,13 +284,13 @@ def write_summary_workbook(
     """
     size, say = find_paper(paper), wording(language, units)
     words = FleetWords(summary, say)
-    return report_workbook(lambda book: _Writer(Book(book, size, say), words).write(), say("fleet_summary.title"))
+    return report_workbook(lambda book: _Writer(ReportBook(book, size, say), words).write(), say("fleet_summary.title"))
 
 
 class _Writer:
     """Writes the sheets of one summary."""
 
-    def __init__(self, book: Book, words: FleetWords) -> None:
+    def __init__(self, book: ReportBook, words: FleetWords) -> None:
         self.book, self.words, self.say, self.summary = book, words, words.say, words.summary
         self.tables = FleetTables(words).all()
 

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
-from atleak.analysis.rates import PARTS, Rate, Spread
+from atleak.analysis.rates import SHOWN_QUANTILES, Rate, Spread
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import Message
 from atleak.common.unit_systems import PERCENT
@@ -115,7 +115,7 @@ class LandOverMileage:
 
 
 @dataclass(frozen=True)
-class TemperatureClass:
+class TemperatureSums:
     """What the logs of a valve body's units say between two temperatures; of every unit its last log counts.
 
     The means of all are weighted by time: an hour of one unit counts as an hour of another. The spreads are over units,
@@ -267,7 +267,7 @@ class SummedUnit:
 
 
 @dataclass(frozen=True)
-class ErrorKind:
+class ErrorCount:
     """The files of one kind of error."""
 
     kind: str  # refused, time limit, ended, fault
@@ -303,7 +303,7 @@ class ValveBody:
     deciders: tuple[Decider, ...]
     pairs: tuple[PairTrouble, ...]  # most often at *replace* first; every land that any unit has
     wear: tuple[LandOverMileage, ...]  # by component and land
-    temperatures: tuple[TemperatureClass, ...]  # rising
+    temperatures: tuple[TemperatureSums, ...]  # rising
     conditions: tuple[ConditionSpread, ...]  # as the valve body states them
     comparison: GroupComparison | None  # None where the summary is by nothing, or fewer than two groups have a unit
     messages: tuple[Message, ...]
@@ -323,7 +323,7 @@ class FleetSummary:
     not_stated: int  # units that state no group
     headings: tuple[str, ...]  # by which a summary of these results can be
     bodies: tuple[ValveBody, ...]  # with the most units first
-    errors: tuple[ErrorKind, ...]
+    errors: tuple[ErrorCount, ...]
     worst: tuple[SummedUnit, ...]  # the worst units first
     messages: tuple[Message, ...]
 
@@ -332,7 +332,7 @@ class FleetSummary:
         return next(body for body in self.bodies if body.controller == controller)
 
 
-_QUANTILES = [f"p{part * PERCENT:.0f}" for part in PARTS]
+_QUANTILES = [f"p{part * PERCENT:.0f}" for part in SHOWN_QUANTILES]
 _BESIDE = {Rate: ("percent",), Difference: ("differs",)}  # what a record says beside its fields
 _KEYS: Mapping[type, Mapping[str, str]] = {  # of those whose keys are not their fields: each key, and what has it
     VerdictCounts: {key: key for key in ("units", "judged", "verdicts", "decisions", "provisional", "ok_in_part",
@@ -379,7 +379,7 @@ def _fields(value: Any) -> dict[str, Any]:
             made[key] = _decided_by(of_it)
         elif isinstance(value, Spread) and name == "quantiles":
             made[key] = None if of_it is None else dict(zip(_QUANTILES, of_it, strict=True))
-        elif isinstance(value, ErrorKind) and name == "first":
+        elif isinstance(value, ErrorCount) and name == "first":
             made[key] = [{"name": file, "message": message} for file, message in of_it]
         else:
             made[key] = _record(of_it)

@@ -32,14 +32,14 @@ from atleak.catalogue.written_numbers import (
     written,
 )
 from atleak.common.errors import AtleakError, InputError, Message, Place, one_of, unknown
-from atleak.common.file_faults import together, validated
+from atleak.common.file_faults import faults_together, validated
 from atleak.common.sentences import Sentence
 from atleak.fleet.units import TABLE, FleetUnit, travelling
-from atleak.job.case import SLOTS, Case, Choice, SourceFile, pairs_of, with_log_choices, with_record
+from atleak.job.case import SLOTS, Case, CaseChoice, SourceFile, pairs_of, with_log_choices, with_record
 from atleak.job.zip_file import load_job
 from atleak.measurements.job_card import Job
 from atleak.readers.cells.sheet import Cell
-from atleak.readers.dates import Order, day_number, likely_order, sure_date
+from atleak.readers.dates import DateOrder, day_number, likely_order, sure_date
 from atleak.readers.logs import default_path, head_of_parquet, understand
 from atleak.readers.sheets.head_fields import written_mileage
 from atleak.readers.sheets.words import says_no, says_yes
@@ -80,7 +80,7 @@ class RowCells:
         return self._table.place(self._row, meaning)
 
     def _fault(self, meaning: str, problem: Sentence, expected: Sentence | None = None) -> None:
-        value = text_of(self.cell(meaning))
+        value = _text_of(self.cell(meaning))
         self.faults.append(InputError(problem, place=self.place(meaning), value=value, expected=expected))
 
     def refuse_more_cells_than_headings(self) -> None:
@@ -92,7 +92,7 @@ class RowCells:
             naming the first cell without a heading.
         """
         width = max((place + 1 for place, column in enumerate(self._table.columns) if column.heading), default=0)
-        more = [text for cell in self._row.cells[width:] if (text := text_of(cell))]
+        more = [text for cell in self._row.cells[width:] if (text := _text_of(cell))]
         if more and self._table.sheet is None:
             expected = Sentence("as many cells as headings, quotes around a text with the sign between columns")
             raise InputError(
@@ -104,7 +104,7 @@ class RowCells:
 
     def text(self, meaning: str) -> str | None:
         """Return a text; None where there is none."""
-        return text_of(self.cell(meaning)) or None
+        return _text_of(self.cell(meaning)) or None
 
     def one_of(self, meaning: str, known: Iterable[str]) -> str | None:
         """Return a word of a list, whatever its case."""
@@ -117,7 +117,7 @@ class RowCells:
     def number(self, meaning: str, asked: AskedNumber) -> float | None:
         """Return a number in the unit in which people are asked for it."""
         cell = self.cell(meaning)
-        if not (said := text_of(cell)):
+        if not (said := _text_of(cell)):
             return None
         if isinstance(cell, int | float) and not isinstance(cell, bool):
             said = written(float(cell), asked)  # a number as it is stored, which can be read in one way
@@ -152,12 +152,12 @@ class RowCells:
             return ()
         return pairs_of({name.strip(): value.strip() for name, _, value in parts})
 
-    def date(self, meaning: str, order: Order | None) -> dt.date | None:
+    def date(self, meaning: str, order: DateOrder | None) -> dt.date | None:
         """Return a date; of one that can be read in two ways the order tells which."""
         cell = self.cell(meaning)
         if isinstance(cell, dt.datetime):
             return cell.date()
-        if isinstance(cell, dt.date) or not (said := text_of(cell)):
+        if isinstance(cell, dt.date) or not (said := _text_of(cell)):
             return cell or None
         date = sure_date([said])
         if date is None and order is not None and (day := day_number(said, order)) is not None:
@@ -185,7 +185,7 @@ class RowCells:
             self._fault(meaning, Sentence("is a folder") if is_folder else Sentence("no such file"), _PATH)
         return found
 
-    def job(self, orders: Mapping[str, Order | None]) -> Job:
+    def job(self, orders: Mapping[str, DateOrder | None]) -> Job:
         """Return what the row says of the job, and of the rest what its record says.
 
         Raises
@@ -222,7 +222,7 @@ def placed(error: AtleakError, place: Place) -> InputError:
     return error if error.place.file == place.file else InputError(error.sentence, place=place)
 
 
-def text_of(cell: Cell) -> str:
+def _text_of(cell: Cell) -> str:
     """Return a cell as people read it: 3.0 is "3", a day has no time."""
     if isinstance(cell, float) and cell.is_integer():
         return str(int(cell))
@@ -246,7 +246,7 @@ def _is(kind: Callable[[Path], bool], path: Path) -> bool:
         return False
 
 
-def day_order(texts: Iterable[str]) -> Order | None:
+def day_order(texts: Iterable[str]) -> DateOrder | None:
     """Return the order of day and month in a column of dates, where a date over the 12th tells it; None else."""
     dates = [text for text in dict.fromkeys(texts) if text]
     orders = {likely_order([text], [None]) for text in dates if sure_date([text]) is not None and "/" in text}
@@ -283,7 +283,7 @@ class TableUnits:
         self._written = written_choices(defaults)
         chosen: dict[str, Any] = {name: travelling_choice(name, getattr(defaults, name), Path.cwd()) for name in SLOTS}
         self._defaults = replace(defaults, remember=False, **chosen)
-        self._chosen: dict[tuple[str, str], Choice] = {}
+        self._chosen: dict[tuple[str, str], CaseChoice] = {}
         remembered = default_path()
         self._remembered = remembered if remembered.exists() else None
 
@@ -303,7 +303,7 @@ class TableUnits:
     def labels(self) -> tuple[str, ...]:
         """Return the headings of all columns that are kept as labels, be it of rows alone that name a job file."""
         table = self.table
-        if not any(text_of(table.cell(row, "job_file")) for row in table.rows):
+        if not any(_text_of(table.cell(row, "job_file")) for row in table.rows):
             return table.labels
         return tuple(column.heading for column in table.columns if _is_label(column, every=True))
 
@@ -313,7 +313,7 @@ class TableUnits:
         for at, column in enumerate(self.table.columns):
             if column.meaning is not None or not column.heading:
                 continue
-            cells = [text_of(row.cells[at]) for row in self.table.rows[:_LOOKED_AT] if at < len(row.cells)]
+            cells = [_text_of(row.cells[at]) for row in self.table.rows[:_LOOKED_AT] if at < len(row.cells)]
             said = next((cell for cell in cells if cell in entries or (cell and file_at(self.path.parent, cell))), None)
             nearest = nearest_heading(column.heading)
             if said is None and nearest is None:
@@ -337,24 +337,24 @@ class TableUnits:
         seen: Counter[str] = Counter()
         keys = []
         for row in self.table.rows:
-            told = [text_of(self.table.cell(row, meaning)) for meaning in _IDENTIFIED_BY]
+            told = [_text_of(self.table.cell(row, meaning)) for meaning in _IDENTIFIED_BY]
             digest = hashlib.sha256(json.dumps(told).encode()).hexdigest()[:_KEY]
             seen[digest] += 1
             keys.append(digest if seen[digest] == 1 else f"{digest}-{seen[digest]}")
         return keys
 
     @cached_property
-    def _orders(self) -> Mapping[str, Order | None]:
+    def _orders(self) -> Mapping[str, DateOrder | None]:
         """Return, for every column of dates, whether day or month stands first where other rows tell it."""
-        return {name: day_order(text_of(self.table.cell(row, name)) for row in self.table.rows) for name in DATES}
+        return {name: day_order(_text_of(self.table.cell(row, name)) for row in self.table.rows) for name in DATES}
 
     def _unit(self, row: TableRow, key: str) -> FleetUnit:
         table = self.table
-        of_job_file = bool(text_of(table.cell(row, "job_file")))
+        of_job_file = bool(_text_of(table.cell(row, "job_file")))
         unit = FleetUnit(
             name=str(table.place(row)),
             reference=f"{TABLE}{self.path}#{key}",
-            group=text_of(table.cell(row, "group")) or None,
+            group=_text_of(table.cell(row, "group")) or None,
             labels=tuple(_labels(table, row, every=of_job_file)),
             choices=self._written,
         )
@@ -369,12 +369,12 @@ class TableUnits:
         except AtleakError as error:
             read.faults.append(placed(error, table.place(row)))
         if read.faults:
-            return replace(unit, case=None, job=None, job_file=None, fault=together(read.faults))
+            return replace(unit, case=None, job=None, job_file=None, fault=faults_together(read.faults))
         return unit
 
     def _case(self, read: RowCells, job: Job) -> Case:
         changes: dict[str, Any] = {name: read.file(name) for name in ("readings", "road_test", "pressures")}
-        if not any(text_of(read.cell(name)) for name in changes):
+        if not any(_text_of(read.cell(name)) for name in changes):
             raise InputError(Sentence("the row names nothing to diagnose"), place=read.place(), expected=_MEASURED)
         changes |= {name: self._choice(read, name) for name in SLOTS}
         changes |= {
@@ -396,7 +396,7 @@ class TableUnits:
         case = _recorded(case, job)
         return case if self._remembered is None else _with_remembered(case, self._remembered)
 
-    def _choice(self, read: RowCells, slot: str) -> Choice | None:
+    def _choice(self, read: RowCells, slot: str) -> CaseChoice | None:
         chosen = read.text(slot)
         if chosen is None:
             return None
@@ -409,7 +409,7 @@ class TableUnits:
         return self._chosen[slot, chosen]
 
 
-def travelling_choice(slot: str, chosen: Choice, folder: Path) -> Choice:
+def travelling_choice(slot: str, chosen: CaseChoice, folder: Path) -> CaseChoice:
     """Return a choice from the catalogue as it goes along with a unit: the id of a shipped entry, or a file's bytes.
 
     Parameters
@@ -468,7 +468,7 @@ def _recorded(case: Case, job: Job) -> Case:
 def _labels(table: UnitTable, row: TableRow, *, every: bool) -> Iterator[tuple[str, str]]:
     """Yield what stands in the table's own columns; beside a job file also what its record would have said."""
     for column, cell in zip(table.columns, row.cells, strict=False):
-        if _is_label(column, every=every) and (text := text_of(cell)):
+        if _is_label(column, every=every) and (text := _text_of(cell)):
             yield column.heading, text
 
 

@@ -35,7 +35,7 @@ _FIRST_MILEAGE = -1.0  # [km] of a visit without one, which comes before those w
 
 
 @dataclass(frozen=True)
-class Visits:
+class UnitVisits:
     """The rows of `units`, one for each visit, in the order of valve body, unit and time.
 
     Beside the columns of the data set they have ``unit``, a number of its own for each unit, ``label``, what it states
@@ -53,9 +53,9 @@ class Visits:
         """Return the visits that count, one for each unit."""
         return self.rows[self.rows["counts"]]
 
-    def of(self, controller: str) -> Visits:
+    def of(self, controller: str) -> UnitVisits:
         """Return the visits of one valve body."""
-        return Visits(self.rows[self.rows[PARTITION] == controller].reset_index(drop=True), self.headings, self.by)
+        return UnitVisits(self.rows[self.rows[PARTITION] == controller].reset_index(drop=True), self.headings, self.by)
 
     @cached_property
     def _hashes(self) -> pa.Array:
@@ -66,7 +66,7 @@ class Visits:
         return pc.fill_null(pc.index_in(hashes, value_set=self._hashes), -1).to_numpy()
 
 
-def read_visits(results: Results, *, by: str | None, controller: str | None) -> Visits:
+def read_visits(results: Results, *, by: str | None, controller: str | None) -> UnitVisits:
     """Read the rows of all units, or of those of one valve body.
 
     Raises
@@ -100,7 +100,7 @@ def read_visits(results: Results, *, by: str | None, controller: str | None) -> 
     any_measured = measured.groupby(rows["unit"]).transform("any")
     rows["counts"] = _last(rows, measured | ~any_measured)
     rows["last_log"] = _last(rows, rows["road_rows"].notna())
-    return Visits(rows, headings, heading)
+    return UnitVisits(rows, headings, heading)
 
 
 def _last(rows: pd.DataFrame, among: pd.Series) -> pd.Series:
@@ -159,7 +159,7 @@ class Lands:
         return Lands(self.keys, *(each[visits] for each in (self.measured, self.rank, self.repaired, self.wear)))
 
 
-def read_lands(results: Results, controller: str, visits: Visits) -> Lands:
+def read_lands(results: Results, controller: str, visits: UnitVisits) -> Lands:
     """Read the lands of one valve body."""
     frame = results.table("lands", _OF_LANDS, [controller])
     frame = frame.to_pandas().assign(visit=visits.places(frame[HASH]))

@@ -25,9 +25,9 @@ from atleak.analysis.record_doubts import with_sheet
 from atleak.common.damage import unexpected
 from atleak.common.errors import AtleakError, InputError
 from atleak.fleet.columns import Rows
-from atleak.fleet.rows import error_rows, rows_of
+from atleak.fleet.rows import error_rows, rows_of_unit
 from atleak.fleet.units import FleetUnit
-from atleak.job.case import Case, Choice, Reader, Slot
+from atleak.job.case import Case, CaseChoice, Reader, Slot
 from atleak.readers.logs import Understood, default_path, understand
 from atleak.version import __version__
 
@@ -119,7 +119,7 @@ class _Reader(Reader):
         remembered = default_path() if case.remember else None
         return understand(file.given, name=file.name, memory=self._memory, remembered=remembered, **case.log_choices)
 
-    def entry(self, slot: Slot, choice: Choice) -> Any:
+    def entry(self, slot: Slot, choice: CaseChoice) -> Any:
         """Return an entry as it was loaded before, where it is of the same bytes."""
         own = slot.own_file(choice)
         key = (slot.name, str(choice), "") if own is None else (slot.name, own.name, own.sha256)
@@ -131,7 +131,7 @@ class _Reader(Reader):
         return entry
 
 
-def evaluate(unit: FleetUnit, *, tries: int = 1, memory: int | None = None, folder: Path | None = None) -> Rows:
+def evaluate_unit(unit: FleetUnit, *, tries: int = 1, memory: int | None = None, folder: Path | None = None) -> Rows:
     """Return the rows of a unit: those of its diagnosis, or the one row that says why there is none; never raises.
 
     A unit for which the memory did not suffice is of the kind ``ended``, as one whose worker was ended for it.
@@ -153,7 +153,7 @@ def evaluate(unit: FleetUnit, *, tries: int = 1, memory: int | None = None, fold
             case, job = unit.opened(Path(unpacked))
             diagnosis = case.diagnose(_Reader(memory))
             job = with_sheet(job, diagnosis.readings) or job
-            return rows_of(unit, diagnosis, job, seconds=time.perf_counter() - begun, tries=tries)
+            return rows_of_unit(unit, diagnosis, job, seconds=time.perf_counter() - begun, tries=tries)
     except AtleakError as error:
         if isinstance(error, InputError):
             unit.name_within(error)
@@ -215,4 +215,4 @@ def on_worker(
         time.sleep(_OUT)
     with ended_after(time_limit, lambda: worker.log_event(OVERDUE, {"name": name, "worker": worker.address})):
         memory, folder = worker.memory_manager.memory_limit or None, Path(worker.local_directory)
-        return evaluate(pickle.loads(unit), tries=tries, memory=memory, folder=folder)
+        return evaluate_unit(pickle.loads(unit), tries=tries, memory=memory, folder=folder)

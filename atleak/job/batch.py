@@ -10,7 +10,7 @@ from atleak.analysis.record_doubts import record_doubts
 from atleak.common.damage import unexpected
 from atleak.common.errors import AtleakError, Message
 from atleak.common.files import replace_file
-from atleak.common.seals import Kind
+from atleak.common.seals import SealedKind
 from atleak.common.sentences import Sentence
 from atleak.common.style import DEFAULT_PAPER
 from atleak.common.verdicts import Verdict
@@ -24,7 +24,7 @@ from atleak.report.pdf import missing_characters, write_pdf
 from atleak.report.pdf.fonts import OwnFont
 from atleak.report.xlsx import write_workbook
 
-KINDS: dict[str, Kind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "record"}
+REPORT_KINDS: dict[str, SealedKind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "record"}
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def write_reports(
     folder
         where the reports go, named as their job files; two of one name are numbered.
     formats
-        any of `KINDS`.
+        any of `REPORT_KINDS`.
     font
         for characters that the bundled fonts of the PDF lack.
     progress

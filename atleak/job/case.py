@@ -120,7 +120,7 @@ class SourceFile:
             raise InputError(problem, place=Place(file=self.name)) from error
 
 
-Choice = str | SourceFile
+CaseChoice = str | SourceFile
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ class Slot:
     required: bool  # in a job file: an instrument may have been made in Python
     part: Part | None = None  # that an instrument measures
 
-    def own_file(self, choice: Choice) -> SourceFile | None:
+    def own_file(self, choice: CaseChoice) -> SourceFile | None:
         """Return the file behind a choice, where it is the user's own, which can change; None for a shipped one."""
         if isinstance(choice, SourceFile):
             return choice
@@ -166,12 +166,12 @@ class Case:
     readings: SourceFile | None = None  # the measuring sheet
     road_test: SourceFile | None = None  # the log
     pressures: SourceFile | None = None  # gauge readings of a standing vehicle; the sheet's own tab unless given
-    controller: Choice = "four_speed_2023"
-    fluid: Choice = "hipol_atf_iid"
+    controller: CaseChoice = "four_speed_2023"
+    fluid: CaseChoice = "hipol_atf_iid"
     fluid_state: FluidState | None = None  # None: nobody said; as its data are, fresh as a rule
-    limits: Choice = DEFAULT_LIMITS
-    spool_instrument: Choice = DEFAULT_SPOOL_INSTRUMENT
-    sleeve_instrument: Choice = DEFAULT_SLEEVE_INSTRUMENT
+    limits: CaseChoice = DEFAULT_LIMITS
+    spool_instrument: CaseChoice = DEFAULT_SPOOL_INSTRUMENT
+    sleeve_instrument: CaseChoice = DEFAULT_SLEEVE_INSTRUMENT
     profile: str = "workshop"
     options: Pairs = ()  # of the profile, where they differ from it
     temperature: float | None = None  # [°C]; None: the controller's first operating point
@@ -393,7 +393,7 @@ def _one_table(own: PressureTable | None, readings: Readings | None) -> Pressure
 class Reader:
     """Read every file of a job anew; the dashboard has one that keeps what it has read."""
 
-    def entry(self, slot: Slot, choice: Choice) -> Any:
+    def entry(self, slot: Slot, choice: CaseChoice) -> Any:
         """Load a controller, fluid, limit set or instrument by id, path or bytes.
 
         Raises

@@ -16,14 +16,14 @@ from atleak.common.damage import DAMAGE, is_own_fault, own_errors_only
 from atleak.common.errors import InputError
 from atleak.job.case import SLOTS, SourceFile
 from atleak.measurements.job_card import Job
-from atleak.readers.file_kinds import Table, table_kind
+from atleak.readers.file_kinds import TableKind, table_kind
 
 _PICTURES = (b"\x89PNG\r\n", b"\xff\xd8\xff")
 _TOML = re.compile(r"(\s*#.*\n|\s*\n)*\s*(\w+ *= *[\"'0-9\[]|\[\w+\])")
 _TOP = re.compile(r"^\[*([a-z_]+)[\].]|^([a-z_]+)\s*=", re.MULTILINE)
 
 
-class Kind(StrEnum):
+class FileKind(StrEnum):
     """What a file is; those of a job's own parts have the parts' names."""
 
     JOB = "job"
@@ -39,12 +39,17 @@ class Kind(StrEnum):
     PICTURE = "picture"
 
 
-_FOLDERS = {Kind.CONTROLLER: "controllers", Kind.FLUID: "fluids", Kind.LIMITS: "limits", Kind.INSTRUMENT: "instruments"}
-_TABLES = {Table.CONTROLLER: Kind.CONTROLLER_WORKBOOK}
+_FOLDERS = {
+    FileKind.CONTROLLER: "controllers",
+    FileKind.FLUID: "fluids",
+    FileKind.LIMITS: "limits",
+    FileKind.INSTRUMENT: "instruments",
+}
+_TABLES = {TableKind.CONTROLLER: FileKind.CONTROLLER_WORKBOOK}
 
 
 @own_errors_only(InputError, "file")
-def kind_of(file: SourceFile, controller: Controller) -> Kind:
+def kind_of(file: SourceFile, controller: Controller) -> FileKind:
     """Return what a file is: a job file, a job record, a picture, readings, a log, or an entry of the catalogue.
 
     Parameters
@@ -61,17 +66,17 @@ def kind_of(file: SourceFile, controller: Controller) -> Kind:
     """
     content = file.content
     if content.startswith(_PICTURES) or (content[:4] == b"RIFF" and content[8:12] == b"WEBP"):
-        return Kind.PICTURE
+        return FileKind.PICTURE
     if content.startswith(b"PK") and _holds_job(content):
-        return Kind.JOB
+        return FileKind.JOB
     named = _written_kind(file)
     if named is not None:
         return named
     table = table_kind(content, controller)
-    return _TABLES.get(table) or Kind(table)
+    return _TABLES.get(table) or FileKind(table)
 
 
-def slots_of(kind: Kind, entry: object) -> tuple[str, ...]:
+def slots_of(kind: FileKind, entry: object) -> tuple[str, ...]:
     """Return which choices of a job an entry of the catalogue can make: an instrument as many as it measures parts."""
     folder = _FOLDERS[kind]
     return tuple(
@@ -91,7 +96,7 @@ def _holds_job(content: bytes) -> bool:
         return False
 
 
-def _written_kind(file: SourceFile) -> Kind | None:
+def _written_kind(file: SourceFile) -> FileKind | None:
     """Return what a file of named values is, by the names at its head; None where it is no such file."""
     text = file.content[:200_000].decode("utf-8-sig", "replace")
     if text.lstrip().startswith("{"):
@@ -109,7 +114,7 @@ def _written_kind(file: SourceFile) -> Kind | None:
 
 
 @cache
-def _names() -> dict[Kind, frozenset[str]]:
+def _names() -> dict[FileKind, frozenset[str]]:
     """Return the names at the head of the files of each kind: of a job record, and of every shipped entry."""
     of_entries = {
         kind: frozenset(
@@ -119,4 +124,4 @@ def _names() -> dict[Kind, frozenset[str]]:
         )
         for kind, folder in _FOLDERS.items()
     }
-    return {Kind.RECORD: frozenset(Job.model_fields), **of_entries}
+    return {FileKind.RECORD: frozenset(Job.model_fields), **of_entries}

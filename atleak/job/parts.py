@@ -37,7 +37,7 @@ from atleak.measurements.job_card import (
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.version import __version__
 
-FORMAT: Literal[1] = 1
+JOB_FORMAT: Literal[1] = 1
 _RECORD_LIMIT = 16 << 20  # bytes
 
 
@@ -55,7 +55,7 @@ def _known_slot(name: str) -> str:
     return name
 
 
-class Condition(_Strict):
+class _Condition(_Strict):
     """The stated condition, in SI."""
 
     name: str
@@ -104,7 +104,7 @@ class Choices(_Strict):
     job: Job = Job()
     profile: str
     options: dict[str, bool | float | str] = {}
-    condition: Condition
+    condition: _Condition
     mileage: Annotated[float, Field(ge=0)] | None = None
     fluid_state: FluidState | None = None
     complaint: str | None = None
@@ -209,12 +209,12 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
     )
     log_choices = {**case.log_choices, "constants": dict(case.constants) or None}
     choices = Choices(
-        format=FORMAT,
+        format=JOB_FORMAT,
         atleak=__version__,
         job=job,
         profile=diagnosis.profile.name,
         options=diagnosis.profile.options,
-        condition=Condition(**asdict(diagnosis.projection.condition)),
+        condition=_Condition(**asdict(diagnosis.projection.condition)),
         mileage=case.mileage if diagnosis.mileage == head else diagnosis.mileage,
         readings=ReadingChoices(**case.sheet_choices, **measured) if "readings" in own else ReadingChoices(),
         fluid_state=None if diagnosis.fluid_state_assumed else diagnosis.fluid.state,
@@ -318,8 +318,8 @@ class JobFile:
 def _stated(data: Any, sheet: bytes | Path | None, name: str) -> Choices:
     """Return what ``job.json`` states, if it is of this format."""
     made = data.get("format") if isinstance(data, dict) else None
-    if made != FORMAT:
-        expected = Sentence("format {format}", format=FORMAT)
+    if made != JOB_FORMAT:
+        expected = Sentence("format {format}", format=JOB_FORMAT)
         problem = Sentence("job file of another format")
         raise InputError(problem, place=Place(file=name), value=made, expected=expected)
     if isinstance(sheet, bytes):
@@ -356,7 +356,7 @@ def _within(name: str, file: str) -> Sentence:
 def _is_newer(data: Mapping[str, Any]) -> bool:
     """Tell whether a newer atleak made a job: by its format, or by the version that it names."""
     made, version = data.get("format"), data.get("atleak")
-    if isinstance(made, int) and not isinstance(made, bool) and made > FORMAT:
+    if isinstance(made, int) and not isinstance(made, bool) and made > JOB_FORMAT:
         return True
     return isinstance(version, str) and _numbers(version) > _numbers(__version__)
 

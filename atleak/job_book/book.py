@@ -40,7 +40,7 @@ from atleak.job_book.tables import (
     search_words,
     visits,
 )
-from atleak.job_book.units import drop_empty, unit_of, visit_for
+from atleak.job_book.units import drop_empty, unit_of_job, visit_for
 from atleak.measurements.road_test import RoadTest
 from atleak.version import __version__
 
@@ -300,7 +300,7 @@ class Book:
         """
         with self.reading() as connection:
             row = self._row(connection, id)
-            called, unit = _called(row), unit_of(connection, row.visit)
+            called, unit = _called(row), unit_of_job(connection, row.visit)
             kept = connection.execute(
                 sa.select(job_files.c.slot, job_files.c.name, files.c.sha256, files.c.content)
                 .join(files, files.c.sha256 == job_files.c.sha256)

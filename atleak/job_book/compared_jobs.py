@@ -20,7 +20,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.parts import JobFile
 from atleak.job.zip_file import read_job_file
 from atleak.job_book.book import Book, open_book
-from atleak.job_book.tables import jobs, key_of, search_words
+from atleak.job_book.tables import jobs, key_of_row, search_words
 from atleak.report.tables.comparison import comparison_record
 from atleak.version import __version__
 
@@ -40,12 +40,12 @@ def named_job(book: Book, name: str) -> str:
     with book.reading() as connection:
         columns = jobs.c.id, jobs.c.number, jobs.c.customer, jobs.c.date
         found = connection.execute(sa.select(*columns).where(jobs.c.id == name)).all()
-        if not found and key_of(name):
+        if not found and key_of_row(name):
             words = sa.select(search_words.c.job).where(
-                search_words.c.field == "number", search_words.c.word == key_of(name)
+                search_words.c.field == "number", search_words.c.word == key_of_row(name)
             )
             numbered = connection.execute(sa.select(*columns).where(jobs.c.id.in_(words))).all()
-            found = [row for row in numbered if key_of(row.number) == key_of(name)]
+            found = [row for row in numbered if key_of_row(row.number) == key_of_row(name)]
             if len(name) >= _FEWEST:
                 start = name.lower()
                 near = jobs.c.id.between(start, start + _BEHIND)  # which the index of ids answers

@@ -18,12 +18,12 @@ import sqlalchemy as sa
 from sqlalchemy import exc
 
 from atleak.common.errors import BookError, Place, extra_installed
-from atleak.common.files import DATABASE_URL, PRIVATE, PRIVATE_FOLDER, home, made, replacing
+from atleak.common.files import DATABASE_URL, PRIVATE, PRIVATE_FOLDER, home, made_folder, replacing
 from atleak.common.sentences import Sentence
 from atleak.job_book.tables import REVISION, about, metadata
 from atleak.version import __version__
 
-FILE = "book.sqlite"
+_FILE = "book.sqlite"
 _BEFORE = ".before-"  # what is between a book's name and the revision of the tables that took the place of its own
 _BESIDE = ("", "-wal", "-shm")  # what the names of a book's three files end in
 _PACKAGE = Path(__file__).resolve().parents[1]
@@ -70,7 +70,7 @@ def database_url(url: str | None = None) -> sa.URL:
     """
     url = url or os.environ.get(DATABASE_URL)
     if not url:
-        return sa.URL.create("sqlite", database=_outside(made(home()) / FILE))
+        return sa.URL.create("sqlite", database=_outside(made_folder(home()) / _FILE))
     expected = Sentence("sqlite:///C:/folder/book.sqlite or postgresql://user:password@server/name")
     try:
         parsed = sa.make_url(url)
@@ -144,10 +144,10 @@ def opened_engine(url: sa.URL, *, a_copy: bool = False) -> sa.Engine:
 def _brought_up_elsewhere(engine: sa.Engine) -> sa.Engine:
     """Return the engine of a copy of an earlier book that may only be read: today's tables, to be read likewise."""
     folder = tempfile.mkdtemp(prefix="atleak-book-")
-    url = sa.URL.create("sqlite", database=str(Path(folder) / FILE))
+    url = sa.URL.create("sqlite", database=str(Path(folder) / _FILE))
     try:
         with contextlib.closing(engine.raw_connection()) as source:
-            copy_file(source.driver_connection, Path(folder) / FILE)
+            copy_file(source.driver_connection, Path(folder) / _FILE)
         opened_engine(url, a_copy=True).dispose()
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)

@@ -26,8 +26,8 @@ from atleak.job_book.database import in_words, kept_before
 from atleak.job_book.merges import lead, root_of
 from atleak.job_book.plain_files import PlainLog, plain_gauges, plain_log, plain_sheet
 from atleak.job_book.search import Query
-from atleak.job_book.tables import job_files, jobs, key_of, metadata, results, units, visits
-from atleak.job_book.units import drop_empty, rows_of_unit, unit_key, unit_of
+from atleak.job_book.tables import job_files, jobs, key_of_row, metadata, results, units, visits
+from atleak.job_book.units import drop_empty, rows_of_unit, unit_key, unit_of_job
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.job_card import Job
 
@@ -220,11 +220,11 @@ def jobs_of_customer(book: Book, customer: str) -> list[JobRow]:
 
     Case, spaces and signs do not count; the beginning of a name is not enough.
     """
-    wanted = key_of(customer)
+    wanted = key_of_row(customer)
     if not wanted:
         return []
     near = book.rows(Query(customer=customer, archived=None, limit=None))
-    return [row for row in near if wanted in (key_of(row.customer), key_of(_customer_number(book, row)))]
+    return [row for row in near if wanted in (key_of_row(row.customer), key_of_row(_customer_number(book, row)))]
 
 
 def _customer_number(book: Book, row: JobRow) -> str:
@@ -240,7 +240,7 @@ def same_vehicle(book: Book, ids: Collection[str]) -> list[JobRow]:
 
 def _keys_of(row: JobRow) -> set[tuple[str, str]]:
     texts = {"vin": row.vin, "plate": row.plate, "serial": row.serial}
-    return {(name, key_of(text)) for name, text in texts.items() if key_of(text)}
+    return {(name, key_of_row(text)) for name, text in texts.items() if key_of_row(text)}
 
 
 def erase(book: Book, ids: Sequence[str], *, delete: bool = False) -> list[Erased]:
@@ -362,7 +362,7 @@ def _keep_together(book: Book, connection: sa.Connection, ids: Sequence[str]) ->
     found = [connection.execute(sa.select(jobs.c.visit).where(jobs.c.id == id)).scalar_one() for id in ids]
     if not found:
         return
-    first, *others = dict.fromkeys(root_of(connection, book, unit_of(connection, visit)) for visit in found)
+    first, *others = dict.fromkeys(root_of(connection, book, unit_of_job(connection, visit)) for visit in found)
     for other in others:
         lead(connection, other, first)
 

@@ -23,7 +23,7 @@ from atleak.job_book.book import PICTURE, Book
 from atleak.job_book.tables import decisions, job_files, jobs, lands, visits
 from atleak.job_book.units import final_unit
 
-TABLES = ("jobs", "lands", "decisions")
+_TABLES = ("jobs", "lands", "decisions")
 FORMS = ("csv", "parquet")
 _OF_ATLEAK = ("atleak",)  # what of a job's choices another version of atleak changes by itself
 _MANY = 500  # ids in one statement
@@ -136,7 +136,7 @@ def export_paths(book: Book, ids: Sequence[str]) -> dict[str, Path]:
     with book.reading() as connection:
         numbers = {row.id: row.number for row in connection.execute(sa.select(jobs.c.id, jobs.c.number))}
     of_jobs = {id: Path(job_file_name(id, numbers.get(id, ""))) for id in ids}
-    return {**of_jobs, **{f"{name}.{form}": Path("tables") / f"{name}.{form}" for name in TABLES for form in FORMS}}
+    return {**of_jobs, **{f"{name}.{form}": Path("tables") / f"{name}.{form}" for name in _TABLES for form in FORMS}}
 
 
 # --- in

@@ -13,7 +13,7 @@ import sqlalchemy as sa
 from atleak.common.errors import BookError, Place
 from atleak.common.sentences import Sentence, in_a_row
 from atleak.job_book.book import Book
-from atleak.job_book.tables import jobs, key_of, units, visits
+from atleak.job_book.tables import jobs, key_of_row, units, visits
 from atleak.job_book.units import drop_empty, final_unit, rows_of_unit, unit_key
 
 Reason = Literal["same_vin", "vin_within_one_character", "same_plate"]
@@ -225,7 +225,7 @@ def _units_seen(book: Book) -> dict[int, UnitSeen]:
             unit = seen.setdefault(row.unit, UnitSeen(row.unit))
             unit.jobs.append(row.id)
             for texts, text in ((unit.serials, row.serial), (unit.vins, row.vin), (unit.plates, row.plate)):
-                texts |= {key_of(text)} - {""}
+                texts |= {key_of_row(text)} - {""}
             unit.customers |= {row.customer} - {""}
     return seen
 

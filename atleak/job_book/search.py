@@ -9,7 +9,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from atleak.job_book.tables import jobs, key_of, search_words, visits
+from atleak.job_book.tables import jobs, key_of_row, search_words, visits
 from atleak.job_book.units import final_unit, rows_of_unit
 from atleak.measurements.job_card import Job
 
@@ -52,7 +52,10 @@ def search_words_of(record: Job) -> set[tuple[str, str]]:
         "serial": (record.transmission.serial,),
     }
     words = {
-        (field, key_of(word)) for field, several in texts.items() for text in several for word in (text, *text.split())
+        (field, key_of_row(word))
+        for field, several in texts.items()
+        for text in several
+        for word in (text, *text.split())
     }
     for field, whole in [*words]:
         if field in _KNOWN_BY_THEIR_END:
@@ -86,7 +89,7 @@ def _conditions(connection: sa.Connection, query: Query) -> Iterator[sa.ColumnEl
     asked = [("", word) for word in query.text.split()]
     asked += [(field, getattr(query, field)) for field in ("vin", "plate", "serial", "customer", "number")]
     for field, word in asked:
-        if start := key_of(word):
+        if start := key_of_row(word):
             found = _has_word(connection, field, start)
             is_id = not field and _is_controller(connection, word)
             yield sa.or_(jobs.c.controller == word, found) if is_id else found

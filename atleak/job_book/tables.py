@@ -63,7 +63,7 @@ def _id(name: str = "id") -> Column[int]:
     return Column(name, Integer, primary_key=True)
 
 
-def key_of(text: str) -> str:
+def key_of_row(text: str) -> str:
     """Return the letters and digits of what people write with blanks and dashes as they like, in upper case."""
     return "".join(letter for letter in text.upper() if letter.isalnum())[:80]
 

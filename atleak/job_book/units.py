@@ -11,12 +11,12 @@ from typing import Any
 import sqlalchemy as sa
 
 from atleak.job.parts import JobParts
-from atleak.job_book.tables import jobs, key_of, put_once, units, visits
+from atleak.job_book.tables import jobs, key_of_row, put_once, units, visits
 
 
 def unit_key(job_id: str, serial: str, vin: str, plate: str) -> str:
     """Return the key by which a job's unit is told; a serial or VIN without a digit, as "unknown", tells none."""
-    plate = key_of(plate)
+    plate = key_of_row(plate)
     return key_of_numbers(serial, vin) or (f"plate:{plate}" if plate else f"job:{job_id}")
 
 
@@ -27,7 +27,7 @@ def key_of_numbers(serial: str | None, vin: str | None) -> str | None:
     'vin:WDB2100611A'
     """
     numbers = {"serial": serial or "", "vin": vin or ""}
-    keys = {kind: key_of(text) for kind, text in numbers.items() if any(letter.isdigit() for letter in text)}
+    keys = {kind: key_of_row(text) for kind, text in numbers.items() if any(letter.isdigit() for letter in text)}
     return next((f"{kind}:{key}"[:80] for kind, key in keys.items() if key), None)
 
 
@@ -93,6 +93,6 @@ def rows_of_unit(unit: int) -> sa.Select[Any]:
     return sa.select(units.c.id).where((units.c.id == unit) | (units.c.merged_into == unit))
 
 
-def unit_of(connection: sa.Connection, visit: int) -> int:
+def unit_of_job(connection: sa.Connection, visit: int) -> int:
     """Return the unit of a visit, the one it leads to where it was merged."""
     return int(connection.execute(sa.select(final_unit()).where(visits.c.id == visit)).scalar_one())

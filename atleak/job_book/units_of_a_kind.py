@@ -1,7 +1,7 @@
 """Look across all units of one valve body: how wide each land is, what is flagged and replaced, how one unit stands.
 
 Of each unit the latest job with a measuring sheet counts, as the result stored with it has it; archived jobs and the
-shipped sample do not, and units that were merged are one. The database counts lands in steps of `STEP`, so that a book
+shipped sample do not, and units that were merged are one. The database counts lands in steps of `_STEP`, so that a book
 of 50 000 jobs gives back some thousand numbers instead of millions.
 """
 
@@ -15,14 +15,14 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from atleak.analysis.rates import ENOUGH_UNITS, PARTS
+from atleak.analysis.rates import ENOUGH_UNITS, SHOWN_QUANTILES
 from atleak.catalogue.repairs import LandKey
 from atleak.common.verdicts import FLAGGED
 from atleak.job_book.book import Book
 from atleak.job_book.tables import decisions, jobs, lands, visits
 from atleak.job_book.units import final_unit
 
-STEP = 0.1  # [µm] in which clearances are counted, well under what any gauge tells: choice of this project
+_STEP = 0.1  # [µm] in which clearances are counted, well under what any gauge tells: choice of this project
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class LandAcross:
     key: LandKey
     units: int  # that were measured
     flagged: int  # of them at *watch* or past it
-    clearances: tuple[float, ...]  # [m] at `PARTS` of the units
-    wear: tuple[float, ...]  # a fraction, at `PARTS` of the units; from each unit's own mounting clearance
+    clearances: tuple[float, ...]  # [m] at `SHOWN_QUANTILES` of the units
+    wear: tuple[float, ...]  # a fraction, at `SHOWN_QUANTILES` of the units; from each unit's own mounting clearance
     counted: tuple[tuple[float, int], ...] = field(repr=False)  # clearance [m] and units, rising
 
 
@@ -129,7 +129,7 @@ def across_units(book: Book, controller: str) -> AcrossUnits:
         where the database cannot be used.
     """
     latest = latest_jobs(controller)
-    step = sa.func.round(lands.c.radial_clearance_um / STEP)
+    step = sa.func.round(lands.c.radial_clearance_um / _STEP)
     over = sa.case((lands.c.verdict.in_([str(level) for level in FLAGGED]), 1), else_=0)
     group = (lands.c.component, lands.c.land, step, lands.c.mounting_clearance_um)
     counting = (
@@ -158,7 +158,7 @@ def _land(key: LandKey, rows: Iterable[Sequence[Any]]) -> LandAcross:
     wear: dict[float, int] = defaultdict(int)
     flagged = 0
     for steps, mounting, count, over in rows:
-        clearance = float(steps) * STEP
+        clearance = float(steps) * _STEP
         clearances[clearance * 1e-6] += count
         wear[clearance / mounting - 1.0] += count
         flagged += over
@@ -168,10 +168,10 @@ def _land(key: LandKey, rows: Iterable[Sequence[Any]]) -> LandAcross:
 
 
 def _quantiles(counted: Sequence[tuple[float, int]]) -> tuple[float, ...]:
-    """Return the values at `PARTS` of what was counted, each value with how often it is there, rising."""
+    """Return the values at `SHOWN_QUANTILES` of what was counted, each value with how often it is there, rising."""
     total = sum(count for _, count in counted)
     found, passed, place = [], 0, 0
-    for part in PARTS:
+    for part in SHOWN_QUANTILES:
         while place < len(counted) - 1 and passed + counted[place][1] < part * total:
             passed += counted[place][1]
             place += 1
@@ -202,12 +202,12 @@ def standing(book: Book, across: AcrossUnits, unit: int) -> tuple[Standing, ...]
     """
     latest = latest_jobs(across.controller)
     wanted = (
-        sa.select(lands.c.component, lands.c.land, sa.func.round(lands.c.radial_clearance_um / STEP))
+        sa.select(lands.c.component, lands.c.land, sa.func.round(lands.c.radial_clearance_um / _STEP))
         .join(latest, latest.c.job == lands.c.job)
         .where(latest.c.unit == unit, lands.c.measured)
     )
     with book.reading() as connection:
-        own = {(component, land): float(steps) * STEP * 1e-6 for component, land, steps in connection.execute(wanted)}
+        own = {(component, land): float(steps) * _STEP * 1e-6 for component, land, steps in connection.execute(wanted)}
     places = (_standing(land, own[land.key]) for land in across.lands if land.key in own)
     return tuple(sorted(places, key=lambda each: -each.part))
 

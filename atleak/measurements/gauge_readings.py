@@ -13,7 +13,7 @@ from atleak.catalogue.controller import Controller
 from atleak.common.errors import Message, Place
 from atleak.common.sentences import Name, Sentence
 
-LINE = "line"  # the tap of main pressure
+LINE_TAP = "line"  # the tap of main pressure
 TOGETHER = 30.0  # [s] by which line and tap may be read apart, and still be judged together: choice of this project
 RANGES: tuple[SelectorRange, ...] = get_args(SelectorRange)
 
@@ -50,19 +50,19 @@ _AT_FAST_IDLE = "its low limit at idle, for a pump that turns faster at the same
 
 
 @dataclass(frozen=True)
-class Cell:
+class GaugeCell:
     """One place of the table: a range of the selector lever, what the engine does, and where the gauge sits."""
 
     range: SelectorRange
     engine: Engine
-    tap: str = LINE  # or the id of a circuit
+    tap: str = LINE_TAP  # or the id of a circuit
 
 
 @dataclass(frozen=True)
 class GaugeReading:
     """One pressure as a gauge showed it."""
 
-    cell: Cell
+    cell: GaugeCell
     pressure: float  # [Pa]
     repeat: int = 1  # counts the readings of one cell in the order in which they were taken
     round: float | None = None  # the repeat or time as the table states it: one for all taps that were read together
@@ -88,7 +88,7 @@ class PressureTable:
     def taps(self) -> tuple[str, ...]:
         """Return the taps at which a gauge was read, the line's first."""
         taps = dict.fromkeys(reading.cell.tap for reading in self.readings)
-        return tuple(sorted(taps, key=lambda tap: tap != LINE))
+        return tuple(sorted(taps, key=lambda tap: tap != LINE_TAP))
 
     def line_beside(self, reading: GaugeReading) -> GaugeReading | None:
         """Return the line's reading in the same range and state that belongs to one of a tap; None without any.
@@ -96,7 +96,7 @@ class PressureTable:
         It is the nearest in time, and none where that is more than `TOGETHER` away; or the one of the same or nearest
         repeat; or the last, where neither is stated.
         """
-        lines = self.at(replace(reading.cell, tap=LINE))
+        lines = self.at(replace(reading.cell, tap=LINE_TAP))
         timed = [each for each in lines if each.time is not None]
         if reading.time is not None and timed:
             nearest = min(timed, key=lambda each: abs((each.time or 0.0) - (reading.time or 0.0)))
@@ -106,7 +106,7 @@ class PressureTable:
             return min(counted, key=lambda each: abs((each.round or 0.0) - (reading.round or 0.0)))
         return lines[-1] if lines else None
 
-    def at(self, cell: Cell) -> tuple[GaugeReading, ...]:
+    def at(self, cell: GaugeCell) -> tuple[GaugeReading, ...]:
         """Return the readings of one cell in the order in which they were taken; none where it was not measured."""
         return tuple(sorted((each for each in self.readings if each.cell == cell), key=lambda each: each.repeat))
 
@@ -152,26 +152,26 @@ def tap_name(controller: Controller, tap: str) -> str:
     circuit = circuit_at(controller, tap)
     if circuit is not None:
         return Name(circuit.name)
-    return Sentence("line") if tap == LINE else tap
+    return Sentence("line") if tap == LINE_TAP else tap
 
 
 def taps_of(controller: Controller) -> tuple[str, ...]:
     """Return every tap at which a gauge may sit: the line's, then those of the circuits."""
-    return (LINE, *(circuit.id for circuit in controller.circuits))
+    return (LINE_TAP, *(circuit.id for circuit in controller.circuits))
 
 
-def applied(controller: Controller, cell: Cell) -> bool:
+def applied(controller: Controller, cell: GaugeCell) -> bool:
     """Return whether the circuit of a cell is applied in its range; the line always is."""
     circuit = circuit_at(controller, cell.tap)
     return circuit is None or gear_in(cell.range, controller.gears) in circuit.gears
 
 
-def permitted(controller: Controller, cell: Cell) -> PermissiblePressure | None:
+def permitted(controller: Controller, cell: GaugeCell) -> PermissiblePressure | None:
     """Return between which pressures main pressure must lie in a cell; None where the file does not tell.
 
     A file that permits nothing at a fast idle of its own means that the low limit at idle holds there too.
     """
-    if cell.tap != LINE:
+    if cell.tap != LINE_TAP:
         return None
     gear = gear_in(cell.range, controller.gears)
     found = controller.permissible_in(cell.range, gear, cell.engine.state)

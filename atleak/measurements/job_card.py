@@ -103,7 +103,7 @@ def _file_name(name: str) -> str:
 
 
 CleanText = Annotated[str, BeforeValidator(_text)]
-Picture = Annotated[CleanText, AfterValidator(picture_name)]
+_Picture = Annotated[CleanText, AfterValidator(picture_name)]
 Kilometres = Annotated[float, _Asked(MILEAGE)]
 MeasuringCelsius = Annotated[float, _Asked(MEASURING_TEMPERATURE)]
 PumpSideMicrometres = Annotated[float, _Asked(PUMP_SIDE_CLEARANCE)]
@@ -134,7 +134,7 @@ class Workshop(Record):
     email: CleanText = ""
     website: CleanText = ""
     registration: CleanText = ""  # tax or trade register number
-    logo: Picture | None = None
+    logo: _Picture | None = None
 
 
 class Customer(Record):
@@ -193,11 +193,11 @@ class Scratch(Record):
     land: Annotated[int, Field(ge=1, le=9)] | None = None
     part: CleanText = ""
     description: CleanText = ""
-    photo: Picture | None = None
+    photo: _Picture | None = None
 
 
 class Photo(Record):
-    file: Picture
+    file: _Picture
     caption: CleanText = ""
     component: CleanText = ""
 

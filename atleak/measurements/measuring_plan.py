@@ -29,7 +29,7 @@ class Order(StrEnum):
 
 
 @dataclass(frozen=True)
-class Cell:
+class PlanCell:
     """One diameter to be measured: of a part in a plane, in a direction [°], and how often before."""
 
     component: str
@@ -66,17 +66,17 @@ class Plan:
         """Return whether a land is to be measured."""
         return not self.lands or land.key in self.lands
 
-    def of_land(self, land: Land) -> tuple[Cell, ...]:
+    def of_land(self, land: Land) -> tuple[PlanCell, ...]:
         """Return the cells that the plan asks of a land."""
         return tuple(
-            Cell(land.component, part, plane, angle, repeat)
+            PlanCell(land.component, part, plane, angle, repeat)
             for part in PARTS
             for plane in land.planes[: self.planes]
             for angle in self.angles()
             for repeat in range(1, self.repeats + 1)
         )
 
-    def cells(self, controller: Controller, held: Iterable[Cell] = ()) -> tuple[Cell, ...]:
+    def cells(self, controller: Controller, held: Iterable[PlanCell] = ()) -> tuple[PlanCell, ...]:
         """Return every cell in the order of measuring.
 
         Parameters
@@ -95,11 +95,11 @@ class Plan:
                 cells.setdefault(cell)
         return self.in_order(controller, cells)
 
-    def in_order(self, controller: Controller, cells: Iterable[Cell]) -> tuple[Cell, ...]:
+    def in_order(self, controller: Controller, cells: Iterable[PlanCell]) -> tuple[PlanCell, ...]:
         """Return cells of the controller in the order of measuring."""
         return tuple(sorted(cells, key=self._place(controller)))
 
-    def _place(self, controller: Controller) -> Callable[[Cell], tuple[Any, ...]]:
+    def _place(self, controller: Controller) -> Callable[[PlanCell], tuple[Any, ...]]:
         components = {name: number for number, name in enumerate(controller.components)}
         planes = {
             (land.component, plane): (land.land, number)
@@ -107,7 +107,7 @@ class Plan:
             for number, plane in enumerate(land.planes)
         }
 
-        def place(cell: Cell) -> tuple[Any, ...]:
+        def place(cell: PlanCell) -> tuple[Any, ...]:
             component, part = components[cell.component], PARTS.index(cell.part)
             land, plane = planes[cell.component, cell.plane]
             first = {

@@ -21,7 +21,7 @@ ChannelSource = Literal["logged", "derived", "constant"]
 
 
 @dataclass(frozen=True)
-class Quantity:
+class _Quantity:
     """A quantity that a log can hold.
 
     ``unit_kind`` is the kind of unit in ``atleak.common.units`` (None: a plain number or code), ``workshop_unit``
@@ -38,30 +38,30 @@ class Quantity:
 
 
 _QUANTITIES = (
-    Quantity("time", "time", "s", label=Sentence("time"), said=Sentence("time")),
-    Quantity("engine_speed", "rotational_speed", "rpm", 0.0, 15000 / 60,
+    _Quantity("time", "time", "s", label=Sentence("time"), said=Sentence("time")),
+    _Quantity("engine_speed", "rotational_speed", "rpm", 0.0, 15000 / 60,
              Sentence("engine speed"), Sentence("engine_speed")),
-    Quantity("atf_temperature", "temperature", "°C", -50.0, 200.0,
+    _Quantity("atf_temperature", "temperature", "°C", -50.0, 200.0,
              Sentence("ATF temperature"), Sentence("atf_temperature")),
-    Quantity("main_pressure", "pressure", "kPa", -101.4e3, 10e6,
+    _Quantity("main_pressure", "pressure", "kPa", -101.4e3, 10e6,
              Sentence("main (line) pressure"), Sentence("main_pressure")),
-    Quantity("commanded_pressure", "pressure", "kPa", -101.4e3, 10e6,
+    _Quantity("commanded_pressure", "pressure", "kPa", -101.4e3, 10e6,
              Sentence("commanded main pressure"), Sentence("commanded_pressure")),
-    Quantity("converter_pressure", "pressure", "kPa", -101.4e3, 5e6,
+    _Quantity("converter_pressure", "pressure", "kPa", -101.4e3, 5e6,
              Sentence("converter pressure"), Sentence("converter_pressure")),
-    Quantity("gear", None, "", -1.0, 12.0, Sentence("gear"), Sentence("gear")),
-    Quantity("vehicle_speed", "speed", "km/h", -1.0, 450 / 3.6,
+    _Quantity("gear", None, "", -1.0, 12.0, Sentence("gear"), Sentence("gear")),
+    _Quantity("vehicle_speed", "speed", "km/h", -1.0, 450 / 3.6,
              Sentence("vehicle speed"), Sentence("vehicle_speed")),
-    Quantity("turbine_speed", "rotational_speed", "rpm", -1.0, 15000 / 60,
+    _Quantity("turbine_speed", "rotational_speed", "rpm", -1.0, 15000 / 60,
              Sentence("turbine (input) speed"), Sentence("turbine_speed")),
-    Quantity("output_speed", "rotational_speed", "rpm", -20.0, 15000 / 60,
+    _Quantity("output_speed", "rotational_speed", "rpm", -20.0, 15000 / 60,
              Sentence("output speed"), Sentence("output_speed")),
-    Quantity("selector", None, "", label=Sentence("selector position"), said=Sentence("selector")),
-    Quantity("lock_up", None, "", label=Sentence("converter lock-up"), said=Sentence("lock_up")),
-    Quantity("coolant_temperature", "temperature", "°C", -50.0, 200.0,
+    _Quantity("selector", None, "", label=Sentence("selector position"), said=Sentence("selector")),
+    _Quantity("lock_up", None, "", label=Sentence("converter lock-up"), said=Sentence("lock_up")),
+    _Quantity("coolant_temperature", "temperature", "°C", -50.0, 200.0,
              Sentence("engine coolant temperature"), Sentence("coolant_temperature")),
 )  # fmt: skip
-QUANTITIES: Mapping[str, Quantity] = MappingProxyType({quantity.name: quantity for quantity in _QUANTITIES})
+QUANTITIES: Mapping[str, _Quantity] = MappingProxyType({quantity.name: quantity for quantity in _QUANTITIES})
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,9 +21,9 @@ from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import checked_controller
-from atleak.catalogue.workbook.cells import CLEARANCES, LENGTHS, PRESSURES, Cell, Choice, Number, Units, as_text
+from atleak.catalogue.workbook.cells import CLEARANCES, LENGTHS, PRESSURES, CellKind, ChoiceCell, Number, Units, as_text
 from atleak.catalogue.workbook.draft import doubts, in_cells
-from atleak.catalogue.workbook.shapes import Column, Description, Fault, Row, Spot
+from atleak.catalogue.workbook.shapes import Description, Row, SheetColumn, SheetFault, Spot
 from atleak.catalogue.workbook.shapes import Sheet as Declared
 from atleak.catalogue.workbook.sheets import (
     EXAMPLE_MARK,
@@ -41,7 +41,7 @@ from atleak.catalogue.workbook.sheets import (
 )
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import CatalogueError, InputError, Place, ReadingsError, nearest_name, one_of
-from atleak.common.file_faults import NotAccepted, together
+from atleak.common.file_faults import NotAccepted, faults_together
 from atleak.common.sentences import Sentence
 from atleak.common.units import find_unit
 from atleak.readers.cells.sheet import Sheet, column_letter, rows_named
@@ -63,7 +63,7 @@ class Page:
     columns: dict[str, int] = field(default_factory=dict)  # by heading
     lines: dict[str, int] = field(default_factory=dict)  # row by heading, of a form
 
-    def read(self, spot: Spot, places: Mapping[Column, tuple[int, int]], into: Description) -> Row:
+    def read(self, spot: Spot, places: Mapping[SheetColumn, tuple[int, int]], into: Description) -> Row:
         """Read the cells of one table, each at its row and column."""
         cells: dict[str, Any] = {}
         values: dict[str, Any] = {}
@@ -78,7 +78,7 @@ class Page:
             except NotAccepted as error:
                 fault = Sentence("not accepted"), error.wanted
             if fault is not None:
-                into.faults.append(Fault(Spot(spot.sheet, spot.row, column.heading), fault[0], cell, fault[1]))
+                into.faults.append(SheetFault(Spot(spot.sheet, spot.row, column.heading), fault[0], cell, fault[1]))
         return Row(spot, cells, values)
 
 
@@ -107,7 +107,7 @@ def form_page(sheet: Sheet, declared: Declared, units: Units, into: Description)
     by_words = {words(line.heading): line for line in lines if not line.how_known}
     known = {line.how_known: line for line in lines if line.how_known}
     page = Page(sheet, declared, units)
-    places: dict[Column, tuple[int, int]] = {}
+    places: dict[SheetColumn, tuple[int, int]] = {}
     for row in range(top + 1, len(sheet.rows)):
         label = as_text(sheet.cell(row, field_column))
         line, spot = by_words.get(words(label)), Spot(declared.name, sheet.row_number(row))
@@ -115,7 +115,7 @@ def form_page(sheet: Sheet, declared: Declared, units: Units, into: Description)
             if label and _raw(sheet, row, value_column) is not None:
                 headings = [each.heading for each in by_words.values()]
                 nearest = nearest_name(label, headings)
-                into.faults.append(Fault(spot, Sentence("unknown field"), label, one_of(headings), nearest))
+                into.faults.append(SheetFault(spot, Sentence("unknown field"), label, one_of(headings), nearest))
             continue
         for column, each in ((value_column, line), (known_column, known.get(line.key))):
             if each is None or column is None:
@@ -123,7 +123,7 @@ def form_page(sheet: Sheet, declared: Declared, units: Units, into: Description)
             if each not in places:
                 places[each] = row, column
             elif _raw(sheet, row, column) is not None:
-                into.faults.append(Fault(spot, Sentence("field given twice"), label, Sentence("each field once")))
+                into.faults.append(SheetFault(spot, Sentence("field given twice"), label, Sentence("each field once")))
     page.lines = {each.heading: row for each, (row, _) in places.items()}
     page.columns = {each.heading: column for each, (_, column) in places.items()}
     note = columns.get(words(NOTE_HEADING))
@@ -140,7 +140,7 @@ def form_page(sheet: Sheet, declared: Declared, units: Units, into: Description)
 def _chosen(row: Row, into: Description) -> Units:
     """Return what the workbook's numbers are written in."""
     for line in UNIT_LINES:
-        if line.heading not in row.cells and isinstance(line.kind, Choice):
+        if line.heading not in row.cells and isinstance(line.kind, ChoiceCell):
             into.fault(row, line.heading, Sentence("not chosen"), one_of(line.kind.shown))
     return Units(**{line.key: row.values[line.heading] for line in UNIT_LINES if line.heading in row.values})
 
@@ -156,7 +156,7 @@ def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description
     missing = [column for column in declared.columns if column.required and column.heading not in page.columns]
     for column in missing:
         spot = Spot(declared.name, sheet.row_number(top))
-        into.faults.append(Fault(spot, Sentence("the column {heading!r} is missing", heading=column.heading)))
+        into.faults.append(SheetFault(spot, Sentence("the column {heading!r} is missing", heading=column.heading)))
     remarks: list[int] = []
     for row in range(top + 1, len(sheet.rows)):
         mark = "" if note is None else sheet.cell(row, note)
@@ -171,7 +171,7 @@ def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description
             if not _is_example(declared, columns.values(), stands):
                 problem = Sentence("a row marked as an example was changed")
                 expected = Sentence("the example as it was, or no {mark!r} before a row of your own", mark=EXAMPLE_MARK)
-                into.faults.append(Fault(spot, problem, expected=expected))
+                into.faults.append(SheetFault(spot, problem, expected=expected))
             continue
         remarks += [row] if as_text(mark) else []
         read = page.read(spot, {column: (row, number) for number, column in columns.items()}, into)
@@ -191,10 +191,10 @@ def _heading_row(sheet: Sheet, headings: Sequence[str]) -> int | None:
     return best if most >= min(2, len(wanted)) else None
 
 
-def _columns(sheet: Sheet, top: int, declared: Declared, into: Description) -> dict[int, Column]:
+def _columns(sheet: Sheet, top: int, declared: Declared, into: Description) -> dict[int, SheetColumn]:
     """Return the columns by their place; a heading that means nothing is a fault where something stands below it."""
     by_words = {words(column.heading): column for column in declared.columns}
-    columns: dict[int, Column] = {}
+    columns: dict[int, SheetColumn] = {}
     for number in range(sheet.width):
         heading = sheet.cell(top, number)
         if _is(heading, NOTE_HEADING):
@@ -205,7 +205,9 @@ def _columns(sheet: Sheet, top: int, declared: Declared, into: Description) -> d
             columns[number] = column
         elif any(_own(sheet, row, number) for row in range(top + 1, len(sheet.rows))):
             if column is not None:
-                into.faults.append(Fault(spot, Sentence("column given twice"), heading, Sentence("each column once")))
+                into.faults.append(
+                    SheetFault(spot, Sentence("column given twice"), heading, Sentence("each column once"))
+                )
                 continue
             headings = [each.heading for each in declared.columns]
             nearest = nearest_name(as_text(heading), headings)
@@ -213,12 +215,12 @@ def _columns(sheet: Sheet, top: int, declared: Declared, into: Description) -> d
             if heading == "":
                 letter = column_letter(number)
                 problem = Sentence("column {letter} holds something and has no heading", letter=letter)
-            into.faults.append(Fault(spot, problem, heading or None, one_of(headings), nearest))
+            into.faults.append(SheetFault(spot, problem, heading or None, one_of(headings), nearest))
     return columns
 
 
 def _check_units(
-    sheet: Sheet, row: int, columns: Mapping[int, Column], declared: Declared, units: Units, into: Description
+    sheet: Sheet, row: int, columns: Mapping[int, SheetColumn], declared: Declared, units: Units, into: Description
 ) -> None:
     """Compare the units under the headings with those of the head, where a program has worked them out."""
     for number, column in columns.items():
@@ -227,10 +229,10 @@ def _check_units(
             spot = Spot(declared.name, sheet.row_number(row), column.heading)
             as_said = Sentence("{unit}, as the sheet Head says", unit=label)
             expected = as_said if label else Sentence("no unit")
-            into.faults.append(Fault(spot, Sentence("another unit than that of the workbook"), stands, expected))
+            into.faults.append(SheetFault(spot, Sentence("another unit than that of the workbook"), stands, expected))
 
 
-def _is_example(declared: Declared, columns: Any, stands: Mapping[str, Cell]) -> bool:
+def _is_example(declared: Declared, columns: Any, stands: Mapping[str, CellKind]) -> bool:
     """Return whether a row is an example as it was written, in whichever units."""
     every = [Units(*choice) for choice in itertools.product(LENGTHS, CLEARANCES, PRESSURES)]
     shown = {heading: as_text(cell) for heading, cell in stands.items() if cell is not None}
@@ -260,7 +262,7 @@ def _say_lost(sheet: Sheet, rows: Sequence[int], into: Description) -> None:
         )
 
 
-def _is(cell: Cell, mark: str) -> bool:
+def _is(cell: CellKind, mark: str) -> bool:
     return isinstance(cell, str) and cell.strip().casefold().rstrip(".") == mark.casefold().rstrip(".")
 
 
@@ -270,7 +272,7 @@ def _own(sheet: Sheet, row: int, column: int) -> bool:
     return (row, column) in sheet.faults or (cell.strip() != "" if isinstance(cell, str) else cell is not None)
 
 
-def _raw(sheet: Sheet, row: int, column: int) -> Cell | None:
+def _raw(sheet: Sheet, row: int, column: int) -> CellKind | None:
     """Return what stands in a cell, or in the one above with which it is merged; None where it is empty."""
     above, left = sheet.merged.get((row, column), (row, column))
     cell = sheet.cell(above, left) if left == column else ""
@@ -288,7 +290,7 @@ def _standing(sheet: Sheet, row: int, number: int) -> tuple[Any, tuple[Sentence,
     return cell, None
 
 
-def _value(column: Column, cell: Cell, units: Units) -> Any:
+def _value(column: SheetColumn, cell: CellKind, units: Units) -> Any:
     """Return the value of a cell in the file's unit, from a unit of its own where it names one."""
     kind = column.kind
     if isinstance(cell, str) and isinstance(kind, Number) and kind.measure.quantity:
@@ -307,9 +309,9 @@ class Places:
     file: str
     pages: dict[str, Page] = field(default_factory=dict)
 
-    def fault(self, fault: Fault | InputError) -> CatalogueError:
+    def fault(self, fault: SheetFault | InputError) -> CatalogueError:
         """Return a fault as an error that names sheet, row and column, or table and key where no sheet says it."""
-        if isinstance(fault, Fault):
+        if isinstance(fault, SheetFault):
             return _at(self.place(fault.spot), fault)
         return _at(Place(self.file, table=fault.place.table, key=fault.place.key), fault)
 
@@ -333,12 +335,12 @@ class Places:
         return number, error.place.row or 0, error.place.column or ""
 
 
-def _at(place: Place, fault: Fault | InputError) -> CatalogueError:
+def _at(place: Place, fault: SheetFault | InputError) -> CatalogueError:
     """Return a fault as it is, at a place of the workbook."""
     return CatalogueError(fault.problem, place=place, value=fault.value, expected=fault.expected, nearest=fault.nearest)
 
 
-WANTED = Sentence("a workbook (.xlsx) as 'atleak controller template' writes it")
+_WANTED = Sentence("a workbook (.xlsx) as 'atleak controller template' writes it")
 _ALIKE = 0.6  # of a sheet's headings, by which it is recognised under another name
 
 
@@ -387,10 +389,10 @@ def read_controller_workbook(source: str | Path | bytes, *, name: str | None = N
     try:
         data, file = read_bytes(source, name)
         if not data.startswith((b"PK", b"\xd0\xcf\x11\xe0")):
-            raise CatalogueError(Sentence("this is no workbook"), place=Place(file), expected=WANTED)
+            raise CatalogueError(Sentence("this is no workbook"), place=Place(file), expected=_WANTED)
         sheets = read_workbook(data, file)
     except ReadingsError as error:
-        expected = WANTED if error.expected is None or "measuring sheet" in error.expected else error.expected
+        expected = _WANTED if error.expected is None or "measuring sheet" in error.expected else error.expected
         raise CatalogueError(error.problem, place=error.place, value=error.value, expected=expected) from error
     return _described(sheets, file)
 
@@ -400,7 +402,7 @@ def _described(sheets: list[Sheet], file: str) -> DescribedController:
     matched = _matched(sheets, into)
     if not matched:
         names = ", ".join(sheet.name or "" for sheet in sheets[:5])
-        raise CatalogueError(Sentence("describes no valve body"), place=Place(file), value=names, expected=WANTED)
+        raise CatalogueError(Sentence("describes no valve body"), place=Place(file), value=names, expected=_WANTED)
     units, places = Units(), Places(file)
     is_empty = True
     for declared in SHEETS:
@@ -428,7 +430,7 @@ def _described(sheets: list[Sheet], file: str) -> DescribedController:
         if not faults:
             raise
     if faults:
-        raise together(sorted(faults, key=places.order))
+        raise faults_together(sorted(faults, key=places.order))
     for page in places.pages.values():
         into.notes += [
             Sentence("{where}: {problem}", where=places.place(spot).sentence, problem=text)
@@ -469,7 +471,7 @@ def _miss(declared: Declared, into: Description) -> None:
     """Say that a sheet is missing which no valve body goes without, and nothing more about what it should hold."""
     if not declared.needed:
         return
-    into.faults.append(Fault(Spot(declared.name), Sentence("this sheet is missing, or its headings are")))
+    into.faults.append(SheetFault(Spot(declared.name), Sentence("this sheet is missing, or its headings are")))
     if declared.at:
         into.unread.add(declared.at)
     else:

@@ -46,7 +46,7 @@ def words(name: str) -> str:
     return _SEPARATORS.sub(" ", text).strip()
 
 
-Order = Literal["dmy", "mdy"]
+DateOrder = Literal["dmy", "mdy"]
 
 # English, German, French, Polish, Portuguese, Spanish, Italian, Russian; compared by the first letters
 _MONTHS: tuple[tuple[str, ...], ...] = (
@@ -99,7 +99,7 @@ def _numbers(text: str) -> list[str]:
     return re.findall(r"\d+", text)
 
 
-def likely_order(dates: Sequence[str], halves: Sequence[str | None]) -> Order:
+def likely_order(dates: Sequence[str], halves: Sequence[str | None]) -> DateOrder:
     """Decide whether slashed dates put the day or the month first: by a number over 12, else by AM and PM."""
     for text in dates:
         match = re.search(r"(?<!\d)(\d{1,2})[/.\-](\d{1,2})[/.\-]\d{2,4}", text)
@@ -112,7 +112,7 @@ def likely_order(dates: Sequence[str], halves: Sequence[str | None]) -> Order:
 
 
 @lru_cache(maxsize=4096)
-def day_number(text: str, order: Order = "dmy") -> int | None:
+def day_number(text: str, order: DateOrder = "dmy") -> int | None:
     """Return the day's ordinal, or None where the text holds no date.
 
     >>> day_number("27-Sep-2014") - day_number("2014-09-26"), day_number("28-oct.-2021") - day_number("20211027")
@@ -140,7 +140,7 @@ def sure_date(texts: Sequence[str]) -> dt.date | None:
     if any(len(_numbers(text)) < 2 and not re.search(r"\d{8}", text) for text in texts):
         return None  # "27 Sep"
     dotted = any(re.search(r"(?<!\d)\d{1,2}\.\d{1,2}\.\d{2}", text) for text in texts)  # the day stands first
-    orders: tuple[Order, ...] = ("dmy",) if dotted else ("dmy", "mdy")
+    orders: tuple[DateOrder, ...] = ("dmy",) if dotted else ("dmy", "mdy")
     read = [[day_number(text, order) for text in texts] for order in orders]
     first = {
         min(days) for each in read if (days := [day for day in each if day is not None]) and len(days) == len(each)
@@ -148,7 +148,7 @@ def sure_date(texts: Sequence[str]) -> dt.date | None:
     return dt.date.fromordinal(first.pop()) if len(first) == 1 else None
 
 
-def _day(text: str, order: Order) -> int | None:
+def _day(text: str, order: DateOrder) -> int | None:
     if match := re.search(r"(?<!\d)(\d{4})[/.\-](\d{1,2})[/.\-](\d{1,2})(?!\d)", text):
         return dt.date(int(match[1]), int(match[2]), int(match[3])).toordinal()
     if match := re.search(r"(?<!\d)((?:19|20)\d{2})(\d{2})(\d{2})(?!\d)", text):

@@ -26,7 +26,7 @@ _REFUSED: tuple[type[Exception], ...] = (ReadingsError, *DAMAGE)
 _START = 60_000  # bytes of a text that are looked at
 
 
-class Table(StrEnum):
+class TableKind(StrEnum):
     """What a file of values may hold, by the name of the job's part that it becomes."""
 
     READINGS = "readings"
@@ -35,7 +35,7 @@ class Table(StrEnum):
     CONTROLLER = "controller"
 
 
-def table_kind(data: bytes, controller: Controller) -> Table:
+def table_kind(data: bytes, controller: Controller) -> TableKind:
     """Return what a workbook or a text holds.
 
     Parameters
@@ -51,7 +51,7 @@ def table_kind(data: bytes, controller: Controller) -> Table:
         a workbook in which nothing is understood counts as a measuring sheet, any other file as a log.
     """
     if data.startswith((*_LOG_OF_BUS, _PARQUET)):
-        return Table.ROAD_TEST
+        return TableKind.ROAD_TEST
     is_workbook = data.startswith(_WORKBOOK)
     if not is_workbook:
         data = data[:_START].rpartition(b"\n")[0] if len(data) > _START else data
@@ -65,11 +65,11 @@ def table_kind(data: bytes, controller: Controller) -> Table:
     except _REFUSED as error:
         if is_own_fault(error):
             raise
-        return Table.READINGS if is_workbook else Table.ROAD_TEST  # whoever reads it says what is wrong with it
+        return TableKind.READINGS if is_workbook else TableKind.ROAD_TEST  # whoever reads it says what is wrong with it
     if describes_controller(sheets):
-        return Table.CONTROLLER
+        return TableKind.CONTROLLER
     if any(map(diameters, sheets)):
-        return Table.READINGS
+        return TableKind.READINGS
     if gauge_table.find_tabs(sheets, controller).tables:
-        return Table.PRESSURES
-    return Table.ROAD_TEST if any(sheet.rows for sheet in sheets) else Table.READINGS
+        return TableKind.PRESSURES
+    return TableKind.ROAD_TEST if any(sheet.rows for sheet in sheets) else TableKind.READINGS

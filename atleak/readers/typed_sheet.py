@@ -27,7 +27,7 @@ from atleak.common.errors import InputError, Place, ReadingsError
 from atleak.common.sentences import Sentence
 from atleak.common.unit_systems import MM
 from atleak.common.units import unit, unit_names
-from atleak.measurements.measuring_plan import PARTS, Cell, CellKey, Plan
+from atleak.measurements.measuring_plan import PARTS, CellKey, Plan, PlanCell
 from atleak.measurements.readings import TYPED_MARK, LandClearance, Reading, Readings, clearances, far_from_nominal
 from atleak.readers.cells.sheet_file import csv_bytes, csv_rows
 from atleak.readers.sheets.plausibility import contradictions, off_by_factor
@@ -40,7 +40,7 @@ BASE_UNIT = "mm"
 
 
 @dataclass(frozen=True)
-class Entry:
+class TypedEntry:
     """The text of one cell, and the two coordinates [m] it is the distance of, where a sheet gave them."""
 
     text: str
@@ -52,7 +52,7 @@ class Done:
     """What a series of steps led to: the entries, the cell to go on in, and how many values found no cell."""
 
     typed: Typed
-    at: Cell | None = None
+    at: PlanCell | None = None
     left_over: int = 0
 
 
@@ -60,26 +60,26 @@ class Done:
 class Typed:
     """The entries of all cells, by which plan they were asked for, and what else the sheet they go on from holds."""
 
-    entries: Mapping[Cell, Entry] = field(default_factory=dict)
+    entries: Mapping[PlanCell, TypedEntry] = field(default_factory=dict)
     plan: Plan = Plan()  # noqa: RUF009  frozen, so safe to share
     unit: str = BASE_UNIT  # of the entries that name none
     sheet: Readings | None = None  # gone on from: its head, lengths and unworn ends; its readings are in the cells
-    earlier: tuple[Mapping[Cell, Entry], ...] = field(default=(), compare=False)
+    earlier: tuple[Mapping[PlanCell, TypedEntry], ...] = field(default=(), compare=False)
 
     @classmethod
     def going_on_from(cls, readings: Readings, plan: Plan = Plan(), decimal: str = ".") -> Typed:  # noqa: B008  frozen
         """Return the cells filled with the readings of a sheet, written with a decimal sign."""
         entries = {
-            cell_of(each): Entry(in_mm(each.diameter).replace(".", decimal), each.coordinates)
+            cell_of(each): TypedEntry(_in_mm(each.diameter).replace(".", decimal), each.coordinates)
             for each in readings.readings
         }
         return cls(entries, plan, sheet=replace(readings, readings=()))
 
-    def put(self, cell: Cell, text: str) -> Typed:
+    def put(self, cell: PlanCell, text: str) -> Typed:
         """Return this with another text in a cell; an empty one takes its entry out."""
         return self.fill({cell: text})
 
-    def fill(self, texts: Mapping[Cell, str]) -> Typed:
+    def fill(self, texts: Mapping[PlanCell, str]) -> Typed:
         """Return this with other texts in several cells, as one step."""
         new = dict(self.entries)
         for cell, text in texts.items():
@@ -87,7 +87,7 @@ class Typed:
             if not said:
                 new.pop(cell, None)
             elif cell not in new or new[cell].text != said:
-                new[cell] = Entry(said)
+                new[cell] = TypedEntry(said)
         if new == self.entries:
             return self
         return replace(self, entries=new, earlier=(*self.earlier, self.entries)[-MOST_STEPS:])
@@ -102,7 +102,7 @@ class Typed:
         }
         return replace(self, entries=entries, unit=unit, earlier=())
 
-    def paste(self, cells: Sequence[Cell], start: Cell, block: str) -> Done:
+    def paste(self, cells: Sequence[PlanCell], start: PlanCell, block: str) -> Done:
         """Return this with a block of a spreadsheet in the cells along, row by row; its empty cells change nothing."""
         values = block_values(block)
         places = cells[cells.index(start) :] if start in cells else ()
@@ -120,7 +120,7 @@ class Typed:
         ]
         return Done(back, next(iter(changed), None))
 
-    def after(self, steps: Iterable[Mapping[str, Any]], cells: Sequence[Cell]) -> Done:
+    def after(self, steps: Iterable[Mapping[str, Any]], cells: Sequence[PlanCell]) -> Done:
         """Return what steps lead to that come from a page: put a text, paste a block, undo.
 
         A step that is none of these, or of a cell that is not there, changes nothing.
@@ -140,7 +140,9 @@ class Typed:
         return done
 
 
-def _after_one(typed: Typed, step: Mapping[str, Any], named: Mapping[CellKey, Cell], cells: Sequence[Cell]) -> Done:
+def _after_one(
+    typed: Typed, step: Mapping[str, Any], named: Mapping[CellKey, PlanCell], cells: Sequence[PlanCell]
+) -> Done:
     if step.get("do") == "undo":
         return typed.undo()
     key = step.get("cell")
@@ -155,9 +157,9 @@ def _is_plain(value: object) -> bool:
     return value is None or isinstance(value, str | int | float)
 
 
-def cell_of(reading: Reading) -> Cell:
+def cell_of(reading: Reading) -> PlanCell:
     """Return the cell that a reading belongs in."""
-    return Cell(*reading.station, reading.repeat)
+    return PlanCell(*reading.station, reading.repeat)
 
 
 def block_values(block: str) -> list[str]:
@@ -170,7 +172,7 @@ def block_values(block: str) -> list[str]:
     return [value.strip() for line in lines for value in line.split("\t")][:_LARGEST_BLOCK]
 
 
-def in_mm(metres: float) -> str:
+def _in_mm(metres: float) -> str:
     """Write a length [m] in mm, with the digits that it was given with."""
     return f"{round(metres * MM, 7):.10g}"
 
@@ -179,7 +181,7 @@ _AT_A_CELL = ("repeats_disagree", "large_ovality", "tight_direction")  # codes o
 
 
 @dataclass(frozen=True)
-class Doubt:
+class _Doubt:
     """What is doubtful about an entry, in a sentence, and whether it counts as a reading nevertheless."""
 
     text: Sentence
@@ -187,15 +189,15 @@ class Doubt:
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedEntry:
     """What the entries are worth.
 
     ``counting`` are the readings that a verdict may rest on; ``refused`` the lands of which the readings cannot be
     together, so that none of them counts.
     """
 
-    doubts: Mapping[Cell, Doubt]
-    counting: Mapping[Cell, Reading]
+    doubts: Mapping[PlanCell, _Doubt]
+    counting: Mapping[PlanCell, Reading]
     refused: frozenset[LandKey]
     states: tuple[LandClearance, ...]
 
@@ -206,7 +208,7 @@ def judge(
     *,
     temperature: float | None = None,
     instruments: Instruments | None = None,
-) -> Judged:
+) -> JudgedEntry:
     """Judge all entries together.
 
     Parameters
@@ -225,7 +227,7 @@ def judge(
     judging.leave_out_contradictions()
     states = judging.states(temperature, instruments)
     judging.doubt(states)
-    return Judged(judging.doubts, judging.readings, frozenset(judging.refused), states)
+    return JudgedEntry(judging.doubts, judging.readings, frozenset(judging.refused), states)
 
 
 class _Judging:
@@ -233,9 +235,9 @@ class _Judging:
 
     def __init__(self, typed: Typed, controller: Controller) -> None:
         self.controller = controller
-        self.doubts: dict[Cell, Doubt] = {}
-        self.readings: dict[Cell, Reading] = {}
-        self.lands: dict[Cell, Land] = {}  # of those with a reading
+        self.doubts: dict[PlanCell, _Doubt] = {}
+        self.readings: dict[PlanCell, Reading] = {}
+        self.lands: dict[PlanCell, Land] = {}  # of those with a reading
         self.refused: set[LandKey] = set()
         self.unit = typed.unit
         self.sheet = typed.sheet or Readings("", "", None, typed.unit, False, "tidy", ())
@@ -246,7 +248,7 @@ class _Judging:
             try:
                 value, written = diameter(entry.text)
             except ReadingsError as error:
-                self.doubts[cell] = Doubt(_said(error), False)
+                self.doubts[cell] = _Doubt(_said(error), False)
                 continue
             metres = (written or unit(self.unit, "length")).to_si(value)
             self.readings[cell] = Reading(*cell.key, metres, Place(key=str(number)), entry.coordinates)
@@ -261,7 +263,7 @@ class _Judging:
         """Leave out what is far off its nominal diameter."""
         for reading, error in off_by_factor(self.together(), self.controller):
             cell = self.by_place[reading.place]
-            self.doubts[cell] = Doubt(_said(error), False)
+            self.doubts[cell] = _Doubt(_said(error), False)
             del self.readings[cell]
 
     def leave_out_contradictions(self) -> None:
@@ -278,7 +280,7 @@ class _Judging:
         mine = [cell for cell in self.readings if self.lands[cell].key == key]
         at = self.by_place.get(error.place, mine[0] if mine else None)
         if at is not None:
-            self.doubts[at] = Doubt(_said(error), False)
+            self.doubts[at] = _Doubt(_said(error), False)
         self.refused.add(key)
         for cell in mine:
             del self.readings[cell]
@@ -294,13 +296,13 @@ class _Judging:
 
     def doubt(self, states: Collection[LandClearance]) -> None:
         """Doubt what counts and is unusual nevertheless: alone, or beside the other readings of its land."""
-        said: dict[Cell, Sentence] = {}
+        said: dict[PlanCell, Sentence] = {}
         for cell, text in self._unusual(states):
             said[cell] = Sentence("{first}; {second}", first=said[cell], second=text) if cell in said else text
         for cell, text in said.items():
-            self.doubts.setdefault(cell, Doubt(text, True))
+            self.doubts.setdefault(cell, _Doubt(text, True))
 
-    def _unusual(self, states: Collection[LandClearance]) -> Iterator[tuple[Cell, Sentence]]:
+    def _unusual(self, states: Collection[LandClearance]) -> Iterator[tuple[PlanCell, Sentence]]:
         for cell, reading in self.readings.items():
             far = far_from_nominal(self.lands[cell], cell.part, reading.diameter)
             if far:
@@ -331,7 +333,7 @@ _MM = unit("mm", "length")
 _OF_LANDS = ("No.", "Land", "Contact length [mm]", "Position from left end [mm]", "Fitted repair")
 
 
-def written(typed: Typed, counting: Collection[Cell], controller: Controller) -> bytes | None:
+def written_sheet(typed: Typed, counting: Collection[PlanCell], controller: Controller) -> bytes | None:
     """Return the file; None where nothing was typed.
 
     Parameters
@@ -350,8 +352,8 @@ def written(typed: Typed, counting: Collection[Cell], controller: Controller) ->
     for cell in typed.plan.in_order(controller, typed.entries):
         rows.append([*_labels(cell), *_values(typed.entries[cell]), "yes" if cell in counting else "no", ""])
     for reading in typed.sheet.unworn if typed.sheet else ():
-        size = f"{in_mm(reading.diameter)} mm"
-        rows.append([*_labels(cell_of(reading)), *_values(Entry(size, reading.coordinates)), "yes", _UNWORN])
+        size = f"{_in_mm(reading.diameter)} mm"
+        rows.append([*_labels(cell_of(reading)), *_values(TypedEntry(size, reading.coordinates)), "yes", _UNWORN])
     return _SEPARATED + csv_bytes([*rows, *_of_lands(typed.sheet)])
 
 
@@ -359,15 +361,15 @@ def _headings(unit: str) -> list[str]:
     return [*_KEYS, *_COORDINATES, f"Diameter [{unit}]", *_LAST]
 
 
-def _labels(cell: Cell) -> list[str]:
+def _labels(cell: PlanCell) -> list[str]:
     direction = "" if cell.direction is None else f"{cell.direction:.12g}"
     return [cell.component, cell.part, cell.plane, direction, str(cell.repeat)]
 
 
-def _values(entry: Entry) -> list[str]:
+def _values(entry: TypedEntry) -> list[str]:
     if entry.coordinates is None:
         return ["", "", entry.text]
-    return [*map(in_mm, entry.coordinates), ""]
+    return [*map(_in_mm, entry.coordinates), ""]
 
 
 def _head(sheet: Readings | None) -> Iterator[list[str]]:
@@ -391,14 +393,14 @@ def _of_lands(sheet: Readings | None) -> Iterator[list[str]]:
     yield [*_OF_LANDS]
     for each in sheet.own_lands.lengths:
         sizes = (each.contact_length, each.position)
-        yield [each.component, str(each.land), *("" if size is None else in_mm(size) for size in sizes), ""]
+        yield [each.component, str(each.land), *("" if size is None else _in_mm(size) for size in sizes), ""]
     for fitted in sheet.own_lands.fitted:
         yield [fitted.component, "", "", "", fitted.repair]
 
 
 @own_errors_only(InputError)
 def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed | None:
-    """Return the entries of a file that `written` gave; None for any other file, and for another valve body's.
+    """Return the entries of a file that `written_sheet` gave; None for any other file, and for another valve body's.
 
     Parameters
     ----------
@@ -431,21 +433,23 @@ def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed |
     return Typed(entries, plan, units[tuple(rows[head])], sheet=replace(sheet, readings=()))
 
 
-def _entries(rows: Iterable[list[str]]) -> Iterator[tuple[Cell, Entry]]:
+def _entries(rows: Iterable[list[str]]) -> Iterator[tuple[PlanCell, TypedEntry]]:
     """Yield the entries of the table that begins here.
 
     Raises
     ------
     ValueError
-        where it is not as `written` gave it.
+        where it is not as `written_sheet` gave it.
     """
     for row in itertools.takewhile(bool, rows):
         component, part, plane, direction, repeat, first, second, text, _, taken_at = row
         if taken_at:
             continue
-        cell = Cell(component, PARTS[PARTS.index(part)], plane, float(direction) if direction else None, int(repeat))
+        cell = PlanCell(
+            component, PARTS[PARTS.index(part)], plane, float(direction) if direction else None, int(repeat)
+        )
         if text:
-            yield cell, Entry(text)
+            yield cell, TypedEntry(text)
         else:
             ends = _MM.to_si(float(first)), _MM.to_si(float(second))
-            yield cell, Entry(in_mm(abs(ends[0] - ends[1])), ends)
+            yield cell, TypedEntry(_in_mm(abs(ends[0] - ends[1])), ends)

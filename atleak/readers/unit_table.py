@@ -71,7 +71,7 @@ def column_meant(heading: str) -> str | None:
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".parquet", ".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
 """Endings of the names of files that can be such a table."""
-ROWS, COLUMNS, SIZE = 1_000_000, 300, 256 << 20
+_ROWS, _COLUMNS, _SIZE = 1_000_000, 300, 256 << 20
 """Rows, columns and bytes of a table at most."""
 
 _WORKBOOK = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
@@ -148,8 +148,8 @@ def read_unit_table(path: Path) -> UnitTable:
         columns say the same, or a heading can be understood in two ways.
     """
     try:
-        if path.stat().st_size > SIZE:
-            problem, expected = Sentence("too large"), Sentence("at most {size} MB", size=SIZE >> 20)
+        if path.stat().st_size > _SIZE:
+            problem, expected = Sentence("too large"), Sentence("at most {size} MB", size=_SIZE >> 20)
             raise InputError(problem, place=Place(path.name), expected=expected)
         data = path.read_bytes()
     except OSError as error:
@@ -162,10 +162,10 @@ def read_unit_table(path: Path) -> UnitTable:
     return _understood(path.name, sheet, rows)
 
 
-Rows = list[tuple[int, Sequence[Cell]]]  # each with its number in the file
+_Rows = list[tuple[int, Sequence[Cell]]]  # each with its number in the file
 
 
-def _understood(file: str, sheet: str | None, rows: Rows) -> UnitTable:
+def _understood(file: str, sheet: str | None, rows: _Rows) -> UnitTable:
     place = Place(file, sheet)
     found = _headings(rows)
     if found is None:
@@ -179,13 +179,13 @@ def _understood(file: str, sheet: str | None, rows: Rows) -> UnitTable:
     below = [TableRow(number, cells) for number, cells in rows[at + 1 :] if any(map(_said, cells))]
     if not below:
         raise InputError(Sentence("no row stands under the headings"), place=place, expected=_EXPECTED)
-    if len(below) > ROWS:
-        problem, expected = Sentence("holds too many rows"), Sentence("at most {count}", count=ROWS)
+    if len(below) > _ROWS:
+        problem, expected = Sentence("holds too many rows"), Sentence("at most {count}", count=_ROWS)
         raise InputError(problem, place=place, value=len(below), expected=expected)
     return UnitTable(file, sheet, columns, tuple(below))
 
 
-def _headings(rows: Rows) -> tuple[int, tuple[TableColumn, ...]] | None:
+def _headings(rows: _Rows) -> tuple[int, tuple[TableColumn, ...]] | None:
     """Return the row of the headings and what they mean: the first that has one of what units are diagnosed by."""
     for at, (_, cells) in enumerate(rows[:_LOOKED_AT]):
         columns = tuple(TableColumn(_said(cell), column_meant(_said(cell))) for cell in cells)
@@ -195,8 +195,8 @@ def _headings(rows: Rows) -> tuple[int, tuple[TableColumn, ...]] | None:
 
 
 def _check_columns(columns: Sequence[TableColumn], place: Place) -> None:
-    if len(columns) > COLUMNS:
-        problem, expected = Sentence("holds too many columns"), Sentence("at most {count}", count=COLUMNS)
+    if len(columns) > _COLUMNS:
+        problem, expected = Sentence("holds too many columns"), Sentence("at most {count}", count=_COLUMNS)
         raise InputError(problem, place=place, value=len(columns), expected=expected)
     seen: dict[str, str] = {}
     for column in columns:
@@ -218,7 +218,7 @@ def _said(cell: Cell) -> str:
 # --- the kinds of files -----------------------------------------------------------------------------------------------
 
 
-def _text(data: bytes, file: str) -> tuple[None, Rows]:
+def _text(data: bytes, file: str) -> tuple[None, _Rows]:
     """Read text: of the signs that may stand between columns, that by which most headings are understood."""
     text = to_text(data)
     content = text.decode(text.data)
@@ -230,7 +230,7 @@ def _text(data: bytes, file: str) -> tuple[None, Rows]:
         return 0 if found is None else sum(column.meaning is not None for column in found[1])
 
     best = stated or max(_DELIMITERS, key=understood)
-    rows = list(_records(content, best, ROWS + _LOOKED_AT + 1))
+    rows = list(_records(content, best, _ROWS + _LOOKED_AT + 1))
     return None, rows[1:] if stated else rows
 
 
@@ -241,7 +241,7 @@ def _records(content: str, delimiter: str, most: int) -> Iterator[tuple[int, Seq
         yield number, [cell.strip() for cell in record]
 
 
-def _workbook(data: bytes, file: str) -> tuple[str | None, Rows]:
+def _workbook(data: bytes, file: str) -> tuple[str | None, _Rows]:
     """Read a workbook: of its sheets the first that is not hidden and has headings that are understood."""
     from atleak.readers.cells.sheet_file import read_sheets
 
@@ -250,21 +250,21 @@ def _workbook(data: bytes, file: str) -> tuple[str | None, Rows]:
     except ReadingsError as error:
         expected = Sentence("a table of so many units as CSV or Parquet") if error.expected == EXPECTED else _KINDS
         raise InputError(error.problem, place=error.place, value=error.value, expected=expected) from error
-    tables: list[tuple[str | None, Rows]] = [
+    tables: list[tuple[str | None, _Rows]] = [
         (sheet.name, [(number, list(cells)) for number, cells in enumerate(sheet.rows, start=1)]) for sheet in sheets
     ]
     return next((table for table in tables if _headings(table[1])), tables[0] if tables else (None, []))
 
 
-def _parquet(data: bytes, file: str) -> tuple[None, Rows]:
+def _parquet(data: bytes, file: str) -> tuple[None, _Rows]:
     """Read Parquet, whose rows are counted from 1 and whose headings stand in none of them."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     try:
         source = pq.ParquetFile(io.BytesIO(data))
-        if source.metadata.num_rows > ROWS or source.metadata.num_columns > COLUMNS:
-            expected = Sentence("at most {rows} rows and {columns} columns", rows=ROWS, columns=COLUMNS)
+        if source.metadata.num_rows > _ROWS or source.metadata.num_columns > _COLUMNS:
+            expected = Sentence("at most {rows} rows and {columns} columns", rows=_ROWS, columns=_COLUMNS)
             raise InputError(Sentence("too large"), place=Place(file), expected=expected)
         table = source.read()
     except pa.ArrowException as error:
@@ -272,7 +272,7 @@ def _parquet(data: bytes, file: str) -> tuple[None, Rows]:
         raise InputError(problem, place=Place(file), expected=_KINDS) from error
     table = table.select([name for name in table.column_names if not name.startswith(_INDEX)])
     columns = [[_plain(value) for value in column.to_pylist()] for column in table.columns]
-    rows: Rows = [(0, table.column_names)]
+    rows: _Rows = [(0, table.column_names)]
     rows += [(number, cells) for number, cells in enumerate(zip(*columns, strict=True), start=1)]
     return None, rows
 

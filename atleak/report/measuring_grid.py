@@ -14,8 +14,8 @@ from atleak.common.unit_systems import MM, UM
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
-from atleak.measurements.measuring_plan import Cell
-from atleak.readers.typed_sheet import Judged, Typed
+from atleak.measurements.measuring_plan import PlanCell
+from atleak.readers.typed_sheet import JudgedEntry, Typed
 from atleak.report.charts.drawing import on_dark, spool_svg
 from atleak.report.tables.names import component_words, has_number
 from atleak.report.tables.sentences import wear_words
@@ -28,9 +28,9 @@ class Grid:
     ``diagnosis`` is that of the job which holds the entries: clearance, wear and verdict of a land are its own.
     """
 
-    cells: tuple[Cell, ...]
+    cells: tuple[PlanCell, ...]
     typed: Typed
-    judged: Judged
+    judged: JudgedEntry
     diagnosis: Diagnosis
 
     @property
@@ -63,7 +63,7 @@ class Grid:
             if land.state.status == "measured" and 0 < self.asked[land.key] == self.counting[land.key]
         }
 
-    def land_of(self, cell: Cell) -> Land:
+    def land_of(self, cell: PlanCell) -> Land:
         """Return the land that a cell is of."""
         land = self.controller.land_of_plane(cell.component, cell.plane)
         assert land is not None  # a plan has cells of known lands only
@@ -136,7 +136,7 @@ def _result(land: LandDiagnosis, say: Wording) -> dict[str, str]:
     }
 
 
-def _cell(grid: Grid, cell: Cell, say: Wording) -> dict[str, Any]:
+def _cell(grid: Grid, cell: PlanCell, say: Wording) -> dict[str, Any]:
     land, doubt, entry = grid.land_of(cell), grid.judged.doubts.get(cell), grid.typed.entries.get(cell)
     part = say("measuring.bore") if cell.part == "sleeve" else say(f"measuring.{land.part}")
     direction = "–" if cell.direction is None else f"{say.plain(cell.direction)}°"

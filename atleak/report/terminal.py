@@ -33,12 +33,12 @@ from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.measurements.gauge_readings import LINE
+from atleak.measurements.gauge_readings import LINE_TAP
 from atleak.measurements.own_lands import LENGTHS_MEASURED, REPAIR_FITTED
 from atleak.report.tables.comparison import (
     changed_sentence,
-    condition_table,
-    event_table,
+    compared_condition_table,
+    compared_event_table,
     land_table,
     total_sentence,
     verdicts_sentence,
@@ -53,7 +53,7 @@ from atleak.report.tables.names import positions
 from atleak.report.tables.repairs import no_help, option_rows, plan_ends, planned
 from atleak.report.tables.road_test import instant_record, road_instants
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
-from atleak.report.tables.section import Facts, Part, Picture, Points, Section
+from atleak.report.tables.section import Facts, Picture, Points, Section, SectionPart
 from atleak.report.tables.section import Text as Paragraph
 from atleak.report.tables.sentences import (
     because_of,
@@ -73,7 +73,7 @@ from atleak.report.tables.table import VERDICT, Column, Table, span
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
 GAUGES_ABREAST = 8  # columns of gauge readings that fit beside one another
-MEASURE_FIRST = 6  # lands named for a complaint
+_MEASURE_FIRST = 6  # lands named for a complaint
 
 
 class TerminalConsole(Console):
@@ -251,7 +251,7 @@ def print_sections(sections: Iterable[Section]) -> None:
                 console.print(Text(line))
 
 
-def _lines(part: Part) -> Iterator[str]:
+def _lines(part: SectionPart) -> Iterator[str]:
     if isinstance(part, Paragraph):
         yield part.words
     elif isinstance(part, Points):
@@ -355,7 +355,7 @@ def _measured_by(diagnosis: Diagnosis) -> str:
     """Name what was judged, and what it was measured with: gauges, a log, or both."""
     readings = diagnosis.pressures.readings if diagnosis.pressures else ()
     main = "main pressure"
-    taps = {each.cell.tap == LINE for each in readings if each.verdict is not None}
+    taps = {each.cell.tap == LINE_TAP for each in readings if each.verdict is not None}
     judged = "circuit pressures" if taps == {False} else "main and circuit pressures" if False in taps else main
     if diagnosis.log is None:
         return f"{judged} of gauges"
@@ -371,10 +371,10 @@ def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
     shows = "; ".join(each.condition.label for each in diagnosis.complained)
     ranked = measure_first(diagnosis)
     yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. {finding(diagnosis, wording('en'))}"
-    for each in ranked[:MEASURE_FIRST]:
+    for each in ranked[:_MEASURE_FIRST]:
         yield f"  {_named(diagnosis, each.land)}: {reason(each, wording('en'))}"
-    if len(ranked) > MEASURE_FIRST:
-        yield f"  … and {len(ranked) - MEASURE_FIRST} more that leak there"
+    if len(ranked) > _MEASURE_FIRST:
+        yield f"  … and {len(ranked) - _MEASURE_FIRST} more that leak there"
 
 
 def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterator[str]:
@@ -503,8 +503,8 @@ def print_comparison(comparison: Comparison, say: Wording) -> None:
     lands = land_table(comparison, shown, say)
     tables = [
         lands.without(*(f"{key}_{side}" for key in _LEFT_OUT for side in ("before", "after"))),
-        condition_table(comparison, say, brief=True),
-        *([] if comparison.logs is None else [event_table(comparison.logs, say)]),
+        compared_condition_table(comparison, say, brief=True),
+        *([] if comparison.logs is None else [compared_event_table(comparison.logs, say)]),
     ]
     for table in tables:
         if table.rows:

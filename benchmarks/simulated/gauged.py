@@ -23,7 +23,7 @@ from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project
-from atleak.measurements.gauge_readings import LINE, Cell, Engine, GaugeReading, PressureTable
+from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, GaugeReading, PressureTable
 from atleak.measurements.readings import clearances
 
 Gauges = Literal["each reading", "each tap", "one"]  # what errs alike
@@ -39,14 +39,14 @@ VISCOSITY, TEMPERATURE, SLIP, FEED = 0.05, 3.0, 0.2, 0.02  # one standard deviat
 class Tapped:
     """A simulated unit: what every tap truly holds and has lost [Pa], and a table of what gauges showed."""
 
-    held: dict[Cell, float]
-    lost: dict[Cell, float]
+    held: dict[GaugeCell, float]
+    lost: dict[GaugeCell, float]
     table: PressureTable
 
     @property
     def worst(self) -> dict[str, float]:
         """Return the largest true loss of every circuit at the cells of the table [Pa]."""
-        circuits = dict.fromkeys(cell.tap for cell in self.lost if cell.tap != LINE)
+        circuits = dict.fromkeys(cell.tap for cell in self.lost if cell.tap != LINE_TAP)
         return {tap: max(loss for cell, loss in self.lost.items() if cell.tap == tap) for tap in circuits}
 
 
@@ -56,9 +56,9 @@ def file_of(unit: str) -> tuple[Controller, Fluid]:
     return load_controller(unit), load_fluid("hipol_atf_iid")
 
 
-def cells_of(controller: Controller) -> dict[Cell, OperatingPoint]:
+def cells_of(controller: Controller) -> dict[GaugeCell, OperatingPoint]:
     """Return line and applied clutches in reverse and drive, at idle and stall, as far as the file has such points."""
-    cells: dict[Cell, OperatingPoint] = {}
+    cells: dict[GaugeCell, OperatingPoint] = {}
     gears = sorted(gear for gear in controller.gears if gear > 0)[:1], [-1]
     for selected, (gear,) in zip(("D", "R"), gears, strict=True):
         for state, engine in (("idle", Engine.SLOW_IDLE), ("stall", Engine.STALL)):
@@ -69,7 +69,7 @@ def cells_of(controller: Controller) -> dict[Cell, OperatingPoint]:
                     for each in controller.circuits
                     if gear in each.gears and each.gears != frozenset(controller.gears)
                 ]
-                cells |= {Cell(selected, engine, tap): point for tap in (LINE, *clutches)}
+                cells |= {GaugeCell(selected, engine, tap): point for tap in (LINE_TAP, *clutches)}
     return cells
 
 
@@ -147,4 +147,4 @@ def _models(
 
 def _held(model: LeakageModel, point: OperatingPoint, tap: str) -> float:
     projection = project(model, point)
-    return projection.main_pressure_held if tap == LINE else projection.circuit(tap).pressure
+    return projection.main_pressure_held if tap == LINE_TAP else projection.circuit(tap).pressure

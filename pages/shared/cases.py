@@ -17,14 +17,14 @@ from weakref import WeakValueDictionary
 import streamlit as st
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.entries import Listed, catalogue_files, listed, own_files
+from atleak.catalogue.entries import ListedEntry, catalogue_files, listed_entries, own_files
 from atleak.catalogue.instruments import Instruments
 from atleak.common.cache import kept_with
 from atleak.common.errors import AtleakError, CatalogueError, Message, OutputError
 from atleak.common.memory import give_back_soon
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.job.case import OWN_FILES, SLOTS, Case, Choice, Reader, Slot, SourceFile, with_log_choices
+from atleak.job.case import OWN_FILES, SLOTS, Case, CaseChoice, Reader, Slot, SourceFile, with_log_choices
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.measuring_plan import PARTS
 from atleak.measurements.readings import Readings
@@ -100,12 +100,12 @@ def held(case: PageCase) -> PageCase:
     )
 
 
-def chosen_by_id(case: Case) -> dict[str, Choice]:
+def chosen_by_id(case: Case) -> dict[str, CaseChoice]:
     """Return what a job takes from the catalogue, by id wherever the catalogue here holds that very file."""
     return {name: _by_id(slot, getattr(case, name)) for name, slot in SLOTS.items()}
 
 
-def _by_id(slot: Slot, choice: Choice) -> Choice:
+def _by_id(slot: Slot, choice: CaseChoice) -> CaseChoice:
     if isinstance(choice, str):
         return choice
     known = catalogue_files(slot.folder).items()
@@ -125,7 +125,7 @@ def _released(_: object) -> None:
 class Kept(Reader):
     """A reader of a job's files that reads each once: for every session of this server, large logs for each session."""
 
-    def entry(self, slot: Slot, choice: Choice) -> Any:
+    def entry(self, slot: Slot, choice: CaseChoice) -> Any:
         own = slot.own_file(choice)
         called = choice if isinstance(choice, str) else choice.name
         return _entry(slot.name, called, "" if own is None else own.sha256, choice)
@@ -147,7 +147,7 @@ class Kept(Reader):
 
 
 @st.cache_resource(max_entries=64, show_spinner=False)
-def _entry(slot: str, called: str, sha256: str, _choice: Choice) -> Any:
+def _entry(slot: str, called: str, sha256: str, _choice: CaseChoice) -> Any:
     return Reader().entry(SLOTS[slot], _choice)
 
 
@@ -190,12 +190,12 @@ def understood(log: SourceFile, case: Case | None = None) -> Understood:
     return result if earlier is None else read(f"{key} {earlier}", log, case.log_choices, True)
 
 
-def catalogue_entry(name: str, choice: Choice) -> Any:
+def catalogue_entry(name: str, choice: CaseChoice) -> Any:
     """Load a controller, fluid, limit set or instrument by id, or from the user's own TOML file."""
     return Kept().entry(SLOTS[name], choice)
 
 
-def entry_doubts(name: str, choice: Choice) -> tuple[Message, ...]:
+def entry_doubts(name: str, choice: CaseChoice) -> tuple[Message, ...]:
     """Return what of an entry is possible and probably a slip; nothing of one that cannot be used."""
     try:
         doubts: tuple[Message, ...] = catalogue_entry(name, choice).doubts
@@ -204,9 +204,9 @@ def entry_doubts(name: str, choice: Choice) -> tuple[Message, ...]:
     return doubts
 
 
-def catalogue_list(name: str) -> Listed[Any]:
+def catalogue_list(name: str) -> ListedEntry[Any]:
     """Return the entries to choose from, shipped and own, and what is wrong with own files that cannot be used."""
-    return listed(SLOTS[name].folder, partial(catalogue_entry, name))
+    return listed_entries(SLOTS[name].folder, partial(catalogue_entry, name))
 
 
 def own_faults() -> list[CatalogueError]:

@@ -13,7 +13,7 @@ import streamlit as st
 
 from atleak.catalogue.fluid import USED_THINNER, FluidState
 from atleak.engine.profile import PROFILES, UNKNOWN, Profile
-from atleak.job.case import SLOTS, Choice, SourceFile
+from atleak.job.case import SLOTS, CaseChoice, SourceFile
 from pages.shared import reader, show
 from pages.shared.cases import catalogue_list, entry_doubts, shown_name
 from pages.shared.state import choose, session
@@ -26,11 +26,13 @@ def catalogue_entry(name: str) -> None:
     say, now, slot = reader.say(), session(), SLOTS[name]
     current = getattr(now.case, name)
     known = catalogue_list(name).entries
-    options: list[Choice] = [each for each, entry in known.items() if slot.part is None or slot.part in entry.measures]
+    options: list[CaseChoice] = [
+        each for each, entry in known.items() if slot.part is None or slot.part in entry.measures
+    ]
     given = current if isinstance(current, SourceFile) else now.own.get(name)
     options += [given] if given is not None else [] if current in options else [current]
 
-    def shown(option: Choice) -> str:
+    def shown(option: CaseChoice) -> str:
         if isinstance(option, SourceFile):
             return say("settings.own_file", name=option.name)
         return shown_name(known[option], say) if option in known else option

@@ -22,9 +22,9 @@ from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf.comparison import write_comparison_pdf
 from atleak.report.tables.comparison import (
     changed_sentence,
-    condition_table,
-    event_name,
-    event_table,
+    compared_condition_table,
+    compared_event_name,
+    compared_event_table,
     total_sentence,
     verdicts_sentence,
 )
@@ -148,14 +148,14 @@ def lands(comparison: Comparison) -> Sequence[LandComparison]:
 def totals(comparison: Comparison) -> None:
     """Show totals and the pressures that changed, all of them in a fold."""
     say = reader.say()
-    brief = condition_table(comparison, say, brief=True)
+    brief = compared_condition_table(comparison, say, brief=True)
     if not brief.rows:
         st.write(say("compare.no_condition"))
         return
     show.table(brief)
     st.caption(say("compare.totals_note"))
     with st.expander(say("compare.every_pressure")):
-        show.table(condition_table(comparison, say))
+        show.table(compared_condition_table(comparison, say))
 
 
 def logs(comparison: Comparison) -> None:
@@ -168,7 +168,7 @@ def logs(comparison: Comparison) -> None:
     matched = both.matched
     if matched:
         pair = st.selectbox(
-            say("columns.event"), matched, format_func=lambda each: event_name(each, say), key="compare-event"
+            say("columns.event"), matched, format_func=lambda each: compared_event_name(each, say), key="compare-event"
         )
         scales = channel_scales(both.before.road_test, say)
         show.chart(figures.logs_over_one_another(both, pair, scales, say), "logs")
@@ -176,7 +176,7 @@ def logs(comparison: Comparison) -> None:
     else:
         st.write(say("compare.no_event"))
     if both.pairs:
-        show.table(event_table(both, say))
+        show.table(compared_event_table(both, say))
 
 
 def downloads(found: ComparedJobs) -> None:

@@ -8,7 +8,7 @@ from atleak.analysis.record_doubts import check_decisions
 from atleak.catalogue.controller_file import written_toml
 from atleak.common.errors import AtleakError
 from atleak.job.case import SLOTS, SourceFile
-from atleak.job.kinds import Kind, kind_of, slots_of
+from atleak.job.kinds import FileKind, kind_of, slots_of
 from atleak.job.zip_file import parse_job
 from atleak.readers.controller_workbook import read_controller_workbook
 from atleak.report.pdf.typesetting import printable_picture
@@ -16,8 +16,8 @@ from pages.shared import reader
 from pages.shared.cases import catalogue_entry, controller_of
 from pages.shared.state import Refusal, job, open_job, pick, put_file, put_job, remember, session
 
-_ORDER = tuple(Kind)  # a job before what is added to it, its valve body before the sheet
-_OF_JOB = (Kind.READINGS, Kind.ROAD_TEST, Kind.PRESSURES)
+_ORDER = tuple(FileKind)  # a job before what is added to it, its valve body before the sheet
+_OF_JOB = (FileKind.READINGS, FileKind.ROAD_TEST, FileKind.PRESSURES)
 
 
 def take(files: Sequence[SourceFile]) -> None:
@@ -32,7 +32,7 @@ def take(files: Sequence[SourceFile]) -> None:
         except AtleakError as error:
             now.not_taken += (Refusal(file.name, error),)
     kinds.sort(key=lambda each: _ORDER.index(each[0]))
-    if any(kind is not Kind.JOB for kind, _ in kinds):  # a job that is opened is remembered there
+    if any(kind is not FileKind.JOB for kind, _ in kinds):  # a job that is opened is remembered there
         remember(say("done.taken_in", name=", ".join(file.name for _, file in kinds)))
     last = dict(kinds)
     for kind, file in kinds:
@@ -45,23 +45,23 @@ def take(files: Sequence[SourceFile]) -> None:
             session().not_taken += (Refusal(file.name, error),)  # of another session where a job was opened
 
 
-def _take(kind: Kind, file: SourceFile) -> None:
+def _take(kind: FileKind, file: SourceFile) -> None:
     now = session()
     if kind in _OF_JOB:
-        now.follow = kind is Kind.READINGS or now.follow
+        now.follow = kind is FileKind.READINGS or now.follow
         put_file(kind, file)
-    elif kind is Kind.JOB:
+    elif kind is FileKind.JOB:
         open_job(file.name, file.content)
-    elif kind is Kind.RECORD:
+    elif kind is FileKind.RECORD:
         record = parse_job(file.content, file.name)
         check_decisions(record, controller_of(now.case), file.name)
         put_job(record.with_pictures(job().pictures))
         _say(reader.say()("done.record", name=file.name))
-    elif kind is Kind.PICTURE:
+    elif kind is FileKind.PICTURE:
         printable_picture(file.name, file.content)
         put_job(job().with_photo(file.name, file.content))
         _say(reader.say()("done.photo", name=file.name))
-    elif kind is Kind.CONTROLLER_WORKBOOK:
+    elif kind is FileKind.CONTROLLER_WORKBOOK:
         described = read_controller_workbook(file.content, name=file.name)
         name = f"{described.controller.id}.toml"
         _choose(("controller",), SourceFile(name, written_toml(described.data).encode("utf-8")))

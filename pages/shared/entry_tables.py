@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 import streamlit as st
 
-from atleak.catalogue.workbook.cells import Choice, YesNo
+from atleak.catalogue.workbook.cells import ChoiceCell, YesNo
 from atleak.catalogue.workbook.circuit_sheets import Mark
 from atleak.catalogue.workbook.draft import Checked, Draft
-from atleak.catalogue.workbook.shapes import Column, Fault, Sheet
+from atleak.catalogue.workbook.shapes import Sheet, SheetColumn, SheetFault
 from atleak.common.wording import Wording
 from pages.shared import fields, reader, show
 
@@ -65,13 +65,13 @@ def _form(editing: Editing, sheet: Sheet, found: Checked, aside: Collection[str]
             st.markdown(signs[None])
 
 
-def _is_aside(group: tuple[Column, ...], aside: Collection[str]) -> bool:
+def _is_aside(group: tuple[SheetColumn, ...], aside: Collection[str]) -> bool:
     return any(key in aside for key in group[0].keys)
 
 
-def _together(columns: Sequence[Column]) -> list[tuple[Column, ...]]:
+def _together(columns: Sequence[SheetColumn]) -> list[tuple[SheetColumn, ...]]:
     """Return each value's column with that of what it is known from, where it has one."""
-    groups: list[tuple[Column, ...]] = []
+    groups: list[tuple[SheetColumn, ...]] = []
     for column in columns:
         if column.how_known and groups and groups[-1][-1].keys[-1:] == (column.how_known,):
             groups[-1] = (*groups[-1], column)
@@ -83,7 +83,7 @@ def _together(columns: Sequence[Column]) -> list[tuple[Column, ...]]:
 def _fields(
     editing: Editing,
     sheet: Sheet,
-    groups: Sequence[tuple[Column, ...]],
+    groups: Sequence[tuple[SheetColumn, ...]],
     signs: Mapping[str | None, str],
     say: Wording,
 ) -> None:
@@ -101,7 +101,7 @@ def _fields(
                             st.markdown(signs[column.heading])
 
 
-def _field(editing: Editing, sheet: Sheet, column: Column, label: str, say: Wording) -> None:
+def _field(editing: Editing, sheet: Sheet, column: SheetColumn, label: str, say: Wording) -> None:
     key = editing.key(f"{sheet.name}-{column.heading}")
     typed = editing.draft.cell(sheet.name, column.heading)
     options = _options(column, editing.draft, typed)
@@ -166,7 +166,7 @@ def _table(editing: Editing, sheet: Sheet, found: Checked, say: Wording) -> None
     st.button(say("typed_entries.more"), key=f"{key}-more", on_click=_more, args=(editing, sheet.name))
 
 
-def _by_row(faults: Iterable[Fault], editing: Editing, say: Wording) -> dict[int, list[str]]:
+def _by_row(faults: Iterable[SheetFault], editing: Editing, say: Wording) -> dict[int, list[str]]:
     """Return what is said of each row, under 0 what is of the whole table."""
     said: dict[int, list[str]] = {}
     for fault in faults:
@@ -200,7 +200,7 @@ def _more(editing: Editing, name: str) -> None:
     editing.spare[name] = editing.spare.get(name, 0) + _MORE
 
 
-def _cells(column: Column, rows: list[dict[str, str]]) -> Any:
+def _cells(column: SheetColumn, rows: list[dict[str, str]]) -> Any:
     cells = [row.get(column.heading, "") for row in rows]
     if isinstance(column.kind, Mark):
         return [bool(cell) for cell in cells]
@@ -210,7 +210,7 @@ def _cells(column: Column, rows: list[dict[str, str]]) -> Any:
 # --- columns ------------------------------------------------------------------------------------------------------
 
 
-def _config(column: Column, editing: Editing, sheet: Sheet, base: list[dict[str, str]], say: Wording) -> Any:
+def _config(column: SheetColumn, editing: Editing, sheet: Sheet, base: list[dict[str, str]], say: Wording) -> Any:
     label, tip = _label(column, editing, say), editing.said(column.help, say) or None
     longest = max((len(row.get(column.heading, "")) for row in base), default=0)
     width = max(min(max(column.width, longest + 2), _WIDEST) * _LETTER, len(label) * _LETTER + _SIGN)
@@ -224,20 +224,20 @@ def _config(column: Column, editing: Editing, sheet: Sheet, base: list[dict[str,
     return st.column_config.SelectboxColumn(label, width=width, help=tip, options=options, format_func=said)
 
 
-def _label(column: Column, editing: Editing, say: Wording) -> str:
+def _label(column: SheetColumn, editing: Editing, say: Wording) -> str:
     unit = say.get("typed_units", column.kind.label(editing.draft.units))
     return f"{editing.said(column.heading, say)}{f' [{unit}]' if unit else ''}{' *' if column.required else ''}"
 
 
-def _said(column: Column, editing: Editing, say: Wording) -> Callable[[Any], str]:
+def _said(column: SheetColumn, editing: Editing, say: Wording) -> Callable[[Any], str]:
     """Return what says a choice in the reader's language; what somebody named stands as it is."""
-    words = isinstance(column.kind, Choice | YesNo)
+    words = isinstance(column.kind, ChoiceCell | YesNo)
     return lambda typed: editing.said(typed, say) if words and typed else str(typed)
 
 
-def _options(column: Column, draft: Draft, *typed: str) -> list[str] | None:
+def _options(column: SheetColumn, draft: Draft, *typed: str) -> list[str] | None:
     """Return what a drop-down offers, what is typed already included; None where anything may be typed."""
-    if isinstance(column.kind, Choice):
+    if isinstance(column.kind, ChoiceCell):
         known = column.kind.shown
     elif isinstance(column.kind, YesNo):
         known = ("yes", "no")

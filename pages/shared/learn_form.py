@@ -10,7 +10,7 @@ from typing import Any
 import streamlit as st
 
 from atleak.analysis.learning.learned_clearances import Learned, learn
-from atleak.analysis.learning.learned_words import messages, summary, with_learned
+from atleak.analysis.learning.learned_words import learned_messages, summary, with_learned
 from atleak.catalogue.controller_file import checked_controller, written_toml
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.instruments import Part, instruments, load_instruments
@@ -112,7 +112,7 @@ def _learned(
 def _show(learned: Learned) -> None:
     say = reader.say()
     st.markdown(show.plain(say.sentence(summary(learned))))
-    for message in messages(learned):
+    for message in learned_messages(learned):
         (st.warning if message.level == "warning" else st.info)(show.plain(say.sentence(message.text)))
     show.table(learned_lands(learned, say))
     outliers = learned_outliers(learned, say)

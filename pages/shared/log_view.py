@@ -8,7 +8,7 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.analysis.formulas import FUNCTIONS, NAMES, FormulaChannel, formula_channel
+from atleak.analysis.formulas import CHANNEL_NAMES, FUNCTIONS, FormulaChannel, formula_channel
 from atleak.catalogue.written_numbers import SHIFT
 from atleak.common.cache import kept_with
 from atleak.common.errors import AtleakError, FormulaError
@@ -153,7 +153,7 @@ def formulas_form(test: RoadTest) -> None:
             formula = right.text_input(say("formulas.formula"), placeholder="p_g − p_k")
             add = button.form_submit_button(say("formulas.add"), width="stretch")
         fault = st.container()
-        short = {quantity: each for each, quantity in NAMES.items()}
+        short = {quantity: each for each, quantity in CHANNEL_NAMES.items()}
         names = [short.get(quantity, quantity) for quantity in test.channels]
         st.caption(show.plain(f"{say('formulas.help', names=', '.join(names))} {say('formulas.kept')}"))
         if add and (why := _add(test, name.strip(), formula.strip(), say)):
@@ -166,7 +166,7 @@ def _add(test: RoadTest, name: str, formula: str, say: Wording) -> str:
     typed = job().log_formulas
     if not name:
         return say("formulas.no_name")
-    taken = {each.name for each in typed} | set(test.channels) | set(NAMES) | set(FUNCTIONS)
+    taken = {each.name for each in typed} | set(test.channels) | set(CHANNEL_NAMES) | set(FUNCTIONS)
     if name in taken:
         return say("formulas.name_taken", name=name)
     result = _one(test, LogFormula(name=name, formula=formula), _computed(test, typed))

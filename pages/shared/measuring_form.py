@@ -15,9 +15,9 @@ from atleak.common.units import unit_names
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import SourceFile
 from atleak.measurements.measuring_plan import MOST_DIRECTIONS, MOST_REPEATS, Order
-from atleak.readers.gauges.typed_gauges import TYPED_FILE as TYPED_GAUGES
+from atleak.readers.gauges.typed_gauges import TYPED_GAUGES_FILE as TYPED_GAUGES
 from atleak.readers.gauges.typed_gauges import TypedGauges
-from atleak.readers.typed_sheet import TYPED_FILE, Judged, Typed, judge, typed_in, written
+from atleak.readers.typed_sheet import TYPED_FILE, JudgedEntry, Typed, judge, typed_in, written_sheet
 from atleak.report.measuring_grid import Grid, grid_record
 from pages.shared import book, fields, reader, show, words
 from pages.shared.cases import PageCase, controller_of, diagnosis_of, instruments_of, readings_of
@@ -160,7 +160,7 @@ def _choose(typed: Typed) -> None:
         _put(typed)
 
 
-def _judged(typed: Typed, case: PageCase) -> Judged:
+def _judged(typed: Typed, case: PageCase) -> JudgedEntry:
     diagnosis = diagnosis_of(session().good)
     return judge(typed, diagnosis.controller, temperature=case.measuring_temperature, instruments=instruments_of(case))
 
@@ -212,7 +212,7 @@ def _put(typed: Typed, answer: dict[str, Any] | None = None) -> None:
     """Put what was typed into the job: as its measuring sheet, in place of the one that it goes on from."""
     case, kept = session().case, _kept()
     before = _file(case)
-    content = written(typed, _judged(typed, case).counting, controller_of(case))
+    content = written_sheet(typed, _judged(typed, case).counting, controller_of(case))
     file = None if content is None else SourceFile(TYPED_FILE, content)
     if before is not None and before.name != TYPED_FILE:
         remember(reader.say()("done.typed_on", name=before.name))

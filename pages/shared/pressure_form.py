@@ -13,9 +13,9 @@ from atleak.catalogue.written_numbers import ENGINE_SPEED, TEMPERATURE, read_num
 from atleak.common.errors import PressureTableError
 from atleak.common.units import unit, unit_names
 from atleak.job.case import SourceFile
-from atleak.measurements.gauge_readings import Cell, Engine, ranges_of, tap_name, taps_of
+from atleak.measurements.gauge_readings import Engine, GaugeCell, ranges_of, tap_name, taps_of
 from atleak.readers.gauges.gauge_table import asked_pressure, read_pressure_table
-from atleak.readers.gauges.typed_gauges import TYPED_FILE, TypedGauges, typed_gauges
+from atleak.readers.gauges.typed_gauges import TYPED_GAUGES_FILE, TypedGauges, typed_gauges
 from pages.shared import fields, reader, show
 from pages.shared.cases import PageCase, controller_of
 from pages.shared.state import put_file, session
@@ -40,14 +40,16 @@ def draw(case: PageCase, controller: Controller) -> None:
     owner, faults = f"gauges{session().generation}-{controller.sha256[:12]}", _faults(typed)
     both = (typed, _counted())
 
-    def text_field(place: DeltaGenerator, part: Cell | str, label: str, shown: str) -> None:
-        text, last = (each.cells.get(part, "") if isinstance(part, Cell) else getattr(each, part) for each in both)
+    def text_field(place: DeltaGenerator, part: GaugeCell | str, label: str, shown: str) -> None:
+        text, last = (each.cells.get(part, "") if isinstance(part, GaugeCell) else getattr(each, part) for each in both)
         key = f"{owner}-{part}"
         with place:
             st.text_input(f"{label} [{shown}]", text, key=key, on_change=_put, args=(part, key))
             with st.container():
                 if part in faults:
-                    asked = asked_pressure(unit(typed.unit, "pressure")) if isinstance(part, Cell) else _BESIDE[part]
+                    asked = (
+                        asked_pressure(unit(typed.unit, "pressure")) if isinstance(part, GaugeCell) else _BESIDE[part]
+                    )
                     fields.fault(read_number(text, asked).doubt, asked.name, f"{last} {shown}" if last else "")
 
     places = st.columns(4)
@@ -61,7 +63,7 @@ def draw(case: PageCase, controller: Controller) -> None:
     for selected in ranges_of(controller):
         for place, engine in zip(st.columns(3), Engine, strict=True):
             label = say("gauge_page.cell", range=selected, engine=say.sentence(engine.label))
-            text_field(place, Cell(selected, engine, tap), label, typed.unit)
+            text_field(place, GaugeCell(selected, engine, tap), label, typed.unit)
 
 
 def _tap(controller: Controller, tap: str) -> str:
@@ -86,25 +88,25 @@ def _typed() -> TypedGauges:
     return typed if typed is not None and of == _in_job() else _counted()
 
 
-def _faults(typed: TypedGauges) -> set[Cell | str]:
+def _faults(typed: TypedGauges) -> set[GaugeCell | str]:
     """Return the fields in which something stands that cannot be read, those beside the readings even without one."""
     controller = controller_of(session().case)
-    judged = replace(typed, cells={Cell(ranges_of(controller)[0], Engine.FAST_IDLE): "1", **typed.cells})
+    judged = replace(typed, cells={GaugeCell(ranges_of(controller)[0], Engine.FAST_IDLE): "1", **typed.cells})
     try:
-        read_pressure_table(judged.written() or b"", controller, name=TYPED_FILE)
+        read_pressure_table(judged.written() or b"", controller, name=TYPED_GAUGES_FILE)
     except PressureTableError as error:
         parts = (judged.part_at(each.place) for each in (error, *error.others))
         return {part for part in parts if part is not None}
     return set()
 
 
-def _put(part: Cell | str, key: str) -> None:
+def _put(part: GaugeCell | str, key: str) -> None:
     """Put what was typed into the job; what cannot be read waits at its field, and the value before it stays."""
     before, text = _typed(), st.session_state[key].strip()
-    typed = before.with_cell(part, text) if isinstance(part, Cell) else replace(before, **{part: text})
+    typed = before.with_cell(part, text) if isinstance(part, GaugeCell) else replace(before, **{part: text})
     counting, last = typed, _counted()
     for fault in _faults(typed):
-        if isinstance(fault, Cell):
+        if isinstance(fault, GaugeCell):
             counting = counting.with_cell(fault, last.cells.get(fault, "") if last.unit == typed.unit else "")
         else:
             counting = replace(counting, **{fault: getattr(last, fault)})
@@ -112,5 +114,5 @@ def _put(part: Cell | str, key: str) -> None:
     if content is None:
         session().refused.pop("pressures", None)
     if content is not None or session().case.pressures is not None:
-        put_file("pressures", None if content is None else SourceFile(TYPED_FILE, content))
+        put_file("pressures", None if content is None else SourceFile(TYPED_GAUGES_FILE, content))
     st.session_state["typed-gauges"] = (_in_job(), typed)

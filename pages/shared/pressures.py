@@ -66,7 +66,7 @@ def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
         empty = say("circuits.vented", circuits=vented) if vented else ""
         st.caption(plain(f"{say('circuits.lost')} {empty}".rstrip()))
     st.markdown(f"**{say('circuits.pump_over_speed')}**")
-    show.chart(figures.pump_over_speed(pump_over_speed(diagnosis, projection, say), say), "speed")
+    show.chart(figures.pump_speed_chart(pump_over_speed(diagnosis, projection, say), say), "speed")
     st.caption(plain(say("circuits.pump_caption", condition=condition)))
     st.markdown(f"**{say('circuits.flow')}**")
     leaks_only = st.toggle(say("circuits.leaks_alone"), key="leaks-alone")

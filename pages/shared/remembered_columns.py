@@ -9,8 +9,8 @@ import streamlit as st
 from atleak.common.errors import OutputError
 from atleak.common.files import damaged_before
 from atleak.common.wording import Wording
-from atleak.readers.logs import FORMATS, default_path, forget
-from atleak.readers.logs.remembered_columns import RememberedColumns, recall_all, restore
+from atleak.readers.logs import FORMATS, default_path, forget_columns
+from atleak.readers.logs.remembered_columns import RememberedColumns, recall_all, restore_columns
 from pages.shared import fields, reader, show
 from pages.shared.state import choose, session
 
@@ -88,7 +88,7 @@ def _forget(header: str, entry: RememberedColumns) -> None:
     if now.case.road_test is not None and now.case.road_test == now.good.road_test:  # this job keeps its log's columns
         choose(columns=now.good.columns, units=now.good.units, remember=now.good.remember)
     try:
-        forget(default_path(), header)
+        forget_columns(default_path(), header)
         st.session_state[_FORGOTTEN] = (header, entry)
     except OutputError as error:
         st.session_state[_FAULT] = error.sentence
@@ -97,7 +97,7 @@ def _forget(header: str, entry: RememberedColumns) -> None:
 def _undo() -> None:
     header, entry = st.session_state.pop(_FORGOTTEN)
     try:
-        restore(default_path(), header, entry)
+        restore_columns(default_path(), header, entry)
     except OutputError as error:
         st.session_state[_FORGOTTEN] = (header, entry)
         st.session_state[_FAULT] = error.sentence

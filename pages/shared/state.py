@@ -22,7 +22,7 @@ from atleak.common.errors import (
 from atleak.common.memory import give_back_soon
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.job.case import SLOTS, Choice, SourceFile
+from atleak.job.case import SLOTS, CaseChoice, SourceFile
 from atleak.job.result import judged_otherwise
 from atleak.job.zip_file import read_job_file
 from atleak.measurements.job_card import Job
@@ -169,7 +169,7 @@ def choose(**changes: Any) -> None:
             put_file(slot, refusal.file)
 
 
-def pick(slot: str, choice: Choice) -> None:
+def pick(slot: str, choice: CaseChoice) -> None:
     """Make a choice in place of the widget that shows it, which starts anew; for a callback."""
     now = session()
     now.turns += 1

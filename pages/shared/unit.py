@@ -9,7 +9,7 @@ from typing import get_args
 import streamlit as st
 
 from atleak.analysis.history.wear import WearHistory, totals_over_mileage, wear_over_mileage
-from atleak.analysis.rates import ENOUGH_UNITS, PARTS
+from atleak.analysis.rates import ENOUGH_UNITS, SHOWN_QUANTILES
 from atleak.common.errors import AtleakError
 from atleak.common.unit_systems import PERCENT, UM
 from atleak.common.verdicts import Verdict
@@ -246,7 +246,7 @@ def draw_kind(jobs: Book, unit: int, now: Seen) -> None:
             Column("units", digits=0, of="others"),
             *(
                 Column(f"{part:.0%}", "clearance", words=say.percent(part, 0), of=partial(clearance, place), times=UM)
-                for place, part in enumerate(PARTS)
+                for place, part in enumerate(SHOWN_QUANTILES)
             ),
         )
         show.table(Table("standing", columns, places[:SHOWN], say))

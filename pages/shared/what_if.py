@@ -26,8 +26,8 @@ from atleak.common.errors import AtleakError
 from atleak.common.unit_systems import KPA
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.operation import LINE
-from atleak.report.charts.condition_figures import Place, pressure_map, share_map
-from atleak.report.tables.what_if import circuit_table, study_table, total_table, tried_words
+from atleak.report.charts.condition_figures import MapPlace, pressure_map, share_map
+from atleak.report.tables.what_if import study_table, tried_circuit_table, tried_total_table, tried_words
 from pages.shared import reader, show, what_if_form
 from pages.shared.cases import PageCase, result_key
 
@@ -59,7 +59,7 @@ def _beside(diagnosis: Diagnosis, settings: WhatIf) -> None:
     share.metric(say("what_if.share"), say.percent(now.share) if known else say("what_if.no_flow"))
     line.metric(say("what_if.line"), say.quantity(now.main_pressure_held * KPA, "pressure"))
     reserve.metric(say("what_if.reserve"), say.number(now.reserve, 2))
-    show.table(total_table(diagnosis, here, say))
+    show.table(tried_total_table(diagnosis, here, say))
     st.caption(say("what_if.judged") if diagnosis.judged else say("what_if.not_judged"))
     _circuits(diagnosis, here)
     show.messages(here.messages, say("what_if.messages"))
@@ -67,7 +67,7 @@ def _beside(diagnosis: Diagnosis, settings: WhatIf) -> None:
 
 def _circuits(diagnosis: Diagnosis, here: Tried) -> None:
     say = reader.say()
-    circuits = circuit_table(diagnosis, here, say)
+    circuits = tried_circuit_table(diagnosis, here, say)
     with st.container():
         if circuits.rows:
             st.markdown(f"**{say('what_if.circuits')}**")
@@ -91,7 +91,7 @@ def _maps(diagnosis: Diagnosis, settings: WhatIf) -> None:
     _pressure(diagnosis, over, job, now)
 
 
-def _pressure(diagnosis: Diagnosis, over: Map, job: Place, now: Place) -> None:
+def _pressure(diagnosis: Diagnosis, over: Map, job: MapPlace, now: MapPlace) -> None:
     say = reader.say()
     held = [circuit for circuit in diagnosis.controller.circuits if circuit.id in over.pressures]
     names = {LINE: say("what_if.line_name"), **{circuit.id: say.name(circuit.name) for circuit in held}}

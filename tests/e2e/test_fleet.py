@@ -13,7 +13,7 @@ from playwright.sync_api import Page, expect
 from atleak.fleet.folder import note
 from atleak.fleet.results import Results
 from atleak.fleet.sources import find_units
-from atleak.fleet.worker import evaluate
+from atleak.fleet.worker import evaluate_unit
 from atleak.job.zip_file import write_job_file
 from atleak.measurements.job_card import Job
 
@@ -33,7 +33,7 @@ def evaluated(tmp_path: Path, server_home: Path, monkeypatch: pytest.MonkeyPatch
         content = write_job_file(unit.case.diagnose(), Job(number=f"2026-04-{number}"), unit.case)
         (tmp_path / "jobs" / group / f"unit_{number}.zip").write_bytes(content)
     with Results.open(tmp_path / "spring", for_writing=True) as results:
-        results.add([evaluate(unit) for unit in find_units([tmp_path / "jobs"])])
+        results.add([evaluate_unit(unit) for unit in find_units([tmp_path / "jobs"])])
     monkeypatch.setenv("ATLEAK_HOME", str(server_home))
     note(tmp_path / "spring")
     return tmp_path / "spring"

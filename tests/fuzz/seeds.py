@@ -165,13 +165,13 @@ def _toml(kind: str) -> list[File]:
 
 
 def _typed() -> list[File]:
-    from atleak.readers.typed_sheet import TYPED_FILE, Entry, Typed, written
+    from atleak.readers.typed_sheet import TYPED_FILE, Typed, TypedEntry, written_sheet
 
     controller = load_controller("minimal_example")
     cells = Plan().cells(controller)[:4]
     size = f"{controller.lands[0].nominal_diameter * 1e3:.3f}"
-    typed = Typed({cell: Entry(size) for cell in cells}, Plan())
-    return [(TYPED_FILE, written(typed, cells, controller) or b"")]
+    typed = Typed({cell: TypedEntry(size) for cell in cells}, Plan())
+    return [(TYPED_FILE, written_sheet(typed, cells, controller) or b"")]
 
 
 _SEEDS: dict[str, Callable[[], list[File]]] = {

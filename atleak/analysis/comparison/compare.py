@@ -30,7 +30,7 @@ from atleak.common.sentences import Sentence, in_a_row, some
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.uncertainty.assess import COVERAGE
-from atleak.diagnosis.uncertainty.paired import ChangeSpread, Visit, changes
+from atleak.diagnosis.uncertainty.paired import ChangeSpread, PairedVisit, changes
 from atleak.engine.projection import Projection
 
 _NAMED = 12  # lands that a message lists
@@ -248,8 +248,8 @@ def _spreads(
     if first is None or second is None:
         return ()
     return changes(
-        Visit(before.model, [land.sources for land in first.lands], [each for each, _ in pairs]),
-        Visit(alike.model, [land.sources for land in second.lands], [each for _, each in pairs]),
+        PairedVisit(before.model, [land.sources for land in first.lands], [each for each, _ in pairs]),
+        PairedVisit(alike.model, [land.sources for land in second.lands], [each for _, each in pairs]),
         first.assumptions,
         coverage=COVERAGE,
         draws=min(first.draws, second.draws),

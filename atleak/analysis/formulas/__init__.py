@@ -3,7 +3,7 @@
 `parse` reads a formula into a tree, `evaluate` computes the tree over a road test, units carried along.
 """
 
-from atleak.analysis.formulas.evaluation import NAMES, FormulaChannel, evaluate, formula_channel
+from atleak.analysis.formulas.evaluation import CHANNEL_NAMES, FormulaChannel, evaluate, formula_channel
 from atleak.analysis.formulas.parsing import FUNCTIONS, parse
 
-__all__ = ["FUNCTIONS", "NAMES", "FormulaChannel", "evaluate", "formula_channel", "parse"]
+__all__ = ["CHANNEL_NAMES", "FUNCTIONS", "FormulaChannel", "evaluate", "formula_channel", "parse"]

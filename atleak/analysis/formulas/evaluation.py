@@ -8,21 +8,21 @@ from types import MappingProxyType
 
 import numpy as np
 
-from atleak.analysis.formulas.parsing import Call, Name, Negative, Node, Number, Operation, fault, parse
+from atleak.analysis.formulas.parsing import Call, NameNode, Negative, Node, NumberNode, OperationNode, fault, parse
 from atleak.common.errors import nearest_name, one_of
 from atleak.common.sentences import Sentence
-from atleak.common.units import KINDS
-from atleak.engine.extremes import clock_of, running_median
+from atleak.common.units import UNIT_KINDS
+from atleak.engine.extremes import clock_at, running_median
 from atleak.measurements.road_test import QUANTITIES, RoadTest, Segment, hold
 
 Dimension = tuple[tuple[str, int], ...]  # kinds of quantity with their powers, by name; of a plain number none
-NAMES: Mapping[str, str] = MappingProxyType({
+CHANNEL_NAMES: Mapping[str, str] = MappingProxyType({
     "p_g": "main_pressure", "p_k": "converter_pressure", "p_commanded": "commanded_pressure", "n": "engine_speed",
     "n_turbine": "turbine_speed", "n_output": "output_speed", "v": "vehicle_speed", "T": "atf_temperature",
 })  # fmt: skip
 """Short names of channels; a channel's own name serves as well."""
 _KIND_NAMES: Mapping[str, Sentence] = MappingProxyType(
-    {**KINDS, "temperature_difference": Sentence("temperature difference")}
+    {**UNIT_KINDS, "temperature_difference": Sentence("temperature difference")}
 )
 _SIGNS = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide}
 _ABSOLUTE: Dimension = (("temperature", 1),)
@@ -129,14 +129,14 @@ class _Evaluator:
     def __init__(self, test: RoadTest, above: Mapping[str, FormulaChannel]) -> None:
         self.test, self.above, self.undefined = test, above, 0
         held = [quantity for quantity in test.channels if test.channels[quantity].samples]
-        short = {quantity: name for name, quantity in NAMES.items()}
+        short = {quantity: name for name, quantity in CHANNEL_NAMES.items()}
         self.names = [*above, *(short.get(quantity, quantity) for quantity in held)]
 
     def value_of(self, node: Node) -> _Series:
         match node:
-            case Number():
+            case NumberNode():
                 return _typed(node)
-            case Name():
+            case NameNode():
                 return self._named(node)
             case Negative():
                 operand = self.value_of(node.operand)
@@ -144,17 +144,17 @@ class _Evaluator:
                     problem = Sentence("a temperature in °C cannot change its sign")
                     raise fault(node.at, problem, Sentence("a difference of temperatures"))
                 return replace(operand, values=-operand.values)
-            case Operation():
+            case OperationNode():
                 return self._joined(node, self.value_of(node.left), self.value_of(node.right))
             case Call():
                 return self._called(node)
 
-    def _named(self, node: Name) -> _Series:
+    def _named(self, node: NameNode) -> _Series:
         if node.name in self.above:
             computed = self.above[node.name]
             return _Series(computed.values, computed.time, computed.dimension)
-        by_case = {name.casefold(): quantity for name, quantity in NAMES.items()}
-        quantity = NAMES.get(node.name) or by_case.get(node.name.casefold(), node.name.casefold())
+        by_case = {name.casefold(): quantity for name, quantity in CHANNEL_NAMES.items()}
+        quantity = CHANNEL_NAMES.get(node.name) or by_case.get(node.name.casefold(), node.name.casefold())
         if quantity not in QUANTITIES or quantity == "time":
             nearest = nearest_name(node.name, self.names)
             problem = Sentence("there is no channel {name!r}", name=node.name)
@@ -172,7 +172,7 @@ class _Evaluator:
     def _offered(self) -> Sentence:
         return one_of(self.names) or Sentence("a log with channels")
 
-    def _joined(self, node: Operation, left: _Series, right: _Series) -> _Series:
+    def _joined(self, node: OperationNode, left: _Series, right: _Series) -> _Series:
         dimension = _sum(node, left, right) if node.sign in "+-" else _product(node, left, right)
         one, other, time = self._together(left, right)
         values = _SIGNS[node.sign](one, other)
@@ -203,7 +203,7 @@ class _Evaluator:
             return self._derivative(series)
         window = self._window(node)
         make = running_median if node.function == "filtered" else _running_mean
-        smooth = make(series.values, clock_of(series.time, self._segments(series.time), window), window)
+        smooth = make(series.values, clock_at(series.time, self._segments(series.time), window), window)
         known = np.isfinite(series.values)
         if known.any() and not np.isfinite(smooth[known]).any():
             step = float(np.median(np.diff(series.time))) if len(series.time) > 1 else 0.0
@@ -262,7 +262,7 @@ class _Evaluator:
         return counted
 
 
-def _typed(node: Number) -> _Series:
+def _typed(node: NumberNode) -> _Series:
     if node.unit is None or node.kind is None:
         return _Series(np.asarray(node.value), None, _PLAIN)
     if node.unit.name == "K":  # of a difference: absolute temperatures are typed in °C or °F
@@ -271,7 +271,7 @@ def _typed(node: Number) -> _Series:
     return _Series(np.asarray(node.unit.to_si(node.value)), None, dimension)
 
 
-def _sum(node: Operation, left: _Series, right: _Series) -> Dimension:
+def _sum(node: OperationNode, left: _Series, right: _Series) -> Dimension:
     """Return the kind of a sum or difference: both of one kind; of temperatures in °C only the difference."""
     one, other = left.dimension, right.dimension
     if one == other == _ABSOLUTE:
@@ -296,7 +296,7 @@ def _sum(node: Operation, left: _Series, right: _Series) -> Dimension:
     raise fault(node.at, problem, expected)
 
 
-def _product(node: Operation, left: _Series, right: _Series) -> Dimension:
+def _product(node: OperationNode, left: _Series, right: _Series) -> Dimension:
     if _ABSOLUTE in (left.dimension, right.dimension):
         problem = Sentence("a temperature in °C cannot be divided: it does not begin at zero")
         if node.sign == "*":

@@ -10,7 +10,7 @@ from atleak.common.errors import FormulaError, nearest_name, one_of
 from atleak.common.sentences import Sentence
 from atleak.common.units import Unit, find_unit, unit_names
 
-LONGEST = 300  # characters of a formula
+_LONGEST = 300  # characters of a formula
 DEEPEST = 40  # parentheses, signs and functions within each other
 FUNCTIONS = {"filtered": 2, "mean": 2, "derivative": 1}  # number of their arguments
 _KINDS = ("pressure", "rotational_speed", "speed", "temperature", "time", "ratio")  # whose units a number may bear
@@ -21,7 +21,7 @@ _OPERATORS = Sentence("+, −, ×, ÷ or ')'")
 
 
 @dataclass(frozen=True)
-class Number:
+class NumberNode:
     """A number as typed; with a unit it is of that unit's kind."""
 
     at: int
@@ -31,7 +31,7 @@ class Number:
 
 
 @dataclass(frozen=True)
-class Name:
+class NameNode:
     """The name of a channel, or of a formula above."""
 
     at: int
@@ -47,7 +47,7 @@ class Negative:
 
 
 @dataclass(frozen=True)
-class Operation:
+class OperationNode:
     """Two operands and the sign between them: ``+``, ``-``, ``*`` or ``/``."""
 
     at: int
@@ -65,7 +65,7 @@ class Call:
     arguments: tuple[Node, ...]
 
 
-Node = Number | Name | Negative | Operation | Call
+Node = NumberNode | NameNode | Negative | OperationNode | Call
 
 
 @dataclass(frozen=True)
@@ -97,9 +97,9 @@ def parse(text: str) -> Node:
     >>> parse("p_g − 1,5 bar").right.value
     1.5
     """
-    if len(text) > LONGEST:
+    if len(text) > _LONGEST:
         problem = Sentence("the formula is too long: it has {count} characters", count=len(text))
-        raise fault(LONGEST + 1, problem, Sentence("at most {count}", count=LONGEST))
+        raise fault(_LONGEST + 1, problem, Sentence("at most {count}", count=_LONGEST))
     reader = _Reader(_tokens(text))
     tree = reader.sum()
     if reader.now.kind != "end":
@@ -160,14 +160,14 @@ class _Reader:
         left = self.product()
         while self.now.text in ("+", "-"):
             sign = self.take()
-            left = Operation(sign.at, sign.text, left, self.product())
+            left = OperationNode(sign.at, sign.text, left, self.product())
         return left
 
     def product(self) -> Node:
         left = self.signed()
         while self.now.text in ("*", "/"):
             sign = self.take()
-            left = Operation(sign.at, sign.text, left, self.signed())
+            left = OperationNode(sign.at, sign.text, left, self.signed())
         return left
 
     def signed(self) -> Node:
@@ -189,7 +189,7 @@ class _Reader:
         if token.kind == "number":
             return self._number(token)
         if token.kind == "name":
-            return self._call(token) if self.now.text == "(" else Name(token.at, token.text)
+            return self._call(token) if self.now.text == "(" else NameNode(token.at, token.text)
         if token.text == "(":
             node = self.sum()
             self._close(token, _OPERATORS)
@@ -197,13 +197,13 @@ class _Reader:
         where = Sentence("the formula ends here") if token.kind == "end" else _astray(token.text)
         raise fault(token.at, where, _WHAT)
 
-    def _number(self, token: _Token) -> Number:
+    def _number(self, token: _Token) -> NumberNode:
         value = float(token.text.replace(",", "."))
         if self.now.kind != "unit":
-            return Number(token.at, value)
+            return NumberNode(token.at, value)
         name = self.take().text
         kind = next(kind for kind in _KINDS if find_unit(name, kind))
-        return Number(token.at, value, find_unit(name, kind), kind)
+        return NumberNode(token.at, value, find_unit(name, kind), kind)
 
     def _call(self, name: _Token) -> Call:
         function = name.text.casefold()

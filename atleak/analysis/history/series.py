@@ -26,7 +26,7 @@ from atleak.common.unit_systems import Quantity
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import WearLine, wear_line
 from atleak.diagnosis.uncertainty import LandSources
-from atleak.diagnosis.uncertainty.sources import MEASURING_TEMPERATURE
+from atleak.diagnosis.uncertainty.sources import MEASURING_TEMPERATURE_SOURCE
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Visits:
         return next((visit.mileage for visit in reversed(self.visits) if visit.mileage is not None), None)
 
 
-def in_order(visits: Sequence[Visit]) -> Visits:
+def visits_in_order(visits: Sequence[Visit]) -> Visits:
     """Return the visits of one unit in the order of their dates; of one day in the order in which they are given.
 
     Visits of another valve body than that of the last one are left out. A mileage that falls begins a new series: it
@@ -162,8 +162,8 @@ def factors_of(land: LandSources, visit: int) -> Factors:
     """Return the errors that a clearance shares with others; ``visit`` is its number among those of the unit."""
     factors: dict[Hashable, float] = defaultdict(float)
     for source in land.sources:
-        if source.group == MEASURING_TEMPERATURE:
-            factors[visit, MEASURING_TEMPERATURE] += source.standard_uncertainty
+        if source.group == MEASURING_TEMPERATURE_SOURCE:
+            factors[visit, MEASURING_TEMPERATURE_SOURCE] += source.standard_uncertainty
         elif source.group is not None and source.part is not None:
             factors[visit, source.group, land.instruments.of(source.part).id] += source.standard_uncertainty
     return dict(factors)

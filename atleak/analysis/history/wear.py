@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from atleak.analysis.history.series import Restart, Series, Visit, Visits, in_order, series_of
+from atleak.analysis.history.series import Restart, Series, Visit, Visits, series_of, visits_in_order
 from atleak.catalogue.limits import Level, Limits, RuleKind, reaches
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.repairs import LandKey
@@ -21,7 +21,7 @@ from atleak.common.errors import Message
 from atleak.common.sentences import Sentence, some
 from atleak.common.verdicts import Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.land import COVERAGE, FARTHEST, NO_RATE, Crossing, WearLine
+from atleak.diagnosis.land import FARTHEST, MILEAGE_COVERAGE, NO_RATE, Crossing, WearLine
 from atleak.diagnosis.rules import clearance_limits
 from atleak.diagnosis.uncertainty import LandSources
 from atleak.engine.leakage import LeakageModel
@@ -94,7 +94,7 @@ def wear_over_mileage(visits: Sequence[Visit], limits: Limits) -> WearHistory:
     -----
     A rate and a mileage rest on the uncertainty of measuring alone. Errors that two visits share leave the rate alone.
     """
-    ordered = in_order(visits)
+    ordered = visits_in_order(visits)
     keys = dict.fromkeys(land.key for visit in reversed(ordered.visits) for land in visit.lands)
     every = (series_of(key, ordered) for key in keys)
     lands = tuple(_land(each, ordered, limits) for each in every if each.counted or each.earlier or each.land)
@@ -167,12 +167,12 @@ def _listed(lands: Iterable[LandWear]) -> Sentence:
     return some([f"{component}/{land}" for component, land in (each.key for each in lands)], _NAMED)
 
 
-AHEAD = 200_000.0  # [km] over which totals are foreseen: choice of this project
+_AHEAD = 200_000.0  # [km] over which totals are foreseen: choice of this project
 _STEPS = 12  # of that way
 _DRAWS = 1000
 _SEED = 7667
 
-Draws = NDArray[np.float64]
+_Draws = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -227,7 +227,7 @@ def totals_over_mileage(history: WearHistory, diagnosis: Diagnosis) -> TotalsOve
     lands = len(diagnosis.controller.lands)
     if present is None or not growing or not diagnosis.judged:
         return TotalsOverMileage((), growing, lands, ())
-    mileages = np.linspace(present, min(present + AHEAD, max(FARTHEST, present + 1.0)), _STEPS + 1)
+    mileages = np.linspace(present, min(present + _AHEAD, max(FARTHEST, present + 1.0)), _STEPS + 1)
     model = _worn(diagnosis, drawn_clearances(history, mileages))
     totals = tuple(_total(diagnosis, model, place, mileages) for place in range(len(diagnosis.projections)))
     text = Sentence(
@@ -241,15 +241,15 @@ def totals_over_mileage(history: WearHistory, diagnosis: Diagnosis) -> TotalsOve
 
 
 def drawn_clearances(
-    history: WearHistory, mileages: Sequence[float] | Draws, draws: int = _DRAWS
-) -> dict[LandKey, Draws]:
+    history: WearHistory, mileages: Sequence[float] | _Draws, draws: int = _DRAWS
+) -> dict[LandKey, _Draws]:
     """Draw the clearance of every land that was measured at some mileages [m], each of shape (draws, mileages).
 
     Clearances of one draw err together, as far as they share what errs. None is below zero.
     """
     at = np.asarray(mileages, float)
     stream = np.random.Generator(np.random.PCG64(_SEED))
-    shared: dict[Hashable, Draws] = defaultdict(lambda: stream.standard_normal(draws))
+    shared: dict[Hashable, _Draws] = defaultdict(lambda: stream.standard_normal(draws))
     drawn = {}
     for land in history.lands:
         clearances = _drawn(land, at, draws, stream, shared)
@@ -259,8 +259,8 @@ def drawn_clearances(
 
 
 def _drawn(
-    land: LandWear, at: Draws, draws: int, stream: np.random.Generator, shared: Mapping[Hashable, Draws]
-) -> Draws | None:
+    land: LandWear, at: _Draws, draws: int, stream: np.random.Generator, shared: Mapping[Hashable, _Draws]
+) -> _Draws | None:
     errors = []
     for point in land.series.counted:
         error = np.sqrt(point.own_variance) * stream.standard_normal(draws)
@@ -277,7 +277,7 @@ def _drawn(
     return None
 
 
-def _worn(diagnosis: Diagnosis, drawn: Mapping[LandKey, Draws]) -> LeakageModel:
+def _worn(diagnosis: Diagnosis, drawn: Mapping[LandKey, _Draws]) -> LeakageModel:
     """Return the model with arrays of clearances, all draws and mileages in one row; a land without any is new."""
     others = [land.key for land in diagnosis.lands if land.key not in drawn]
     clearances: list[Any] = []
@@ -287,7 +287,7 @@ def _worn(diagnosis: Diagnosis, drawn: Mapping[LandKey, Draws]) -> LeakageModel:
     return replace(diagnosis.model, clearances=tuple(clearances))
 
 
-def _total(diagnosis: Diagnosis, model: LeakageModel, place: int, mileages: Draws) -> TotalOverMileage:
+def _total(diagnosis: Diagnosis, model: LeakageModel, place: int, mileages: _Draws) -> TotalOverMileage:
     now = diagnosis.projections[place]
     flows = spread_over(Operation.of(model, now.condition).leakage, (_DRAWS * mileages.size,))
     flows = flows.reshape(_DRAWS, mileages.size)
@@ -308,10 +308,10 @@ def _total(diagnosis: Diagnosis, model: LeakageModel, place: int, mileages: Draw
     )
 
 
-_PARTS = (0.5 - 0.5 * COVERAGE, 0.5, 0.5 + 0.5 * COVERAGE)
+_PARTS = (0.5 - 0.5 * MILEAGE_COVERAGE, 0.5, 0.5 + 0.5 * MILEAGE_COVERAGE)
 
 
-def _reached(share: Draws, limit: float, mileages: Draws) -> Crossing:
+def _reached(share: _Draws, limit: float, mileages: _Draws) -> Crossing:
     """Return at which mileage the draws reach a limit; what is not reached over the way ahead is not foreseen."""
     over = share >= limit
     first = np.argmax(over, axis=1)

@@ -23,7 +23,7 @@ from atleak.analysis.learning.outliers import (
     MOST_DEGREES,
     Mask,
     Outliers,
-    Table,
+    OutlierTable,
     WhyUnit,
     find_outliers,
     prior_degrees,
@@ -31,7 +31,7 @@ from atleak.analysis.learning.outliers import (
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.common.errors import Place, ReadingsError
-from atleak.common.file_faults import together
+from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.diagnosis.uncertainty.sources import LandSources, find_sources
@@ -39,7 +39,7 @@ from atleak.measurements.readings import Readings, clearances
 
 
 @dataclass(frozen=True)
-class Estimate:
+class ClearanceEstimate:
     """What the kept pairs tell of each land; NaN where none was kept."""
 
     clearance: NDArray[np.float64]  # [m] their mean
@@ -52,7 +52,7 @@ class Estimate:
     measurement: NDArray[np.float64]  # [m] standard uncertainty of one unit's clearance that units do not share
 
 
-def estimate(clearances: Table, own: Table, kept: Mask) -> Estimate:
+def estimate_clearance(clearances: OutlierTable, own: OutlierTable, kept: Mask) -> ClearanceEstimate:
     """Return the estimate of every land.
 
     Parameters
@@ -74,7 +74,7 @@ def estimate(clearances: Table, own: Table, kept: Mask) -> Estimate:
     if not free.any():
         unknown = np.full(mean.shape, np.nan)
         endless = np.full(mean.shape, math.inf)
-        return Estimate(mean, pairs, np.sqrt(noise), endless, unknown, unknown, unknown, np.sqrt(noise))
+        return ClearanceEstimate(mean, pairs, np.sqrt(noise), endless, unknown, unknown, unknown, np.sqrt(noise))
     pooled, pooled_degrees = _pooled(residual, kept, free)
     squares = (residual**2).sum(axis=0)
     prior = prior_degrees(squares, free.astype(float))
@@ -87,7 +87,7 @@ def estimate(clearances: Table, own: Table, kept: Mask) -> Estimate:
     total = np.maximum(variance, noise)
     between = np.maximum(variance - noise, 0.0)
     unresolved = np.maximum(between, variance * np.sqrt(2.0 / degrees))  # no less than a variance's standard error
-    return Estimate(
+    return ClearanceEstimate(
         clearance=mean,
         pairs=pairs,
         standard_error=np.where(there, np.sqrt(total / some), np.nan),
@@ -99,7 +99,7 @@ def estimate(clearances: Table, own: Table, kept: Mask) -> Estimate:
     )
 
 
-def _pooled(residual: Table, kept: Mask, free: NDArray[np.int_]) -> tuple[float, float]:
+def _pooled(residual: OutlierTable, kept: Mask, free: NDArray[np.int_]) -> tuple[float, float]:
     """Return the variance of one pair among units [m²], pooled over lands, and its degrees of freedom."""
     measured = kept.sum(axis=1)
     units = int((measured > 0).sum())
@@ -236,7 +236,7 @@ def learn(
     units = [_sources(controller, sheet, gauges, temperature, assumptions) for sheet in sheets]
     empty = [_tells_nothing(sheet) for sheet, lands in zip(sheets, units, strict=True) if not any(map(_counts, lands))]
     if empty:
-        raise together(empty)
+        raise faults_together(empty)
     shape = len(sheets), len(controller.lands)
     measured, own, shared = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
     for row, lands in enumerate(units):
@@ -245,7 +245,7 @@ def learn(
                 measured[row, column] = each.state.radial_clearance
                 own[row, column], shared[row, column] = _uncertainties(each)
     outliers = find_outliers(measured, own)
-    estimated = estimate(measured, own, outliers.kept)
+    estimated = estimate_clearance(measured, own, outliers.kept)
     marked = [{controller.land_of_plane(each.component, each.plane) for each in sheet.unworn} for sheet in sheets]
     learned = {
         land.key: _land(
@@ -302,7 +302,7 @@ def _require_different(sheets: Sequence[Readings]) -> None:
             problem, expected = same if earlier.sha256 == sheet.sha256 else alike, Sentence("one sheet for each unit")
             twice.append(ReadingsError(problem, place=Place(sheet.file), expected=expected))
     if twice:
-        raise together(twice)
+        raise faults_together(twice)
 
 
 def _tells_nothing(sheet: Readings) -> ReadingsError:
@@ -347,7 +347,9 @@ def _uncertainties(land: LandSources) -> tuple[float, float]:
 # --- from numbers to lands
 
 
-def _land(land: Land, column: int, estimated: Estimate, *, calibration: float, unworn_ends: int) -> LearnedLand:
+def _land(
+    land: Land, column: int, estimated: ClearanceEstimate, *, calibration: float, unworn_ends: int
+) -> LearnedLand:
     by_units = _factor(estimated.degrees[column]) * float(estimated.standard_error[column])
     uncertainty = math.hypot(by_units, _factor(math.inf) * calibration)
     spread = float(estimated.spread[column])
@@ -391,7 +393,7 @@ def _known_tolerance(land: Land) -> tuple[float, ToleranceFrom]:
 
 
 def _left_out(
-    controller: Controller, sheets: Sequence[Readings], measured: Table, outliers: Outliers
+    controller: Controller, sheets: Sequence[Readings], measured: OutlierTable, outliers: Outliers
 ) -> Iterator[LeftOut]:
     """Yield the pairs that do not count by themselves, those of units left out for other reasons aside."""
     for row, column in zip(*np.nonzero(outliers.wide | outliers.tight), strict=True):
@@ -400,5 +402,5 @@ def _left_out(
         yield LeftOut(sheets[row].file, land.component, land.land, float(measured[row, column]), expected)
 
 
-def _rms(values: Sequence[float] | Table) -> float | None:
+def _rms(values: Sequence[float] | OutlierTable) -> float | None:
     return math.sqrt(math.fsum(float(each) ** 2 for each in values) / len(values)) if len(values) else None

@@ -91,7 +91,7 @@ _FEW_UNITS = 4  # up to so many a result says how few they are
 _NAMED = 12  # lands that a message lists
 
 
-def messages(learned: Learned) -> tuple[Message, ...]:
+def learned_messages(learned: Learned) -> tuple[Message, ...]:
     """Return what is to be known about mounting clearances that were learned, warnings first."""
     said = [
         *_units_left_out(learned),
@@ -107,7 +107,7 @@ def messages(learned: Learned) -> tuple[Message, ...]:
     return tuple(sorted(said, key=lambda message: message.level != "warning"))
 
 
-def why(unit: LearnedUnit, pairs: Iterable[LeftOut]) -> Sentence:
+def why_left_out(unit: LearnedUnit, pairs: Iterable[LeftOut]) -> Sentence:
     """Say why a unit is left out as a whole; "" where it counts."""
     shift = _width(abs(unit.shift))
     wide = [f"{pair.component}/{pair.land}" for pair in pairs if pair.file == unit.file and pair.wider]
@@ -139,7 +139,7 @@ def why(unit: LearnedUnit, pairs: Iterable[LeftOut]) -> Sentence:
 
 def _units_left_out(learned: Learned) -> Iterator[Message]:
     for unit in learned.units:
-        reason = why(unit, learned.left_out)
+        reason = why_left_out(unit, learned.left_out)
         if reason:
             text = Sentence("{file} is left out as a whole: {reason}", file=unit.file, reason=reason)
             yield Message("warning", "unit_left_out", text, Place(unit.file))

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from atleak.equations.statistics import normal_quantile
 
-Table = NDArray[np.float64]  # one row for each unit, one column for each land; NaN where nothing was measured
+OutlierTable = NDArray[np.float64]  # one row for each unit, one column for each land; NaN where nothing was measured
 Mask = NDArray[np.bool_]
 
 MOST_DEGREES = 1e5  # of freedom, from where on Student's distribution is the normal one to five digits
@@ -59,10 +59,10 @@ class Outliers:
     units: Mapping[int, WhyUnit]  # left out as a whole, by row
     kept: Mask  # the pairs that count
     shifts: NDArray[np.float64]  # [m] of each unit: by how much all its lands are wider than the others'
-    expected: Table  # [m] what each pair was expected to be, from the others; NaN where there are none
+    expected: OutlierTable  # [m] what each pair was expected to be, from the others; NaN where there are none
 
 
-def find_outliers(clearances: Table, own: Table) -> Outliers:
+def find_outliers(clearances: OutlierTable, own: OutlierTable) -> Outliers:
     """Return which pairs and units are left out.
 
     Parameters
@@ -107,18 +107,18 @@ class _Fit(NamedTuple):
 
     shifts: NDArray[np.float64]  # [m] of units
     shift_error: NDArray[np.float64]  # [m] standard uncertainty that it has from the scatter of its lands
-    deviation: Table  # [m] of each pair from what the others make expected; NaN where there are none
-    deviate: Table  # the same in normal deviates: as improbable as Student's t is
-    probability: Table  # of one as far off by chance; 1 where there is nothing to compare
+    deviation: OutlierTable  # [m] of each pair from what the others make expected; NaN where there are none
+    deviate: OutlierTable  # the same in normal deviates: as improbable as Student's t is
+    probability: OutlierTable  # of one as far off by chance; 1 where there is nothing to compare
     degrees: float  # of freedom of the pooled spread
 
 
-def _typical(own: Table, measured: Mask) -> float:
+def _typical(own: OutlierTable, measured: Mask) -> float:
     known = own[measured]
     return float(np.sqrt(np.mean(known * known))) if known.size else 0.0
 
 
-def _start(clearances: Table, measured: Mask, least: float) -> tuple[Mask, Mask]:
+def _start(clearances: OutlierTable, measured: Mask, least: float) -> tuple[Mask, Mask]:
     """Return the pairs and units to start from: those near the medians of lands and units.
 
     Medians are swept out of rows and columns in turn (Tukey's median polish); the spread is that of the differences
@@ -156,7 +156,7 @@ def _start(clearances: Table, measured: Mask, least: float) -> tuple[Mask, Mask]
     return kept, units
 
 
-def _compared(clearances: Table, measured: Mask, kept: Mask, least: float, *, cut: bool = False) -> _Fit:
+def _compared(clearances: OutlierTable, measured: Mask, kept: Mask, least: float, *, cut: bool = False) -> _Fit:
     """Compare every pair with those that are kept, itself left out; ``cut`` where these were cut at 2.5 spreads."""
     shifts, centres = _two_way(clearances, kept)
     for row in np.flatnonzero(~kept.any(axis=1) & _show_shift(measured)):
@@ -255,7 +255,7 @@ def _show_shift(pairs: Mask) -> Mask:
     return pairs.sum(axis=1) >= LANDS_TO_SHOW_A_SHIFT
 
 
-def _two_way(clearances: Table, kept: Mask) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _two_way(clearances: OutlierTable, kept: Mask) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the shifts of units and the means of lands [m] that fit the kept pairs best by least squares."""
     values = np.where(kept, clearances, 0.0)
     of_land, of_unit = np.maximum(kept.sum(axis=0), 1), np.maximum(kept.sum(axis=1), 1)

@@ -14,7 +14,7 @@ from functools import cached_property
 
 from atleak.analysis.repair.choice import Basis, Choice, Gain, OfferedRepair, OfferedRepairs, choose, gain_of, ticked
 from atleak.analysis.repair.options import Cost, Option, cost_of
-from atleak.analysis.repair.prices import Move, MoveKey, Prices, Stated
+from atleak.analysis.repair.prices import Move, MoveKey, Prices, StatedPrice
 from atleak.analysis.repair.totals import RepairedAt, Total
 from atleak.catalogue.repairs import LandKey
 from atleak.common.verdicts import Band
@@ -38,7 +38,7 @@ __all__ = [
     "RepairPlan",
     "RepairStep",
     "RepairedAt",
-    "Stated",
+    "StatedPrice",
     "Total",
     "choose",
     "gain_of",

@@ -71,7 +71,7 @@ class Move:
 
 
 @dataclass(frozen=True)
-class Stated:
+class StatedPrice:
     """What the workshop typed of one repair; None where it typed nothing."""
 
     price: float | None = None
@@ -84,11 +84,11 @@ class Prices:
 
     labour_rate: float | None = None  # per hour; None: hours are not counted
     currency: str = ""  # of the labour rate and of what was typed; none where nobody said
-    typed: Mapping[MoveKey, Stated] = field(default_factory=dict)
+    typed: Mapping[MoveKey, StatedPrice] = field(default_factory=dict)
 
     def price(self, move: Move) -> float | None:
         """Return the price of the part; None where it is unknown, or in another currency than that of the estimate."""
-        typed = self.typed.get(move.key, Stated()).price
+        typed = self.typed.get(move.key, StatedPrice()).price
         if typed is not None or move.option is None:
             return typed
         other = self.currency and move.option.repair.currency != self.currency
@@ -96,7 +96,7 @@ class Prices:
 
     def hours(self, move: Move) -> float | None:
         """Return the hours of work; None where they are unknown."""
-        typed = self.typed.get(move.key, Stated()).hours
+        typed = self.typed.get(move.key, StatedPrice()).hours
         return typed if typed is not None or move.option is None else move.option.repair.hours
 
     def currency_of(self, move: Move) -> str:

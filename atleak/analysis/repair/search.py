@@ -21,11 +21,11 @@ from typing import Any
 import numpy as np
 
 from atleak.analysis.repair.prices import Move, Moves, together
-from atleak.analysis.repair.totals import NEARLY, Judged, LandChoice, RepairableUnit
+from atleak.analysis.repair.totals import NEARLY, JudgedTotal, LandChoice, RepairableUnit
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey
 from atleak.engine.operation import LINE, LandStates
-from atleak.engine.restrictions import Branch, Gap
+from atleak.engine.restrictions import Branch, GapBranch
 
 LandState = tuple[LandKey, int]
 
@@ -34,7 +34,7 @@ LandState = tuple[LandKey, int]
 class Target:
     """A limit that a choice of repairs must keep at one condition."""
 
-    judged: Judged
+    judged: JudgedTotal
     limit: float
     at: LandStates
 
@@ -51,7 +51,7 @@ class Target:
             return at.pump_supply / self.limit - at.slip - at.consumers if self.limit > 0.0 else np.inf
         return self.limit * at.pump_capacity if kind is RuleKind.TOTAL_SHARE else None
 
-    def into_circuit(self, gap: Branch[Gap]) -> bool:
+    def into_circuit(self, gap: Branch[GapBranch]) -> bool:
         """Tell whether what leaks through a gap ends in a circuit."""
         return gap.into is not None and any(gap.into == each.id for each in self.at.model.controller.circuits)
 
@@ -91,8 +91,8 @@ class Target:
         return False
 
     @cached_property
-    def _gaps_of(self) -> Mapping[LandKey, list[Branch[Gap]]]:
-        gaps: dict[LandKey, list[Branch[Gap]]] = defaultdict(list)
+    def _gaps_of(self) -> Mapping[LandKey, list[Branch[GapBranch]]]:
+        gaps: dict[LandKey, list[Branch[GapBranch]]] = defaultdict(list)
         for key, gap in zip(self.at.keys, self.at.gaps, strict=True):
             gaps[key].append(gap)
         return gaps

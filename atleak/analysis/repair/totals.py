@@ -27,7 +27,7 @@ NEARLY = 1e-8  # relative: a value must be within its limit by more than floatin
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedTotal:
     """One rule of the unit at one condition, to be judged again after repairs."""
 
     rule: Rule  # of the unit as measured, whose limits hold after a repair too
@@ -35,7 +35,7 @@ class Judged:
     likely: float = 1.0  # the likely value over the value, where the two have reached different levels
 
     @classmethod
-    def of(cls, diagnosis: Diagnosis, rule: Rule, projection: Projection) -> Judged:
+    def of(cls, diagnosis: Diagnosis, rule: Rule, projection: Projection) -> JudgedTotal:
         """Return a rule with how far its likely value is from its value: a repaired unit is no surer than before."""
         decided = diagnosis.decided(rule)
         passes, sign = (falls_below, -1.0) if rule.steps.falling else (reaches, 1.0)
@@ -87,8 +87,8 @@ class Judged:
 class Total:
     """The total at one condition with some lands repaired, judged by the rule of that condition."""
 
-    total: Judged
-    others: tuple[Judged, ...]  # reserve and pressures
+    total: JudgedTotal
+    others: tuple[JudgedTotal, ...]  # reserve and pressures
     leakage: float  # [m³/s] drawn from the pump
     pressures: Mapping[str, float]  # [Pa] that the line, as p_g, and every circuit hold
     repaired: bool  # whether any land was
@@ -191,14 +191,14 @@ class RepairableUnit:
         return tuple(LandStates.of(self._models, each.condition) for each in self.diagnosis.projections)
 
     @cached_property
-    def judged(self) -> tuple[tuple[Judged, ...], ...]:
+    def judged(self) -> tuple[tuple[JudgedTotal, ...], ...]:
         """Return the rules of every condition, that of its total first."""
         return tuple(tuple(self._judged(each)) for each in self.diagnosis.projections)
 
-    def _judged(self, projection: Projection) -> Iterator[Judged]:
-        yield Judged.of(self.diagnosis, self.diagnosis.total_rule(projection), projection)
+    def _judged(self, projection: Projection) -> Iterator[JudgedTotal]:
+        yield JudgedTotal.of(self.diagnosis, self.diagnosis.total_rule(projection), projection)
         for rule in self.diagnosis.pressure_rules_at(projection):
-            yield Judged.of(self.diagnosis, rule, projection)
+            yield JudgedTotal.of(self.diagnosis, rule, projection)
 
     def repaired(self, choices: Sequence[LandChoice]) -> list[Repaired]:
         """Compute every condition for several choices at once."""

@@ -31,7 +31,7 @@ from atleak.measurements.road_test import Channel, RoadTest
 
 FRESH_FLUID = "hipol_atf_iid"
 USED_FLUID = "hipol_atf_iid_used"
-USED_VISCOSITY = 8.40e-6  # [m²/s] at 80 °C after 106 315 km
+_USED_VISCOSITY = 8.40e-6  # [m²/s] at 80 °C after 106 315 km
 CURVES_WEAR = 0.5  # of the curves over temperature
 
 
@@ -55,7 +55,7 @@ class Variant:
     @property
     def viscosity_of_results(self) -> float:
         """Return the viscosity [m²/s] that the printed results follow from."""
-        return USED_VISCOSITY if self.used_oil else self.kinematic_viscosity
+        return _USED_VISCOSITY if self.used_oil else self.kinematic_viscosity
 
     @property
     def misprinted_viscosity(self) -> bool:

@@ -22,11 +22,11 @@ from atleak.catalogue.written_numbers import decimal_number
 from atleak.common.file_faults import NotAccepted
 from atleak.common.sentences import Sentence
 
-Length = Literal["mm", "inch"]
-Clearance = Literal["radial", "diametral"]
+_Length = Literal["mm", "inch"]
+_Clearance = Literal["radial", "diametral"]
 PressureUnit = Literal["kPa", "psi", "bar"]
-LENGTHS: tuple[Length, ...] = get_args(Length)
-CLEARANCES: tuple[Clearance, ...] = get_args(Clearance)
+LENGTHS: tuple[_Length, ...] = get_args(_Length)
+CLEARANCES: tuple[_Clearance, ...] = get_args(_Clearance)
 PRESSURES: tuple[PressureUnit, ...] = get_args(PressureUnit)
 
 _KPA: dict[str, Decimal] = {
@@ -43,8 +43,8 @@ _CELL = Context(prec=13)  # digits of a converted number: two fewer than every s
 class Units:
     """What a workbook's numbers are written in; chosen once, on its first sheet."""
 
-    length: Length = "mm"
-    clearance: Clearance = "radial"
+    length: _Length = "mm"
+    clearance: _Clearance = "radial"
     pressure: PressureUnit = "kPa"
 
 
@@ -132,18 +132,18 @@ _MOST_GEARS = 30
 _DOTTED = re.compile(r"^(\d\d)\.(\d\d)\.(\d{4})$")  # day, month and year: dots stand in no other order
 _YES, _NO = {"yes", "y", "true", "x", "1"}, {"no", "n", "false", "0"}
 
-Cell = Any  # str, float, int, bool, date
+CellKind = Any  # str, float, int, bool, date
 
 
 @dataclass(frozen=True)
-class Kind:
+class CellForm:
     """What the cells of a column hold: text, unless a subclass says otherwise."""
 
     def label(self, units: Units) -> str:
         """Return the unit that stands under the column's heading."""
         return ""
 
-    def value(self, cell: Cell, units: Units) -> Any:
+    def value(self, cell: CellKind, units: Units) -> Any:
         """Return the value of the controller's file.
 
         Raises
@@ -159,10 +159,10 @@ class Kind:
 
 
 @dataclass(frozen=True)
-class Day(Kind):
+class Day(CellForm):
     """A date."""
 
-    def value(self, cell: Cell, units: Units) -> str:
+    def value(self, cell: CellKind, units: Units) -> str:
         if isinstance(cell, datetime.date):
             return cell.isoformat()[:10]
         text = _DOTTED.sub(r"\3-\2-\1", as_text(cell))
@@ -173,10 +173,10 @@ class Day(Kind):
 
 
 @dataclass(frozen=True)
-class YesNo(Kind):
+class YesNo(CellForm):
     """``yes`` or ``no``."""
 
-    def value(self, cell: Cell, units: Units) -> bool:
+    def value(self, cell: CellKind, units: Units) -> bool:
         text = as_text(cell).casefold()
         if text in _YES | _NO:
             return text in _YES
@@ -187,7 +187,7 @@ class YesNo(Kind):
 
 
 @dataclass(frozen=True)
-class Choice(Kind):
+class ChoiceCell(CellForm):
     """One word of a closed list; in the workbook a blank stands for each low line, unless it is a symbol."""
 
     options: tuple[str, ...]
@@ -198,7 +198,7 @@ class Choice(Kind):
         """Return the list as its drop-down shows it."""
         return tuple(self.cell(option, Units()) for option in self.options)
 
-    def value(self, cell: Cell, units: Units) -> str:
+    def value(self, cell: CellKind, units: Units) -> str:
         text = as_text(cell)
         for option in self.options:
             if _alike(text) == _alike(option):
@@ -210,7 +210,7 @@ class Choice(Kind):
 
 
 @dataclass(frozen=True)
-class Number(Kind):
+class Number(CellForm):
     """A number with a unit."""
 
     measure: Measure = NUMBER
@@ -218,10 +218,10 @@ class Number(Kind):
     def label(self, units: Units) -> str:
         return self.measure.label(units)
 
-    def value(self, cell: Cell, units: Units) -> float:
+    def value(self, cell: CellKind, units: Units) -> float:
         return self.measure.file_number(self.written(cell, units), units)
 
-    def written(self, cell: Cell, units: Units) -> float | Decimal:
+    def written(self, cell: CellKind, units: Units) -> float | Decimal:
         """Return the number as it stands in the cell, in the workbook's unit."""
         if isinstance(cell, int | float) and not isinstance(cell, bool):
             return cell
@@ -243,7 +243,7 @@ class Number(Kind):
 
 
 @dataclass(frozen=True)
-class Whole(Kind):
+class Whole(CellForm):
     """A whole number."""
 
     unit: str = ""
@@ -251,7 +251,7 @@ class Whole(Kind):
     def label(self, units: Units) -> str:
         return self.unit
 
-    def value(self, cell: Cell, units: Units) -> int:
+    def value(self, cell: CellKind, units: Units) -> int:
         return _whole(cell, Sentence("a whole number"))
 
     def cell(self, value: Any, units: Units) -> float:
@@ -259,10 +259,10 @@ class Whole(Kind):
 
 
 @dataclass(frozen=True)
-class Gear(Kind):
+class Gear(CellForm):
     """One gear: a number, R for reverse, N or P for neutral."""
 
-    def value(self, cell: Cell, units: Units) -> int:
+    def value(self, cell: CellKind, units: Units) -> int:
         gears = gears_written(cell)
         if len(gears) != 1:
             raise NotAccepted(Sentence("one gear: R, N or a number"))
@@ -273,12 +273,12 @@ class Gear(Kind):
 
 
 @dataclass(frozen=True)
-class Gears(Kind):
+class Gears(CellForm):
     """Several gears, as people write them: ``R N 1 2 3`` or ``1-5``; `EVERY` stands for all of the head's."""
 
     or_every: bool = True
 
-    def value(self, cell: Cell, units: Units) -> list[int] | str:
+    def value(self, cell: CellKind, units: Units) -> list[int] | str:
         if self.or_every and as_text(cell).casefold() in {EVERY, "every", "every gear", "all gears"}:
             return EVERY
         return gears_written(cell)
@@ -288,12 +288,12 @@ class Gears(Kind):
 
 
 @dataclass(frozen=True)
-class Names(Kind):
+class Names(CellForm):
     """Several names, or words of a closed list, with commas between, or each on a line of its own."""
 
     options: tuple[str, ...] = ()
 
-    def value(self, cell: Cell, units: Units) -> list[str]:
+    def value(self, cell: CellKind, units: Units) -> list[str]:
         lines = isinstance(cell, str) and "\n" in cell
         names = [name.strip() for name in re.split(r"\n" if lines else r"[,;]", str(cell) if lines else as_text(cell))]
         names = [name for name in names if name]
@@ -312,10 +312,10 @@ class Names(Kind):
 
 
 @dataclass(frozen=True)
-class Wholes(Kind):
+class Wholes(CellForm):
     """Several whole numbers, with blanks or commas between."""
 
-    def value(self, cell: Cell, units: Units) -> list[int]:
+    def value(self, cell: CellKind, units: Units) -> list[int]:
         wanted = Sentence("whole numbers with blanks between, such as 1 2 3")
         if isinstance(cell, str):
             return [_whole(part, wanted) for part in _SEPARATED.split(cell.strip()) if part]
@@ -325,7 +325,7 @@ class Wholes(Kind):
         return " ".join(map(str, value))
 
 
-def gears_written(cell: Cell) -> list[int]:
+def gears_written(cell: CellKind) -> list[int]:
     """Return the gears that a cell names.
 
     Raises
@@ -361,7 +361,7 @@ def gear_shown(gear: int) -> str | int:
     return _LETTERS.get(gear, gear)
 
 
-def as_text(cell: Cell) -> str:
+def as_text(cell: CellKind) -> str:
     """Return a cell as text: a whole number without its decimal point, a day as it is written in a file.
 
     >>> as_text(8.0), as_text(" 12' "), as_text(0.5)
@@ -376,7 +376,7 @@ def as_text(cell: Cell) -> str:
     return str(cell).strip()
 
 
-def _whole(cell: Cell, wanted: Sentence) -> int:
+def _whole(cell: CellKind, wanted: Sentence) -> int:
     if isinstance(cell, str):
         cell = decimal_number(cell.replace("−", "-"))
     if isinstance(cell, int | float) and not isinstance(cell, bool) and float(cell).is_integer():

@@ -6,13 +6,22 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from atleak.catalogue.workbook.cells import NEUTRAL, REVERSE, Cell, Kind, Units, as_text, gear_shown, gears_written
-from atleak.catalogue.workbook.shapes import Column, Description, Row, Sheet, Values, by_id, owner_of, point_of
-from atleak.common.errors import Steps, one_of
+from atleak.catalogue.workbook.cells import (
+    NEUTRAL,
+    REVERSE,
+    CellForm,
+    CellKind,
+    Units,
+    as_text,
+    gear_shown,
+    gears_written,
+)
+from atleak.catalogue.workbook.shapes import Description, Row, Sheet, SheetColumn, Values, by_id, owner_of, point_of
+from atleak.common.errors import KeySteps, one_of
 from atleak.common.file_faults import NotAccepted
 from atleak.common.sentences import Sentence
 
-LINE = "p_g"  # stands for the line where a circuit is named
+LINE_SHEET = "p_g"  # stands for the line where a circuit is named
 ALWAYS, BY_POINT, BY_GEAR, BY_CURRENT, BY_DUTY, FOLLOWING = SET_BY = (
     "always",
     "operating point",
@@ -36,7 +45,7 @@ class SetPressures(Sheet):
     """
 
     def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
-        tables = [(LINE, data.get("line", {})), *((table["id"], table) for table in data.get("circuits", ()))]
+        tables = [(LINE_SHEET, data.get("line", {})), *((table["id"], table) for table in data.get("circuits", ()))]
         for name, table in tables:
             for values in _set_rows(table.get("set_kpa")):
                 pairs = zip(self.columns, (name, *values), strict=True)
@@ -46,12 +55,12 @@ class SetPressures(Sheet):
         circuits = by_id(into, "circuits")
         own: dict[str, list[Row]] = {}
         for row in rows:
-            if (name := owner_of(row, self._headings[0], {LINE: None, **circuits}, into)) is not None:
+            if (name := owner_of(row, self._headings[0], {LINE_SHEET: None, **circuits}, into)) is not None:
                 own.setdefault(name, []).append(row)
         for name, stated in own.items():
-            at: Steps = ("line",) if name == LINE else ("circuits", circuits[name][0])
+            at: KeySteps = ("line",) if name == LINE_SHEET else ("circuits", circuits[name][0])
             into.mark((*at, "set_kpa"), stated[0].at(self._headings[4]))
-            table = into.table(at) if name == LINE else circuits[name][1]
+            table = into.table(at) if name == LINE_SHEET else circuits[name][1]
             value = self._stated(stated, (*at, "set_kpa"), into)
             if value is not None:
                 table["set_kpa"] = value
@@ -63,7 +72,7 @@ class SetPressures(Sheet):
     def _headings(self) -> tuple[str, ...]:
         return tuple(column.heading for column in self.columns)
 
-    def _stated(self, rows: Sequence[Row], at: Steps, into: Description) -> Any:
+    def _stated(self, rows: Sequence[Row], at: KeySteps, into: Description) -> Any:
         """Return ``set_kpa`` as the file states it; None, and a fault, where the rows do not go together."""
         _, by, which, level, pressure, ratio, offset = self._headings
         way = rows[0].values.get(by)
@@ -143,10 +152,10 @@ def _set_rows(stated: Any) -> Iterator[tuple[Any, ...]]:
 
 
 @dataclass(frozen=True)
-class Mark(Kind):
+class Mark(CellForm):
     """A mark in the apply chart."""
 
-    def value(self, cell: Cell, units: Units) -> bool:
+    def value(self, cell: CellKind, units: Units) -> bool:
         text = as_text(cell).casefold()
         if text in _MARKED | _UNMARKED:
             return text in _MARKED
@@ -160,10 +169,10 @@ class Mark(Kind):
 class ApplyChart(Sheet):
     """In which gears circuits are applied: a row for each circuit, a column for each gear."""
 
-    def columns_for(self, data: Mapping[str, Any]) -> tuple[Column, ...]:
+    def columns_for(self, data: Mapping[str, Any]) -> tuple[SheetColumn, ...]:
         return (*self.columns, *(_gear_column(str(gear_shown(gear))) for gear in data.get("gears", _EMPTY_CHART)))
 
-    def further_column(self, heading: Any) -> Column | None:
+    def further_column(self, heading: Any) -> SheetColumn | None:
         try:
             gears = gears_written(as_text(heading))
         except NotAccepted:
@@ -208,5 +217,5 @@ class ApplyChart(Sheet):
                 )
 
 
-def _gear_column(heading: str) -> Column:
-    return Column(heading, (), Mark(), width=6)
+def _gear_column(heading: str) -> SheetColumn:
+    return SheetColumn(heading, (), Mark(), width=6)

@@ -17,8 +17,8 @@ from typing import Any
 from atleak.catalogue.controller_file import written_toml
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Shelf, id_from_name
-from atleak.catalogue.workbook.cells import Kind, Number, Units, as_text
-from atleak.catalogue.workbook.shapes import DEFAULTS, Column, Description, Fault, Row, Sheet, Spot
+from atleak.catalogue.workbook.cells import CellForm, Number, Units, as_text
+from atleak.catalogue.workbook.shapes import HEAD_DEFAULTS, Description, Row, Sheet, SheetColumn, SheetFault, Spot
 from atleak.catalogue.workbook.sheets import Offered
 from atleak.common.errors import CatalogueError, InputError
 from atleak.common.file_faults import NotAccepted
@@ -50,7 +50,7 @@ def doubts(sheet: Sheet, rows: Iterable[Row], units: Units) -> Iterator[tuple[Sp
 
 def in_cells(
     error: CatalogueError, into: Description, sheets: Iterable[Sheet], rows: Mapping[str, Sequence[Row]], units: Units
-) -> Iterator[Fault | InputError]:
+) -> Iterator[SheetFault | InputError]:
     """Yield the faults of tables as those of the cells that say them; one that no cell says stays as it is.
 
     What is wrong with a default that lands take from the head is said once, at the head, and nothing is said of a cell
@@ -68,28 +68,28 @@ def in_cells(
         columns = declared[spot.sheet].columns
         column = next((column for column in columns if column.heading == spot.heading), None)
         row = next((row for row in rows[spot.sheet] if row.spot.row == spot.row), Row(spot, {}, {}))
-        of_head = into.spots.get((DEFAULTS, *steps[-1:]))
+        of_head = into.spots.get((HEAD_DEFAULTS, *steps[-1:]))
         if column is None:
-            yield Fault(spot, each.problem, each.value, each.expected, each.nearest)
+            yield SheetFault(spot, each.problem, each.value, each.expected, each.nearest)
         elif each.value is None or of_head is None or column.heading in row.cells:
             yield fault_of_cell(each, column, row, units)
         elif (of_head, str(each.value)) not in said:
             said.add((of_head, str(each.value)))
-            yield Fault(of_head, each.problem, each.value, each.expected, each.nearest)
+            yield SheetFault(of_head, each.problem, each.value, each.expected, each.nearest)
 
 
-def fault_of_cell(error: InputError, column: Column, row: Row, units: Units) -> Fault:
+def fault_of_cell(error: InputError, column: SheetColumn, row: Row, units: Units) -> SheetFault:
     """Return a fault of the tables as one of the cell in which the value was typed, or is missing."""
     spot = row.at(column.heading)
     if column.heading not in row.cells:
         if error.value is not None:  # of a value that nobody typed
-            return Fault(spot, error.problem, error.value, error.expected, error.nearest)
+            return SheetFault(spot, error.problem, error.value, error.expected, error.nearest)
         expected = column.kind.wanted(units) if isinstance(column.kind, Number) else None
-        return Fault(spot, Sentence("this cell must be filled in"), expected=expected)
+        return SheetFault(spot, Sentence("this cell must be filled in"), expected=expected)
     expected, question = error.expected, _other_unit(column, row, units)
     if expected and question:
         expected = in_a_row((expected, question))
-    return Fault(
+    return SheetFault(
         spot,
         Sentence("{problem}{converted}", problem=error.problem, converted=_converted(column, row, units)),
         row.cells[column.heading],
@@ -98,7 +98,7 @@ def fault_of_cell(error: InputError, column: Column, row: Row, units: Units) -> 
     )
 
 
-def _converted(column: Column, row: Row, units: Units) -> Sentence:
+def _converted(column: SheetColumn, row: Row, units: Units) -> Sentence:
     """Say what a number is in the unit of the file, where that is another one, since limits are stated in it."""
     value, kind = row.values.get(column.heading), column.kind
     if not isinstance(kind, Number) or not isinstance(value, float) or kind.value(1.0, units) == 1.0:
@@ -106,7 +106,7 @@ def _converted(column: Column, row: Row, units: Units) -> Sentence:
     return Sentence(" (it is {value:.6g} {unit})", value=value, unit=kind.label(Units()))
 
 
-def _other_unit(column: Column, row: Row, units: Units) -> Sentence:
+def _other_unit(column: SheetColumn, row: Row, units: Units) -> Sentence:
     """Ask for the unit in which a length would be a usual one, where it is none as it stands."""
     kind, cell = column.kind, row.cells[column.heading]
     if not isinstance(kind, Number) or kind.measure.usual == (0.0, 0.0) or column.heading not in row.values:
@@ -123,7 +123,7 @@ def _other_unit(column: Column, row: Row, units: Units) -> Sentence:
     return Sentence("was it in {units}?", units=any_of(names)) if names else Sentence("")
 
 
-Cells = Mapping[str, str]
+_Cells = Mapping[str, str]
 """A row by the headings of its columns; a heading that is missing is an empty cell."""
 
 _NOTHING_YET = Sentence("nothing is filled in yet")
@@ -160,9 +160,9 @@ class Draft:
 
     subject: Subject
     units: Units = Units()  # noqa: RUF009  frozen
-    tables: Mapping[str, tuple[Cells, ...]] = field(default_factory=dict)
+    tables: Mapping[str, tuple[_Cells, ...]] = field(default_factory=dict)
 
-    def rows(self, table: str) -> tuple[Cells, ...]:
+    def rows(self, table: str) -> tuple[_Cells, ...]:
         """Return the rows of a table; those of a form are one."""
         rows = self.tables.get(table, ())
         return rows or ({},) if self.subject.sheet(table).is_form else rows
@@ -171,7 +171,7 @@ class Draft:
         """Return what stands in a field of a form."""
         return self.rows(table)[0].get(heading, "")
 
-    def with_rows(self, table: str, rows: Iterable[Cells]) -> Draft:
+    def with_rows(self, table: str, rows: Iterable[_Cells]) -> Draft:
         """Return the draft with other rows of a table; empty ones keep their place, but not at the end."""
         kept = [{heading: text for heading, text in row.items() if text.strip()} for row in rows]
         while kept and not kept[-1]:
@@ -205,15 +205,15 @@ class Checked:
 
     data: Mapping[str, Any]
     entry: Any  # None where something is wrong
-    faults: tuple[Fault, ...]
-    doubts: tuple[Fault, ...]  # values that are accepted, and probably a slip
+    faults: tuple[SheetFault, ...]
+    doubts: tuple[SheetFault, ...]  # values that are accepted, and probably a slip
     notes: tuple[Sentence, ...]  # what was taken for granted, in sentences
 
-    def of(self, table: str) -> tuple[Fault, ...]:
+    def of(self, table: str) -> tuple[SheetFault, ...]:
         """Return the faults in one table."""
         return tuple(fault for fault in self.faults if fault.spot.sheet == table)
 
-    def doubted_in(self, table: str) -> tuple[Fault, ...]:
+    def doubted_in(self, table: str) -> tuple[SheetFault, ...]:
         """Return the doubts in one table."""
         return tuple(doubt for doubt in self.doubts if doubt.spot.sheet == table)
 
@@ -269,21 +269,21 @@ def checked(draft: Draft) -> Checked:
     told = {(fault.spot, str(fault.text)): fault for fault in faults}.values()
     faults = sorted(told, key=lambda fault: (order.get(fault.spot.sheet, -1), fault.spot.row or 0))
     wrong = {fault.spot for fault in faults}
-    asked: dict[Spot, Fault] = {}
+    asked: dict[Spot, SheetFault] = {}
     for doubt in _doubts(draft, entry, into, rows):
         if doubt.spot not in wrong:
             asked.setdefault(doubt.spot, doubt)
     return Checked(into.data, None if faults else entry, tuple(faults), tuple(asked.values()), tuple(into.notes))
 
 
-def _doubts(draft: Draft, entry: Any, into: Description, rows: Mapping[str, Sequence[Row]]) -> Iterable[Fault]:
+def _doubts(draft: Draft, entry: Any, into: Description, rows: Mapping[str, Sequence[Row]]) -> Iterable[SheetFault]:
     """Yield what looks like a number of another unit as it was typed, then what is unusual in its file."""
     for sheet in draft.subject.sheets:
-        yield from (Fault(*doubt) for doubt in doubts(sheet, rows[sheet.name], draft.units))
+        yield from (SheetFault(*doubt) for doubt in doubts(sheet, rows[sheet.name], draft.units))
     shelf, head = draft.subject.shelf, Spot(draft.subject.sheets[0].name)
     of_file = entry.doubts if entry is not None else doubts_of(shelf.kind, shelf.model, into.data, "")
     for message in of_file:
-        yield Fault((message.place and into.spot(message.place.steps)) or head, message.text)
+        yield SheetFault((message.place and into.spot(message.place.steps)) or head, message.text)
 
 
 # --- cells --------------------------------------------------------------------------------------------------------
@@ -300,18 +300,18 @@ def _rows(draft: Draft, sheet: Sheet, into: Description) -> list[Row]:
             column = _column(sheet, heading)
             if column is None:
                 problem = Sentence("no column of this table")
-                into.faults.append(Fault(spot._replace(heading=heading), problem, text))
+                into.faults.append(SheetFault(spot._replace(heading=heading), problem, text))
                 continue
             try:
                 values[heading] = column.kind.value(_cell(text), draft.units)
             except NotAccepted as error:
                 problem = Sentence("cannot be read")
-                into.faults.append(Fault(spot._replace(heading=heading), problem, text, error.wanted))
+                into.faults.append(SheetFault(spot._replace(heading=heading), problem, text, error.wanted))
         rows.append(Row(spot, dict(cells), values))
     return rows
 
 
-def _column(sheet: Sheet, heading: str) -> Column | None:
+def _column(sheet: Sheet, heading: str) -> SheetColumn | None:
     declared = next((column for column in sheet.columns if column.heading == heading), None)
     return declared or sheet.further_column(heading)
 
@@ -326,7 +326,7 @@ def _in_unit(sheet: Sheet, heading: str, text: str, before: Units, after: Units)
         return text
 
 
-def _text(kind: Kind, value: Any, units: Units) -> str:
+def _text(kind: CellForm, value: Any, units: Units) -> str:
     """Return what is typed for a value of the file, so that it is read back to the last digit."""
     cell = kind.cell(value, units)
     if isinstance(cell, float):
@@ -344,13 +344,13 @@ def _cell(text: str) -> str | float:
 # --- faults -------------------------------------------------------------------------------------------------------
 
 
-def _on_page(fault: Fault | InputError, draft: Draft) -> Fault:
+def _on_page(fault: SheetFault | InputError, draft: Draft) -> SheetFault:
     """Return a fault of the tables where it stands on the page: of what is empty altogether, that it is."""
     sheets = draft.subject.sheets
-    if isinstance(fault, Fault):
+    if isinstance(fault, SheetFault):
         cells = draft.rows(fault.spot.sheet)[(fault.spot.row or 1) - 1]
         return fault if fault.spot.heading or cells else replace(fault, problem=_NOTHING_YET)
     steps = fault.place.steps
     sheet = next((sheet for sheet in sheets if sheet.at[:1] == steps[:1]), sheets[0])
     problem = _NOTHING_YET if len(steps) == 1 else fault.problem
-    return Fault(Spot(sheet.name), problem, fault.value, fault.expected, fault.nearest)
+    return SheetFault(Spot(sheet.name), problem, fault.value, fault.expected, fault.nearest)

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from difflib import SequenceMatcher
 from typing import Any, NamedTuple
 
-from atleak.catalogue.workbook.cells import EVERY, Gears, Kind
-from atleak.common.errors import InputError, Steps, nearest_name, one_of
+from atleak.catalogue.workbook.cells import EVERY, CellForm, Gears
+from atleak.common.errors import InputError, KeySteps, nearest_name, one_of
 from atleak.common.sentences import Sentence
 
 _SURELY = 0.85  # how alike two names are of which one is a slip of the pen
@@ -29,7 +29,7 @@ class Spot(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Fault:
+class SheetFault:
     """What is wrong with a cell, row or sheet."""
 
     spot: Spot
@@ -63,27 +63,27 @@ class Description:
     """A valve body as a workbook describes it: the tables of its file, and what was wrong on the way there."""
 
     data: dict[str, Any] = field(default_factory=dict)
-    faults: list[Fault] = field(default_factory=list)
+    faults: list[SheetFault] = field(default_factory=list)
     notes: list[Sentence] = field(default_factory=list)  # what was taken for granted, in sentences
-    spots: dict[Steps, Spot] = field(default_factory=dict)
-    unread: set[Steps] = field(default_factory=set)  # values left out because their cell has a fault already
+    spots: dict[KeySteps, Spot] = field(default_factory=dict)
+    unread: set[KeySteps] = field(default_factory=set)  # values left out because their cell has a fault already
 
-    def mark(self, steps: Steps, spot: Spot) -> None:
+    def mark(self, steps: KeySteps, spot: Spot) -> None:
         """Remember the cell of a value; the first cell of what several make up is the one that counts."""
         self.spots.setdefault(steps, spot)
 
-    def spot(self, steps: Steps) -> Spot | None:
+    def spot(self, steps: KeySteps) -> Spot | None:
         """Return the cell of a value, or of the smallest table around it that has one."""
         for length in range(len(steps), 0, -1):
             if steps[:length] in self.spots:
                 return self.spots[steps[:length]]
         return None
 
-    def is_unread(self, steps: Steps) -> bool:
+    def is_unread(self, steps: KeySteps) -> bool:
         """Return whether a value, or the table around it, was left out because of a fault that is reported already."""
         return any(steps[:length] in self.unread for length in range(1, len(steps) + 1))
 
-    def table(self, at: Steps) -> dict[str, Any]:
+    def table(self, at: KeySteps) -> dict[str, Any]:
         """Return the table at these steps, made where it is missing."""
         table = self.data
         for step in at:
@@ -98,24 +98,27 @@ class Description:
     def fault(self, row: Row, heading: str | None, problem: Sentence, expected: Sentence | None = None) -> None:
         """Report a cell."""
         cell = row.cells.get(heading) if heading else None
-        self.faults.append(Fault(row.at(heading), problem, cell, expected))
+        self.faults.append(SheetFault(row.at(heading), problem, cell, expected))
 
     def unknown(self, row: Row, heading: str, problem: Sentence, known: Sequence[str]) -> str | None:
         """Report a name that is none of those known; return the one that was surely meant, if any."""
         cell = row.cells.get(heading)
         nearest = None if cell is None else nearest_name(str(cell), known)
-        self.faults.append(Fault(row.at(heading), problem, cell, one_of(known), nearest))
+        self.faults.append(SheetFault(row.at(heading), problem, cell, one_of(known), nearest))
         alike = 0.0 if nearest is None else SequenceMatcher(None, str(cell), nearest).ratio()
         return nearest if alike >= _SURELY else None
 
 
 Values = dict[str, Any]
-DEFAULTS, REPRESENTATIVE = "defaults", "representative_values"  # of the head: what holds for lands that state nothing
+HEAD_DEFAULTS, _REPRESENTATIVE = (
+    "defaults",
+    "representative_values",
+)  # of the head: what holds for lands that state nothing
 _LISTS = ("measured", "published", "representative")  # keys that list which values of a table are known how
 
 
 @dataclass(frozen=True)
-class Column:
+class SheetColumn:
     """A column of a sheet, or a line of a form: one key of the file, and what its cells hold.
 
     ``end`` is 0 and 1 for the ends of a range that may also be one number; ``how_known`` names the key whose
@@ -124,7 +127,7 @@ class Column:
 
     heading: str
     keys: tuple[str, ...]
-    kind: Kind = Kind()  # noqa: RUF009  frozen, so safe to share
+    kind: CellForm = CellForm()  # noqa: RUF009  frozen, so safe to share
     required: bool = False
     help: str = ""
     names: str = ""  # whose names its drop-down offers: one of `layout.NAMES`
@@ -165,7 +168,7 @@ class Column:
         """Return whether the column states something of its row's table; one that names the table does not."""
         return bool(self.keys or self.how_known)
 
-    def steps(self) -> list[Steps]:
+    def steps(self) -> list[KeySteps]:
         """Return where in its table the column's value stands, as a fault may name it."""
         if self.how_known:
             return []
@@ -173,7 +176,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class KnownOfAll(Column):
+class KnownOfAll(SheetColumn):
     """A field of the head that says how one value of all lands is known, where a land does not say otherwise."""
 
     value_of_all: str = ""
@@ -184,17 +187,17 @@ class KnownOfAll(Column):
 
     def of(self, table: Mapping[str, Any], end: int | None = None) -> Any:
         for name in _LISTS[:2]:
-            if self.value_of_all in table.get(DEFAULTS, {}).get(name, ()):
+            if self.value_of_all in table.get(HEAD_DEFAULTS, {}).get(name, ()):
                 return name
-        return "representative" if self.value_of_all in table.get(REPRESENTATIVE, ()) else None
+        return "representative" if self.value_of_all in table.get(_REPRESENTATIVE, ()) else None
 
     def put(self, table: Values, value: Any) -> None:
         if value == "representative":
-            table.setdefault(REPRESENTATIVE, []).append(self.value_of_all)
+            table.setdefault(_REPRESENTATIVE, []).append(self.value_of_all)
         else:
-            table.setdefault(DEFAULTS, {}).setdefault(value, []).append(self.value_of_all)
+            table.setdefault(HEAD_DEFAULTS, {}).setdefault(value, []).append(self.value_of_all)
 
-    def steps(self) -> list[Steps]:
+    def steps(self) -> list[KeySteps]:
         return []
 
 
@@ -204,8 +207,8 @@ class Sheet:
 
     name: str
     about: str  # what it is for, in a sentence or two
-    columns: tuple[Column, ...]
-    at: Steps = ()  # of its table or list of tables in the file
+    columns: tuple[SheetColumn, ...]
+    at: KeySteps = ()  # of its table or list of tables in the file
     needed: bool = False  # no valve body goes without it
     is_form: bool = field(default=False, init=False)
 
@@ -217,11 +220,11 @@ class Sheet:
         """Add what the rows say to a description."""
         raise NotImplementedError
 
-    def columns_for(self, data: Mapping[str, Any]) -> tuple[Column, ...]:
+    def columns_for(self, data: Mapping[str, Any]) -> tuple[SheetColumn, ...]:
         """Return the columns to write for a controller's tables."""
         return self.columns
 
-    def further_column(self, heading: Any) -> Column | None:
+    def further_column(self, heading: Any) -> SheetColumn | None:
         """Return the column of a heading that is none of the declared ones; None where there is no such column."""
         return None
 
@@ -230,7 +233,7 @@ class Sheet:
         given = ((column.heading, column.of(table)) for column in self.columns if column.is_stated)
         return {heading: value for heading, value in given if value is not None}
 
-    def _read(self, row: Row, at: Steps, into: Description) -> Values:
+    def _read(self, row: Row, at: KeySteps, into: Description) -> Values:
         """Return the table that a row states, and remember its cells."""
         table: Values = {}
         into.mark(at, row.spot)
@@ -380,7 +383,7 @@ class ValuesByPoint(Sheet):
         for name, (place, table) in owners.items():
             if self._key not in table and (*self.at, place, self._key) not in into.unread:
                 problem = Sentence("no row says it of {name}", name=name)
-                into.faults.append(Fault(Spot(self.name), problem, expected=Sentence("a row for it")))
+                into.faults.append(SheetFault(Spot(self.name), problem, expected=Sentence("a row for it")))
                 into.unread.add((*self.at, place, self._key))
 
     @property

@@ -42,11 +42,11 @@ from atleak.catalogue.workbook.cells import (
     MEASURES,
     PRESSURE,
     PRESSURES,
-    Choice,
+    CellForm,
+    ChoiceCell,
     Day,
     Gear,
     Gears,
-    Kind,
     Measure,
     Names,
     Number,
@@ -54,24 +54,33 @@ from atleak.catalogue.workbook.cells import (
     Wholes,
     YesNo,
 )
-from atleak.catalogue.workbook.circuit_sheets import LINE, SET_BY, ApplyChart, SetPressures
-from atleak.catalogue.workbook.shapes import Column, Form, KnownOfAll, NamedTables, Parts, Sheet, Tables, ValuesByPoint
+from atleak.catalogue.workbook.circuit_sheets import LINE_SHEET, SET_BY, ApplyChart, SetPressures
+from atleak.catalogue.workbook.shapes import (
+    Form,
+    KnownOfAll,
+    NamedTables,
+    Parts,
+    Sheet,
+    SheetColumn,
+    Tables,
+    ValuesByPoint,
+)
 from atleak.common.file_faults import model_in
 
-EVIDENCE = Choice(tuple(Evidence))
+EVIDENCE = ChoiceCell(tuple(Evidence))
 _OF_ALL = "How known, of all lands that do not say otherwise; empty: not stated"
-_OWN_KINDS: dict[str, Kind] = {"date": Day(), "gear": Gear(), "gears": Gears()}  # by key
+_OWN_KINDS: dict[str, CellForm] = {"date": Day(), "gear": Gear(), "gears": Gears()}  # by key
 
 
-def columns_of(
+def sheet_columns(
     model: type[BaseModel],
     at: tuple[str, ...] = (),
     *,
     without: Collection[str] = (),
     last: Sequence[str] = (),
-    known: Choice = EVIDENCE,
+    known: ChoiceCell = EVIDENCE,
     known_help: str = "Empty: as the head says",
-) -> tuple[Column, ...]:
+) -> tuple[SheetColumn, ...]:
     """Return the columns of a table's keys, and of those of the tables in it that have no sheet of their own.
 
     Parameters
@@ -86,7 +95,7 @@ def columns_of(
         what a value can be known from, where a column says it, and the help of that column.
     """
     fields = {field.alias or name: field for name, field in model.model_fields.items()}
-    columns: list[Column] = []
+    columns: list[SheetColumn] = []
     for name in (*(name for name in fields if name not in {*last, *without}), *last):
         field, described = fields[name], key_of(fields[name])
         if described is None:
@@ -95,13 +104,13 @@ def columns_of(
         if described.heading:
             columns += _columns(name, field, described, at)
             if described.known:
-                columns.append(Column(described.known, (), known, help=known_help, how_known=name, width=15))
+                columns.append(SheetColumn(described.known, (), known, help=known_help, how_known=name, width=15))
         elif inner is not None:
-            columns += columns_of(inner, (*at, name))
+            columns += sheet_columns(inner, (*at, name))
     return tuple(columns)
 
 
-def known_of_all(model: type[BaseModel]) -> tuple[Column, ...]:
+def known_of_all(model: type[BaseModel]) -> tuple[SheetColumn, ...]:
     """Return the columns of the head that say how values of all these tables are known."""
     described = {name: key_of(field) for name, field in model.model_fields.items()}
     return tuple(
@@ -111,12 +120,12 @@ def known_of_all(model: type[BaseModel]) -> tuple[Column, ...]:
     )
 
 
-def in_kind(columns: Iterable[Column], heading: str, kind: Kind) -> tuple[Column, ...]:
+def in_kind(columns: Iterable[SheetColumn], heading: str, kind: CellForm) -> tuple[SheetColumn, ...]:
     """Return columns of which one has another kind than its key says."""
     return tuple(replace(each, kind=kind) if each.heading == heading else each for each in columns)
 
 
-def kind_of(name: str, annotation: Any, described: Key) -> Kind:
+def kind_of_sheet(name: str, annotation: Any, described: Key) -> CellForm:
     """Return what cells hold for a key: by its name, which ends in its unit, and by its type."""
     if name in _OWN_KINDS:
         return _OWN_KINDS[name]
@@ -128,20 +137,20 @@ def kind_of(name: str, annotation: Any, described: Key) -> Kind:
     if plain is bool:
         return YesNo()
     if get_origin(plain) is Literal:
-        return Choice(get_args(plain))
+        return ChoiceCell(get_args(plain))
     if isinstance(plain, type) and issubclass(plain, Enum):
-        return Choice(tuple(plain))
+        return ChoiceCell(tuple(plain))
     if get_origin(plain) is list:
         each = _bare(get_args(plain)[0])
         return Wholes() if each is int else Names(get_args(each) if get_origin(each) is Literal else ())
-    return Kind()
+    return CellForm()
 
 
-def _columns(name: str, field: FieldInfo, described: Key, at: tuple[str, ...]) -> list[Column]:
-    column = Column(
+def _columns(name: str, field: FieldInfo, described: Key, at: tuple[str, ...]) -> list[SheetColumn]:
+    column = SheetColumn(
         described.heading,
         (*at, name),
-        kind_of(name, field.annotation, described),
+        kind_of_sheet(name, field.annotation, described),
         required=field.is_required() and not at,
         help=described.help,
         names=described.names,
@@ -182,7 +191,7 @@ class Offered:
 NAMES = {
     "component": Offered("Components", "Id"),
     "circuit": Offered("Circuits", "Id"),
-    "line or circuit": Offered("Circuits", "Id", (LINE,)),
+    "line or circuit": Offered("Circuits", "Id", (LINE_SHEET,)),
     "pressure": Offered("Circuits", "Id", (*SECTIONS, "drain")),
     "section": Offered("Circuits", "Id", SECTIONS),
     "operating point": Offered("Operating points", "Name"),
@@ -191,12 +200,12 @@ NAMES = {
 }
 
 UNIT_LINES = (  # at the head of the first sheet; no keys of the file
-    Column("Lengths are in", ("length",), Choice(LENGTHS), required=True),
-    Column("Clearances are", ("clearance",), Choice(CLEARANCES), required=True),
-    Column("Pressures are in", ("pressure",), Choice(PRESSURES), required=True),
+    SheetColumn("Lengths are in", ("length",), ChoiceCell(LENGTHS), required=True),
+    SheetColumn("Clearances are", ("clearance",), ChoiceCell(CLEARANCES), required=True),
+    SheetColumn("Pressures are in", ("pressure",), ChoiceCell(PRESSURES), required=True),
 )
 
-_OF_HEAD = in_kind(columns_of(ControllerFile), "Gears", Gears(or_every=False))
+_OF_HEAD = in_kind(sheet_columns(ControllerFile), "Gears", Gears(or_every=False))
 _TO_GEARS = [column.heading for column in _OF_HEAD].index("Gears") + 1
 HEAD = Form(
     "Head",
@@ -204,21 +213,21 @@ HEAD = Form(
     (*_OF_HEAD[:_TO_GEARS], *known_of_all(LandTable), *_OF_HEAD[_TO_GEARS:]),
     needed=True,
 )
-_CIRCUIT = Column("Circuit", (), required=True, names="circuit", width=20)
+_CIRCUIT = SheetColumn("Circuit", (), required=True, names="circuit", width=20)
 
 SHEETS: tuple[Sheet, ...] = (
     HEAD,
     NamedTables(
         "Materials",
         "Materials of bodies and spools. The clearance opens with heat where the body expands more than the spool",
-        (Column("Name", (), required=True, help="A name of your own"), *columns_of(MaterialTable)),
+        (SheetColumn("Name", (), required=True, help="A name of your own"), *sheet_columns(MaterialTable)),
         ("materials",),
         needed=True,
     ),
     Tables(
         "Components",
         "One row for each valve, damper or end plug. Their lands stand under Lands",
-        columns_of(ComponentTable),
+        sheet_columns(ComponentTable),
         ("components",),
         needed=True,
     ),
@@ -226,8 +235,8 @@ SHEETS: tuple[Sheet, ...] = (
         "Lands",
         "One row for each land: a cylindrical section of a spool, as the picture shows",
         (
-            Column("Component", (), required=True, names="component", width=28),
-            *columns_of(LandTable, last=("planes", "position_mm", "seal", "body", "spool")),
+            SheetColumn("Component", (), required=True, names="component", width=28),
+            *sheet_columns(LandTable, last=("planes", "position_mm", "seal", "body", "spool")),
         ),
         ("components",),
         needed=True,
@@ -236,14 +245,14 @@ SHEETS: tuple[Sheet, ...] = (
     Form(
         "Pump",
         "Either what one revolution displaces, or the dimensions of its kind, from which that follows",
-        columns_of(PumpTable, last=("source",), known=Choice((Evidence.MEASURED, Evidence.REPRESENTATIVE))),
+        sheet_columns(PumpTable, last=("source",), known=ChoiceCell((Evidence.MEASURED, Evidence.REPRESENTATIVE))),
         ("pump",),
         needed=True,
     ),
     Tables(
         "Operating points",
         "Conditions at which leakage is judged, the usual one first. Name one hot_idle: there a worn unit fails first",
-        columns_of(OperatingPointTable),
+        sheet_columns(OperatingPointTable),
         ("operating_points",),
         needed=True,
     ),
@@ -251,13 +260,13 @@ SHEETS: tuple[Sheet, ...] = (
         "Circuits",
         "Clutches, bands, control circuits: fed through an orifice (Feeds), held by a regulator (Set pressures), or "
         "both",
-        columns_of(CircuitTable, last=("evidence", "set_evidence")),
+        sheet_columns(CircuitTable, last=("evidence", "set_evidence")),
         ("circuits",),
     ),
     Parts(
         "Feeds",
         "The orifices that supply circuits, mostly holes in the separator plate: measure them with a drill gauge",
-        (_CIRCUIT, *columns_of(FeedTable)),
+        (_CIRCUIT, *sheet_columns(FeedTable)),
         ("circuits",),
         under="feeds",
     ),
@@ -265,13 +274,13 @@ SHEETS: tuple[Sheet, ...] = (
         "Set pressures",
         "What regulators hold circuits down to, one row for each pressure. p_g stands for the line",
         (
-            Column("Circuit", (), required=True, names="line or circuit", width=20),
-            Column("Set by", (), Choice(SET_BY), required=True, width=18),
-            Column("Which", (), help="The operating point, gear or circuit", width=20),
-            Column("At", (), Number(Measure("mA or %")), help="The solenoid's current or duty"),
-            Column("Pressure", (), Number(PRESSURE)),
-            Column("Ratio", (), Number(), help="To the pressure of the circuit that it follows"),
-            Column("Offset", (), Number(PRESSURE), help="Added to that"),
+            SheetColumn("Circuit", (), required=True, names="line or circuit", width=20),
+            SheetColumn("Set by", (), ChoiceCell(SET_BY), required=True, width=18),
+            SheetColumn("Which", (), help="The operating point, gear or circuit", width=20),
+            SheetColumn("At", (), Number(Measure("mA or %")), help="The solenoid's current or duty"),
+            SheetColumn("Pressure", (), Number(PRESSURE)),
+            SheetColumn("Ratio", (), Number(), help="To the pressure of the circuit that it follows"),
+            SheetColumn("Offset", (), Number(PRESSURE), help="Added to that"),
         ),
     ),
     ApplyChart(
@@ -282,13 +291,13 @@ SHEETS: tuple[Sheet, ...] = (
     Tables(
         "Gaps",
         "Which pressures each land parts, and when. Without any row every land leaks from main pressure to the drain",
-        columns_of(GapTable, last=("section", "published", "evidence")),
+        sheet_columns(GapTable, last=("section", "published", "evidence")),
         ("gaps",),
     ),
     Tables(
         "Line pressures",
         "Between which values main pressure must lie: by range of the lever, by gear, or both",
-        columns_of(PermissiblePressureTable),
+        sheet_columns(PermissiblePressureTable),
         ("permissible_pressure",),
         one=("gear", "gears"),
     ),
@@ -296,8 +305,8 @@ SHEETS: tuple[Sheet, ...] = (
         "Section pressures",
         "How p_s and p_m follow from main pressure, where a gap uses them",
         (
-            Column("Section", (), Choice(("p_s", "p_m"), symbols=True), required=True, width=10),
-            *columns_of(RelationTable, last=("source", "evidence")),
+            SheetColumn("Section", (), ChoiceCell(("p_s", "p_m"), symbols=True), required=True, width=10),
+            *sheet_columns(RelationTable, last=("source", "evidence")),
         ),
         ("pressures",),
     ),
@@ -305,35 +314,35 @@ SHEETS: tuple[Sheet, ...] = (
         "Leaks",
         "What leaks beside the lands: sealing rings, O-rings, check balls, each known from one measurement or "
         "statement",
-        columns_of(LeakTable),
+        sheet_columns(LeakTable),
         ("leaks",),
     ),
     Tables(
         "Consumers",
         "What takes its flow from the pump and is no leak: converter and cooler, lubrication",
-        columns_of(ConsumerTable, without=("flow_dm3_min",)),
+        sheet_columns(ConsumerTable, without=("flow_dm3_min",)),
         ("consumers",),
     ),
     ValuesByPoint(
         "Consumer flows",
         "How much each consumer takes: one row, or one for every operating point",
         (
-            Column("Consumer", (), required=True, names="consumer", width=24),
-            Column("Operating point", (), names="operating point", help="Empty: the same at all", width=20),
-            *(column for column in columns_of(ConsumerTable) if column.key == "flow_dm3_min"),
+            SheetColumn("Consumer", (), required=True, names="consumer", width=24),
+            SheetColumn("Operating point", (), names="operating point", help="Empty: the same at all", width=20),
+            *(column for column in sheet_columns(ConsumerTable) if column.key == "flow_dm3_min"),
         ),
         ("consumers",),
     ),
     Tables(
         "Repairs",
         "What can be done about a worn component: used by the plan of repair and by the estimate",
-        columns_of(RepairTable),
+        sheet_columns(RepairTable),
         ("repairs",),
     ),
     Tables(
         "Complaints",
         "What customers say, and where the leakage behind it shows",
-        columns_of(ComplaintTable),
+        sheet_columns(ComplaintTable),
         ("complaints",),
     ),
 )

@@ -17,11 +17,11 @@ from atleak.catalogue.fluid import FLUIDS, DensityTable, FluidFile, PropertyTabl
 from atleak.catalogue.instruments import INSTRUMENTS, InstrumentFile
 from atleak.catalogue.keys import LIMIT, Key, key_of
 from atleak.catalogue.limits import BESIDE_LIMIT, LIMIT_SETS, LevelLimit, LevelTable, LimitsFile
-from atleak.catalogue.workbook.cells import Choice
+from atleak.catalogue.workbook.cells import ChoiceCell
 from atleak.catalogue.workbook.draft import Subject
-from atleak.catalogue.workbook.shapes import Column, Form, Tables
-from atleak.catalogue.workbook.sheets import NAMES, SHEETS, columns_of, kind_of
-from atleak.common.errors import CatalogueError, Steps
+from atleak.catalogue.workbook.shapes import Form, SheetColumn, Tables
+from atleak.catalogue.workbook.sheets import NAMES, SHEETS, kind_of_sheet, sheet_columns
+from atleak.common.errors import CatalogueError, KeySteps
 from atleak.common.file_faults import model_in
 
 CONTROLLER = Subject(CONTROLLERS, SHEETS, NAMES)
@@ -66,7 +66,7 @@ def _controller_of(components: Sequence[Mapping[str, Any]]) -> Controller | None
 
 
 @dataclass(frozen=True)
-class LevelColumn(Column):
+class LevelColumn(SheetColumn):
     """A field of a level of limits, which a file states as a plain number where it says nothing but the limit itself.
 
     A fault of the whole level is one of the limit.
@@ -85,11 +85,11 @@ class LevelColumn(Column):
         stated = table.get(level, {})
         table[level] = {**(stated if isinstance(stated, Mapping) else {LIMIT: stated}), key: value}
 
-    def steps(self) -> list[Steps]:
+    def steps(self) -> list[KeySteps]:
         return [self.keys[:1], self.keys] if self.key == LIMIT else [self.keys]
 
 
-def _head(about: str, columns: tuple[Column, ...]) -> Form:
+def _head(about: str, columns: tuple[SheetColumn, ...]) -> Form:
     """Return the form of the head: the id is made from the name unless it is typed."""
     id, *others = columns
     id = replace(id, required=False, help="Small letters, digits and _; made from the name unless stated")
@@ -110,27 +110,27 @@ def _limit_form(name: str) -> Form:
     of_levels = (
         tuple(column for level in model.model_fields for column in _of_level(name, level)) if name in _OF_LEVELS else ()
     )
-    others = columns_of(model, last=("origin", "source"))
+    others = sheet_columns(model, last=("origin", "source"))
     return Form(
         described.heading, described.help, (*of_levels, *(replace(each, required=False) for each in others)), (name,)
     )
 
 
-def _of_level(name: str, level: str) -> Iterator[Column]:
+def _of_level(name: str, level: str) -> Iterator[SheetColumn]:
     """Yield the fields of a level: the limit itself, and what else may be asked for."""
     if level in LevelTable.model_fields:
         return
     heading = level.capitalize()
-    yield LevelColumn(heading, (level, LIMIT), kind_of(name, float, Key()))
+    yield LevelColumn(heading, (level, LIMIT), kind_of_sheet(name, float, Key()))
     others = LevelLimit.model_fields.keys() - set(BESIDE_LIMIT.get(name, ()))
-    for column in columns_of(LevelLimit, without=others):
+    for column in sheet_columns(LevelLimit, without=others):
         yield LevelColumn(f"{heading}: {column.heading}", (level, column.key), column.kind, help=column.help)
 
 
 LIMITS = Subject(
     LIMIT_SETS,
     (
-        _head("What these limits are, and whose", columns_of(LimitsFile, without=_TABLES)),
+        _head("What these limits are, and whose", sheet_columns(LimitsFile, without=_TABLES)),
         *(_limit_form(name) for name in LimitsFile.model_fields if name in _TABLES),
     ),
 )
@@ -143,16 +143,16 @@ INSTRUMENT = Subject(
     (
         _head(
             "What this instrument is, and where its numbers come from",
-            columns_of(InstrumentFile, without=InstrumentFile.model_fields.keys() - set(_OF_HEAD)),
+            sheet_columns(InstrumentFile, without=InstrumentFile.model_fields.keys() - set(_OF_HEAD)),
         ),
         Form(
             "Uncertainty",
             "Standard uncertainties of one diameter: of a certificate that says U = 3 µm with k = 2, 1.5 µm",
-            columns_of(
+            sheet_columns(
                 InstrumentFile,
                 without=_OF_HEAD,
                 last=("alike_inside_and_outside",),
-                known=Choice((Evidence.REPRESENTATIVE,)),
+                known=ChoiceCell((Evidence.REPRESENTATIVE,)),
                 known_help="Empty: from a certificate or a measurement",
             ),
         ),
@@ -166,24 +166,24 @@ FLUID = Subject(
     (
         _head(
             "What this fluid is, and where its numbers come from",
-            columns_of(FluidFile, last=("representative", "study_regression")),
+            sheet_columns(FluidFile, last=("representative", "study_regression")),
         ),
         Form(
             "Density",
             "One value of the data sheet, and how it falls with temperature",
-            columns_of(DensityTable),
+            sheet_columns(DensityTable),
             ("density",),
         ),
         Tables(
             "Viscosity",
             "Points of the data sheet, two at least: usually at 40 and 100 °C",
-            columns_of(ViscosityTable),
+            sheet_columns(ViscosityTable),
             ("viscosity",),
         ),
         Tables(
             "Table",
             "Where a source tabulates viscosity and density together; may be left empty",
-            columns_of(PropertyTable),
+            sheet_columns(PropertyTable),
             ("table",),
         ),
     ),

@@ -23,9 +23,9 @@ from atleak.diagnosis.uncertainty.assumptions import Assumptions
 from atleak.diagnosis.uncertainty.draws import (
     FLUID_STATE,
     Bore,
+    DrawnSpread,
     Interval,
     LandInState,
-    Spread,
     flow_ratio,
     interval_of,
     spread_of,
@@ -38,7 +38,7 @@ from atleak.engine.network import Network
 from atleak.engine.network import network as circuit_network
 from atleak.engine.operation import consumed, fall_to_set_pressure, sections_held, spread_over
 from atleak.engine.projection import Projection
-from atleak.engine.restrictions import Gap as Restricted
+from atleak.engine.restrictions import GapBranch as Restricted
 from atleak.engine.restrictions import leaks_both_ways
 from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
@@ -57,7 +57,7 @@ class PressureSpread:
     circuits: Mapping[str, Interval]  # [Pa] that each holds, by id; without those that are vented
     #: of what a rule limits, by its kind and circuit: the reserve, how far main pressure is below the permissible, and
     #: what a circuit has lost or gained against the same unit unworn
-    limited: Mapping[tuple[RuleKind, str | None], Spread]
+    limited: Mapping[tuple[RuleKind, str | None], DrawnSpread]
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def pressure_spread(
     reserve, when_unworn = now.reserve(point), unworn.reserve(point)
     reached: Sequence[Any] = [limit for _, limit in steps.under(when_unworn)] if steps else ()
     of_reserve = spread_of(reserve, reached, coverage, falling=True)
-    limited: dict[tuple[RuleKind, str | None], Spread] = {(RuleKind.RESERVE, None): of_reserve}
+    limited: dict[tuple[RuleKind, str | None], DrawnSpread] = {(RuleKind.RESERVE, None): of_reserve}
     shape = demand_shape(model, point)
     main, pressures = now.held(point, shape)
     _, pressures_unworn = unworn.held(point, shape)
@@ -165,7 +165,9 @@ def pressure_spread(
     return PressureSpread(of_reserve.interval, main_pressure, circuits, limited)
 
 
-def _below(projection: Projection, main: np.ndarray, required: Any, limits: Limits, coverage: float) -> Spread | None:
+def _below(
+    projection: Projection, main: np.ndarray, required: Any, limits: Limits, coverage: float
+) -> DrawnSpread | None:
     """Return how far the line pressure that holds is below the permissible.
 
     What is required is required: how well it is known does not count, only how much of it holds.

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from atleak.diagnosis.uncertainty.assumptions import Assumptions
-from atleak.diagnosis.uncertainty.sources import MEASURING_TEMPERATURE, MOUNTING, LandSources
+from atleak.diagnosis.uncertainty.sources import MEASURING_TEMPERATURE_SOURCE, MOUNTING, LandSources
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import UNKNOWN
 from atleak.equations.clearance import one_sided_moments
@@ -36,7 +36,7 @@ Interval = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Spread:
+class DrawnSpread:
     """The standard uncertainty and the interval of one quantity, from its draws."""
 
     standard_uncertainty: float
@@ -45,7 +45,7 @@ class Spread:
     level_uncertainties: tuple[float, ...]  # of the quantity over each limit, which may follow what was new
 
 
-def spread_of(values: np.ndarray, limits: Sequence[Any], coverage: float, *, falling: bool = False) -> Spread:
+def spread_of(values: np.ndarray, limits: Sequence[Any], coverage: float, *, falling: bool = False) -> DrawnSpread:
     """Return how draws spread, shape (draws,); each limit is a number or has a value for each draw.
 
     ``falling`` limits are reached by what is under them.
@@ -55,7 +55,7 @@ def spread_of(values: np.ndarray, limits: Sequence[Any], coverage: float, *, fal
     )
     u = _standard_deviation(values)
     finite = math.isfinite(u)
-    return Spread(
+    return DrawnSpread(
         u,
         interval_of(values, coverage),
         reached,
@@ -279,7 +279,7 @@ def deviates_of_factors(shared: Draws) -> dict[str, np.ndarray]:
 def common_errors(stream: Draws, lands: Sequence[LandSources]) -> dict[str, np.ndarray]:
     """Draw the errors that lands share, by their groups, each of shape (draws,) and of unit standard deviation."""
     names = sorted({group for land in lands for group in land.groups})
-    return {name: stream.rectangular() if name == MEASURING_TEMPERATURE else stream.normal() for name in names}
+    return {name: stream.rectangular() if name == MEASURING_TEMPERATURE_SOURCE else stream.normal() for name in names}
 
 
 def one_sided_fraction(stream: Draws, model: LeakageModel, assumptions: Assumptions) -> np.ndarray:

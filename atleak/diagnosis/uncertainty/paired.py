@@ -39,7 +39,7 @@ _LENGTH = 3  # dimension of a land's length, behind what it had when new and how
 
 
 @dataclass(frozen=True)
-class Visit:
+class PairedVisit:
     """One visit of a unit: its model, the sources of every land's uncertainty, and the conditions of interest."""
 
     model: LeakageModel
@@ -59,7 +59,7 @@ class ChangeSpread:
 
 
 def changes(
-    before: Visit, after: Visit, assumptions: Assumptions, *, coverage: float, draws: int, seed: int
+    before: PairedVisit, after: PairedVisit, assumptions: Assumptions, *, coverage: float, draws: int, seed: int
 ) -> tuple[ChangeSpread, ...]:
     """Return the intervals of what changed between two visits, at each pair of their conditions.
 
@@ -106,8 +106,8 @@ def _change(before: np.ndarray, after: np.ndarray, coverage: float) -> Interval:
 
 
 def _drawn_lands(
-    before: Visit,
-    after: Visit,
+    before: PairedVisit,
+    after: PairedVisit,
     deviates: dict[str, np.ndarray],
     fraction: np.ndarray,
     assumptions: Assumptions,

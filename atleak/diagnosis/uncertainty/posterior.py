@@ -44,10 +44,10 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.network import SHARP, Network
 from atleak.engine.operation import LINE
 from atleak.engine.projection import Projection
-from atleak.engine.restrictions import Branch, Gap, Orifice, Restriction
+from atleak.engine.restrictions import Branch, GapBranch, Orifice, Restriction
 from atleak.equations.statistics import normal_cdf
 
-DRAWS = 8_192  # of units before any gauge is read, and half as many at a time around what was found
+_DRAWS = 8_192  # of units before any gauge is read, and half as many at a time around what was found
 ENOUGH = 200  # effective draws
 _ROUNDS = 4  # of drawing around what was found
 _PRIOR_COUNTS = 20.0  # effective draws that the prior stands for while a proposal is fitted
@@ -163,7 +163,7 @@ class _Proposal:
         )
 
 
-class Unit:
+class PosteriorUnit:
     """A unit before any gauge is read: draws of it, and what gauges would show on each."""
 
     def __init__(
@@ -327,7 +327,7 @@ class Unit:
         through = gone * sum(each.restriction.flow(pressure) for each in network.feeds if each.into == name)
         if what == _HOLE:
             return Orifice(through / math.sqrt(pressure), SHARP)
-        return Gap(through / pressure * nominal / viscosity)
+        return GapBranch(through / pressure * nominal / viscosity)
 
     @cached_property
     def _networks(self) -> dict[int, Network]:
@@ -350,7 +350,7 @@ class Unit:
 
 
 def losses(
-    unit: Unit, shown: Sequence[Shown], wanted: Iterable[tuple[str, OperatingPoint]], draws: int = DRAWS
+    unit: PosteriorUnit, shown: Sequence[Shown], wanted: Iterable[tuple[str, OperatingPoint]], draws: int = _DRAWS
 ) -> dict[tuple[str, OperatingPoint], Lost]:
     """Return what circuits have lost against new at operating points, given every reading.
 
@@ -380,7 +380,7 @@ def losses(
 
 
 def _of_circuit(
-    unit: Unit,
+    unit: PosteriorUnit,
     circuit: str,
     points: Sequence[OperatingPoint],
     shown: Sequence[Shown],

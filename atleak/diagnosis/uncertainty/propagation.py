@@ -37,11 +37,11 @@ from atleak.diagnosis.uncertainty.draws import (
     Beside,
     Bore,
     Cube,
+    DrawnSpread,
     Draws,
     Interval,
     LandInState,
     Positions,
-    Spread,
     common_errors,
     deviates_of_factors,
     flow_ratio,
@@ -206,16 +206,16 @@ class LandSpread:
     """The spread of the leakage of one land at one condition, and its slopes for the linear budget."""
 
     slopes: LandSlopes
-    leakage_spread: Spread
-    share_spread: Spread
+    leakage_spread: DrawnSpread
+    share_spread: DrawnSpread
 
 
 @dataclass(frozen=True)
 class TotalSpread:
     """The leakage of the whole controller at one condition, and its spread."""
 
-    leakage_spread: Spread
-    share_spread: Spread
+    leakage_spread: DrawnSpread
+    share_spread: DrawnSpread
     minimum_speed_interval: Interval  # [1/s]
     band_probabilities: tuple[float, ...]  # below the first limit, between, above the last
     new_leakage_interval: Interval  # [m³/s] of the same unit new
@@ -397,6 +397,6 @@ class _Trials:
 # --- what the draws say
 
 
-def _share_spread(share: np.ndarray, unworn: np.ndarray, steps: Steps | None, coverage: float) -> Spread:
+def _share_spread(share: np.ndarray, unworn: np.ndarray, steps: Steps | None, coverage: float) -> DrawnSpread:
     """Return the spread of a share, and how likely it has reached each limit beside that of an unworn land or unit."""
     return spread_of(share, [limit for _, limit in steps.over(unworn)] if steps else (), coverage)

@@ -30,7 +30,7 @@ from atleak.diagnosis.uncertainty.decision import (
 )
 from atleak.diagnosis.uncertainty.draws import Interval
 from atleak.diagnosis.uncertainty.sources import (
-    MEASURING_TEMPERATURE,
+    MEASURING_TEMPERATURE_SOURCE,
     MOUNTING,
     OF_A_DIAMETER,
     LandSources,
@@ -122,7 +122,7 @@ def _line(land: LandSources, source: UncertaintySource, fraction: float) -> Budg
 
 
 def _input_kind(source: UncertaintySource) -> InputKind:
-    if source.kind == MEASURING_TEMPERATURE:
+    if source.kind == MEASURING_TEMPERATURE_SOURCE:
         return "temperature"
     return "clearance" if source.kind == MOUNTING else "diameter"
 

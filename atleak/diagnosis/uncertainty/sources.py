@@ -37,7 +37,7 @@ from atleak.measurements.readings import (
 PARTS: tuple[Part, ...] = ("spool", "sleeve")
 OF_A_DIAMETER = 0.5  # part of a diameter's error that the radial clearance c_r = (D − d)/2 takes
 SLOPES: Mapping[Part, float] = {"spool": -OF_A_DIAMETER, "sleeve": OF_A_DIAMETER}  # of c_r with each diameter
-MEASURING_TEMPERATURE = "measuring temperature"  # group of the error that all lands share
+MEASURING_TEMPERATURE_SOURCE = "measuring temperature"  # group of the error that all lands share
 MOUNTING: Literal["mounting clearance"] = "mounting clearance"  # kind of the source: what the pair was when new
 SourceKind = Literal[
     "common calibration",
@@ -384,7 +384,7 @@ def _temperature_source(
     diameter = state.spool_diameter if part == "spool" else state.sleeve_diameter
     rate = (state.land.expansion_of(part) - instrument.expansion) * diameter  # [m/K]
     u = slope * rate * assumptions.u_room_temperature
-    return UncertaintySource("measuring temperature", part, u, MEASURING_TEMPERATURE, "rectangular")
+    return UncertaintySource("measuring temperature", part, u, MEASURING_TEMPERATURE_SOURCE, "rectangular")
 
 
 def _form(

@@ -110,7 +110,7 @@ def runs(road_test: RoadTest, mask: np.ndarray, shortest: float) -> Iterator[tup
                 yield first, last
 
 
-def within(time: np.ndarray, events: Iterable[Event]) -> np.ndarray:
+def within_span(time: np.ndarray, events: Iterable[Event]) -> np.ndarray:
     """Return which stamps [s], ascending, lie in one of some events, ends included."""
     inside = np.zeros(len(time), bool)
     for event in events:

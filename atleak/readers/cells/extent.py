@@ -12,26 +12,26 @@ from typing import Any
 
 from atleak.common.sentences import Sentence
 
-ROWS, COLUMNS, CELLS = 10_000, 300, 50_000
+_ROWS, COLUMNS, _CELLS = 10_000, 300, 50_000
 """Rows and columns that a sheet may reach, and cells that may be filled; a measuring sheet fills some thousands."""
-WORDS = 5_000
+_WORDS = 5_000
 """Different texts with a letter in them, on one sheet."""
-SHEETS = 200
+MOST_SHEETS = 200
 """Sheets of one workbook."""
 LETTERS = 300
 """Characters of a cell that are read; what follows is no part of a name, a heading or a number."""
-TABLES = 200
+MOST_TABLES = 200
 """Tables under headings of their own on one sheet."""
 FAULTS = 300
 """Faults after which no more of a file is read: it is not what it was given as."""
-TEXT = 4 << 20
+MOST_TEXT = 4 << 20
 """Bytes of a text file."""
 
 EXPECTED = Sentence(
     "a table that was filled in at a bench: at most {rows} rows, {columns} columns and {cells} filled cells",
-    rows=ROWS,
+    rows=_ROWS,
     columns=COLUMNS,
-    cells=CELLS,
+    cells=_CELLS,
 )
 
 
@@ -56,10 +56,10 @@ def excess(rows: Sequence[Sequence[Any]]) -> Sentence | None:
     """Return what of a sheet is more than people fill in; None where nothing is."""
     width = max(map(len, rows), default=0)
     filled = sum(cell != "" for row in rows for cell in row)
-    if len(rows) <= ROWS and width <= COLUMNS and filled <= CELLS:
+    if len(rows) <= _ROWS and width <= COLUMNS and filled <= _CELLS:
         texts = {cell for row in rows for cell in row if isinstance(cell, str)}
-        said = sum(any(map(str.isalpha, text)) for text in texts) if len(texts) > WORDS else 0
-        if said <= WORDS:
+        said = sum(any(map(str.isalpha, text)) for text in texts) if len(texts) > _WORDS else 0
+        if said <= _WORDS:
             return None
         return Sentence("this sheet has {count} different texts", count=said)
     return Sentence(

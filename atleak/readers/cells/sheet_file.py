@@ -15,13 +15,13 @@ from pathlib import Path
 
 from atleak.common.errors import InputError, Place, ReadingsError, reason_of
 from atleak.common.sentences import Sentence
-from atleak.readers.cells.extent import EXPECTED, TEXT, bounded, excess
+from atleak.readers.cells.extent import EXPECTED, MOST_TEXT, bounded, excess
 from atleak.readers.cells.sheet import NO_WIDTH, Cell, Sheet
 from atleak.readers.cells.workbook_marks import Marks
 from atleak.readers.process.parent import WORKBOOK, read_apart
 from atleak.readers.process.workbooks import Range, first_rows, measuring_sheets, stray_cells
 
-WANTED = Sentence("a measuring sheet as .xlsx workbook or .csv text")
+_WANTED = Sentence("a measuring sheet as .xlsx workbook or .csv text")
 Knows = Callable[[str], bool]  # whether sheets of this kind use a word
 
 _ALIGNED, _WORDS = "aligned", "words"
@@ -63,7 +63,7 @@ def read_text(data: bytes, file: str, score: Callable[[Sheet], float], knows: Kn
     ReadingsError
         where this is no text, or no table.
     """
-    if len(data) > TEXT:
+    if len(data) > MOST_TEXT:
         problem = Sentence("this text has {size} MB", size=len(data) >> 20)
         raise ReadingsError(problem, place=Place(file), expected=EXPECTED)
     best: tuple[float, str, str, str] | None = None
@@ -151,7 +151,7 @@ def _known(text: str, knows: Knows) -> int:
 
 
 def _not_text(file: str) -> ReadingsError:
-    return ReadingsError(Sentence("this is neither a workbook nor text"), place=Place(file), expected=WANTED)
+    return ReadingsError(Sentence("this is neither a workbook nor text"), place=Place(file), expected=_WANTED)
 
 
 # --- columns ----------------------------------------------------------------------------------------------------------
@@ -182,7 +182,7 @@ def _sheet(text: str, file: str, delimiter: str, note: Sentence | None = None) -
             before = reader.line_num
     except csv.Error as error:
         problem = Sentence("this text is no table ({reason})", reason=str(error))
-        raise ReadingsError(problem, place=Place(file, row=before + 1), expected=WANTED) from None
+        raise ReadingsError(problem, place=Place(file, row=before + 1), expected=_WANTED) from None
     table = bounded(table)
     return Sheet(file=file, name=None, rows=table, lines=lines[: len(table)], note=note)
 
@@ -252,7 +252,7 @@ def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str
         problem = Sentence("cannot be read ({reason})", reason=reason_of(error))
         if isinstance(error, FileNotFoundError):
             problem = Sentence("no such file")
-        raise ReadingsError(problem, place=Place(str(path)), expected=WANTED) from None
+        raise ReadingsError(problem, place=Place(str(path)), expected=_WANTED) from None
 
 
 def open_sheets(
@@ -293,13 +293,13 @@ def read_sheets(
     """
     place = Place(file)
     if not data.strip(b"\0 \t\r\n\xef\xbb\xbf"):
-        raise ReadingsError(Sentence("the file is empty"), place=place, expected=WANTED)
+        raise ReadingsError(Sentence("the file is empty"), place=place, expected=_WANTED)
     if data.startswith((b"PK", b"\xd0\xcf\x11\xe0")):
         return [replace(sheet, rows=bounded(sheet.rows)) for sheet in read_workbook(data, file, only_look=only_look)]
     for magic, kind in _FOREIGN:
         if data.startswith(magic) and (magic != b"BM" or b"\0" in data[:64]):
             problem = Sentence("this is {kind}, whatever its name says", kind=kind)
-            raise ReadingsError(problem, place=place, expected=WANTED)
+            raise ReadingsError(problem, place=place, expected=_WANTED)
     head = data[:2000].lstrip(b"\xef\xbb\xbf \t\r\n").lower()
     if head.startswith((b"<html", b"<!doctype html", b"<table", b"<?xml", b"<meta", b"<head")):
         raise ReadingsError(

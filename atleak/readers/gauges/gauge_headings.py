@@ -16,8 +16,8 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.written_numbers import decimal_number
 from atleak.common.units import Unit, find_unit
 from atleak.common.wording import languages, wording
-from atleak.measurements.gauge_readings import LINE, Engine
-from atleak.readers.cells.extent import TABLES
+from atleak.measurements.gauge_readings import LINE_TAP, Engine
+from atleak.readers.cells.extent import MOST_TABLES
 from atleak.readers.cells.sheet import Cell, Sheet, text_of
 from atleak.readers.cells.sheet import Cell as SheetCell
 from atleak.readers.dates import vocabulary, words
@@ -45,7 +45,7 @@ def _phrases(table: str) -> Mapping[Tokens, str]:
     }
 
 
-def is_blank(cell: SheetCell) -> bool:
+def is_blank_heading(cell: SheetCell) -> bool:
     """Return whether a cell says that nothing was measured: it is empty, a dash, or says so in words."""
     if not isinstance(cell, str):
         return cell is None
@@ -73,7 +73,7 @@ class Said:
 
 
 @dataclass(frozen=True)
-class Heading:
+class _Heading:
     """What the heading of a column means; ``kind`` is None where it means nothing known."""
 
     text: str
@@ -84,24 +84,24 @@ class Heading:
 
 
 @dataclass(frozen=True)
-class Words:
+class GaugeWords:
     """The words of a controller's tables: everybody's, and its circuits by id and name."""
 
     taps: Mapping[Tokens, str] = field(default_factory=dict)
-    tap_ids: tuple[str, ...] = (LINE,)
-    _headings: dict[str, Heading] = field(default_factory=dict, compare=False, repr=False)  # by text
+    tap_ids: tuple[str, ...] = (LINE_TAP,)
+    _headings: dict[str, _Heading] = field(default_factory=dict, compare=False, repr=False)  # by text
     _sayings: dict[tuple[str, Sequence[str], bool], Said | None] = field(
         default_factory=dict, compare=False, repr=False
     )
 
     @classmethod
-    def of(cls, controller: Controller) -> Words:
+    def of(cls, controller: Controller) -> GaugeWords:
         """Return the words for a controller."""
-        taps: dict[Tokens, str] = dict.fromkeys(_phrases("line"), LINE)
+        taps: dict[Tokens, str] = dict.fromkeys(_phrases("line"), LINE_TAP)
         for circuit in controller.circuits:
             named = (circuit.id, *(wording(language).name(circuit.name) for language in languages()))
             taps |= {tuple(words(name).split()): circuit.id for name in named}
-        return cls(taps, (LINE, *(circuit.id for circuit in controller.circuits)))
+        return cls(taps, (LINE_TAP, *(circuit.id for circuit in controller.circuits)))
 
     def said_by(self, cell: SheetCell, kind: str) -> Said | None:
         """Return the range, the state of the engine or the tap that a cell names; None where it names none.
@@ -118,7 +118,7 @@ class Words:
         """Return what a line above a table says of all its readings; nothing where it says something else too."""
         return self._said(_BRACKETS.sub(" ", text), ("engine", "tap", "range"), heading=True) or Said()
 
-    def heading(self, cell: SheetCell) -> Heading:
+    def heading(self, cell: SheetCell) -> _Heading:
         """Return what a heading means.
 
         >>> heading = Words({("line",): "line"}).heading("Line, slow idle [kPa]")
@@ -127,25 +127,25 @@ class Words:
         """
         text = text_of(cell)
         if _is_number(text):
-            return Heading(text)
+            return _Heading(text)
         if text not in self._headings:
             self._headings[text] = self._heading(text)
         return self._headings[text]
 
-    def _heading(self, text: str) -> Heading:
+    def _heading(self, text: str) -> _Heading:
         rest, unit, kind, wrong = _without_unit(text)
         tokens = tuple(words(_SPEED.sub(" ", rest)).split())
         whole = _phrases("column").get(tokens)
         if whole is not None:
-            return Heading(text, cast("ColumnKind", whole), unit=unit)
+            return _Heading(text, cast("ColumnKind", whole), unit=unit)
         if not tokens and kind == "pressure":
-            return Heading(text, "value", unit=unit)
+            return _Heading(text, "value", unit=unit)
         said = self._said(rest, ("range", "engine", "tap"), heading=True)
         if said is not None and kind in (None, "pressure"):
-            return Heading(text, "value", said, unit, wrong)
+            return _Heading(text, "value", said, unit, wrong)
         if any((token,) in _phrases("column") and _phrases("column")[token,] == "aside" for token in tokens):
-            return Heading(text, "aside", unit=unit)
-        return Heading(text, unit=unit)
+            return _Heading(text, "aside", unit=unit)
+        return _Heading(text, unit=unit)
 
     def _said(self, text: str, about: Sequence[str], *, heading: bool = False) -> Said | None:
         """Return what a text says about some of range, engine and tap; None where it says anything else, or twice.
@@ -250,7 +250,7 @@ _TITLES = 8  # rows above the headings that may speak of the table
 
 
 @dataclass(frozen=True)
-class Head:
+class _Head:
     """What stands above the headings: what all readings have in common, their unit and the fluid's temperature."""
 
     said: Said = Said()
@@ -265,8 +265,8 @@ class GaugeTable:
     sheet: Sheet
     row: int  # of the headings
     last: int  # row
-    headings: Mapping[int, Heading]  # by column
-    head: Head = field(default_factory=Head)
+    headings: Mapping[int, _Heading]  # by column
+    head: _Head = field(default_factory=_Head)
 
     def column(self, kind: str) -> int | None:
         """Return the column of that kind; None where there is none."""
@@ -287,12 +287,12 @@ class GaugeTable:
         return self.headings[column].said.over(self.head.said)
 
 
-def find_gauge_tables(sheet: Sheet, words: Words) -> list[GaugeTable]:
+def find_gauge_tables(sheet: Sheet, words: GaugeWords) -> list[GaugeTable]:
     """Return the tables of gauge readings on a sheet: headings that give range, engine and pressure of each reading."""
     texts = {cell for row in sheet.rows for cell in row if isinstance(cell, str)}
     if not any((heading := words.heading(text)).said.engine or heading.kind == "engine" for text in texts):
         return []  # as on every sheet of diameters
-    found: list[tuple[int, Mapping[int, Heading], Head]] = []
+    found: list[tuple[int, Mapping[int, _Heading], _Head]] = []
     free = 0  # first row that may stand above the next headings
     for row in range(len(sheet.rows)):
         headings = _headings(sheet, row, words)
@@ -300,7 +300,7 @@ def find_gauge_tables(sheet: Sheet, words: Words) -> list[GaugeTable]:
             continue
         head = _head(sheet, range(max(free, row - _TITLES), row), words)
         complete = _complete(sheet, row, _with_row_above(sheet, row, free, headings, words), head, words)
-        if len(found) == TABLES:
+        if len(found) == MOST_TABLES:
             break
         if complete is not None:
             found.append((row, complete, head))
@@ -311,7 +311,7 @@ def find_gauge_tables(sheet: Sheet, words: Words) -> list[GaugeTable]:
     ]
 
 
-def likeness(sheet: Sheet, words: Words) -> float:
+def likeness(sheet: Sheet, words: GaugeWords) -> float:
     """Return how much of a sheet's headings is understood as those of gauge readings; 0 where there are none."""
     tables = find_gauge_tables(sheet, words)
     return float(max((sum(each.kind is not None for each in table.headings.values()) for table in tables), default=0))
@@ -320,12 +320,12 @@ def likeness(sheet: Sheet, words: Words) -> float:
 def _before_titles(sheet: Sheet, row: int) -> int:
     """Return the last row above some headings that is no title of theirs: titles fill one cell."""
     above = row - 1
-    while above > 0 and 0 < sum(not is_blank(cell) for cell in sheet.rows[above]) <= 1:
+    while above > 0 and 0 < sum(not is_blank_heading(cell) for cell in sheet.rows[above]) <= 1:
         above -= 1
     return above
 
 
-def _headings(sheet: Sheet, row: int, words: Words) -> dict[int, Heading]:
+def _headings(sheet: Sheet, row: int, words: GaugeWords) -> dict[int, _Heading]:
     cells = ((column, sheet.filled(row, column)) for column in range(sheet.width))
     return {
         column: words.heading(cell)
@@ -335,8 +335,8 @@ def _headings(sheet: Sheet, row: int, words: Words) -> dict[int, Heading]:
 
 
 def _with_row_above(
-    sheet: Sheet, row: int, free: int, headings: dict[int, Heading], words: Words
-) -> dict[int, Heading]:
+    sheet: Sheet, row: int, free: int, headings: dict[int, _Heading], words: GaugeWords
+) -> dict[int, _Heading]:
     """Return the headings with what stands over them in the row above, as in "stall" merged over P, R, N, D."""
     if row - 1 < free:
         return headings
@@ -353,8 +353,8 @@ def _with_row_above(
 
 
 def _complete(
-    sheet: Sheet, row: int, headings: dict[int, Heading], head: Head, words: Words
-) -> dict[int, Heading] | None:
+    sheet: Sheet, row: int, headings: dict[int, _Heading], head: _Head, words: GaugeWords
+) -> dict[int, _Heading] | None:
     """Return the headings where every reading gets a range and a state of the engine; None where one does not.
 
     A column without a heading that is understood may be the one that says it. Where neither a unit nor a word for
@@ -380,28 +380,34 @@ def _complete(
         column = _column_that_says(sheet, row, headings, kind, words)
         if column is not None:
             text = headings[column].text if column in headings else ""
-            headings, labelled = {**headings, column: Heading(text, kind)}, True
+            headings, labelled = {**headings, column: _Heading(text, kind)}, True
         elif kind != "tap":
             return None
     return headings if labelled else None
 
 
-def _column_that_says(sheet: Sheet, row: int, headings: Mapping[int, Heading], kind: str, words: Words) -> int | None:
+def _column_that_says(
+    sheet: Sheet, row: int, headings: Mapping[int, _Heading], kind: str, words: GaugeWords
+) -> int | None:
     """Return the first column, headed so or not understood, whose cells all say what is looked for."""
     rows = range(row + 1, min(row + 1 + _LOOKED_AT, len(sheet.rows)))
     for column in range(sheet.width):
         if column in headings and headings[column].kind not in (None, kind):
             continue
-        said = [words.said_by(cell, kind) is not None for at in rows if not is_blank(cell := sheet.filled(at, column))]
+        said = [
+            words.said_by(cell, kind) is not None
+            for at in rows
+            if not is_blank_heading(cell := sheet.filled(at, column))
+        ]
         if said and said[0] and sum(said) * 2 > len(said):
             return column
     return None
 
 
-def _head(sheet: Sheet, rows: Sequence[int], words: Words) -> Head:
-    head = Head()
+def _head(sheet: Sheet, rows: Sequence[int], words: GaugeWords) -> _Head:
+    head = _Head()
     for row in rows:
-        filled = [(column, cell) for column, cell in enumerate(sheet.rows[row]) if not is_blank(cell)]
+        filled = [(column, cell) for column, cell in enumerate(sheet.rows[row]) if not is_blank_heading(cell)]
         for column, cell in filled:
             if not isinstance(cell, str):
                 continue
@@ -421,4 +427,4 @@ def _beside(sheet: Sheet, row: int, column: int, told: str | None) -> tuple[Any,
     if told is None:
         return None
     places = ((sheet.cell(row, at), row, at) for at in (column + 1, column + 2))
-    return next((place for place in places if not is_blank(place[0])), None)
+    return next((place for place in places if not is_blank_heading(place[0])), None)

@@ -26,7 +26,7 @@ import numpy as np
 from atleak.catalogue.written_numbers import decimal_number
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import Message, Place, one_of
-from atleak.common.file_faults import together
+from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
 from atleak.common.unit_systems import MM, UM, Quantity
 from atleak.common.units import Unit, find_unit, unit
@@ -36,7 +36,7 @@ from atleak.readers.cells.sheet import Sheet, text_of
 from atleak.readers.cells.sheet_file import open_sheets
 from atleak.readers.dates import vocabulary, words
 
-KEYS = ("part", "operator", "trial")
+STUDY_KEYS = ("part", "operator", "trial")
 _BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
 _PERSON_AND_TRIAL = re.compile(r"(?P<operator>.*?)[\s_./·#-]*(?P<trial>\d+)")
 _SEARCHED = 60  # rows in which the headings are looked for
@@ -65,13 +65,13 @@ def _vocabulary() -> dict[str, str]:
     }
 
 
-def likeness(sheet: Sheet) -> float:
+def _likeness(sheet: Sheet) -> float:
     """Count the headings of a sheet that are understood: of a text file, whether it is split the right way."""
-    table = find_table(sheet)
+    table = _find_table(sheet)
     return 0.0 if table is None else len(table.keys) + min(len(table.values), 20)
 
 
-def find_table(sheet: Sheet) -> StudyTable | None:
+def _find_table(sheet: Sheet) -> StudyTable | None:
     """Return the table of a sheet; None where no row holds its headings."""
     for row in range(min(len(sheet.rows), _SEARCHED)):
         table = _at(sheet, row)
@@ -94,7 +94,7 @@ def _at(sheet: Sheet, row: int) -> StudyTable | None:
         if of_column is not None:
             units[column] = of_column
         kind = _vocabulary().get(words(_BRACKETS.sub(" ", text)))
-        if kind in KEYS and kind not in keys:
+        if kind in STUDY_KEYS and kind not in keys:
             keys[kind] = column
         elif kind == "reading":
             readings.append(column)
@@ -309,7 +309,7 @@ def _apart(table: StudyTable, values: np.ndarray) -> Iterator[Message]:
 
 __all__ = ["read_study"]
 
-WANTED = Sentence("a workbook (.xlsx) or text (.csv) of repeated readings")
+_WANTED = Sentence("a workbook (.xlsx) or text (.csv) of repeated readings")
 _HEADINGS = Sentence(
     "a row of headings with part, operator, trial and reading, or part and operator beside a column for each trial; "
     "page Gauge study gives a workbook to fill in"
@@ -348,11 +348,11 @@ def read_study(
         a unit that is none of length.
     """
     stated = None if length_unit is None else unit(length_unit, "length")
-    data, file, sheets = open_sheets(source, name, likeness, GaugeStudyError, WANTED)
+    data, file, sheets = open_sheets(source, name, _likeness, GaugeStudyError, _WANTED)
     table = _the_table(sheets, file, sheet)
     readings, problems = crossed(table, stated, hashlib.sha256(data).hexdigest())
     if problems or readings is None:
-        raise together(problems)
+        raise faults_together(problems)
     return readings
 
 
@@ -361,7 +361,7 @@ def _the_table(sheets: list[Sheet], file: str, wanted: str | None) -> StudyTable
     if not shown:
         names = one_of(repr(sheet.name) for sheet in sheets if not sheet.hidden)
         raise GaugeStudyError(Sentence("no such sheet"), place=Place(file), value=wanted, expected=names)
-    tables = [table for table in map(find_table, shown) if table is not None]
+    tables = [table for table in map(_find_table, shown) if table is not None]
     if not tables:
         raise GaugeStudyError(Sentence("holds no table of repeated readings"), place=Place(file), expected=_HEADINGS)
     if len(tables) > 1:

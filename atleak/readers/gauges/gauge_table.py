@@ -30,21 +30,21 @@ from atleak.catalogue.written_numbers import (
 )
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import Message, Place, PressureTableError, nearest_name, one_of
-from atleak.common.file_faults import together
+from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
-from atleak.common.units import KINDS, Unit, find_unit, unit, unit_names
-from atleak.measurements.gauge_readings import LINE, Cell, GaugeReading, PressureTable, ranges_of
+from atleak.common.units import UNIT_KINDS, Unit, find_unit, unit, unit_names
+from atleak.measurements.gauge_readings import LINE_TAP, GaugeCell, GaugeReading, PressureTable, ranges_of
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Cell as SheetCell
 from atleak.readers.cells.sheet import Sheet, column_letter, text_of
 from atleak.readers.cells.sheet_file import open_sheets
 from atleak.readers.gauges.gauge_headings import (
     GaugeTable,
+    GaugeWords,
     Said,
-    Words,
     engine_words,
     find_gauge_tables,
-    is_blank,
+    is_blank_heading,
     likeness,
 )
 
@@ -59,7 +59,7 @@ _NOT_UNDERSTOOD = {  # what is said of an empty cell, and of one that names noth
 
 
 @dataclass
-class Rows:
+class _Rows:
     """What the rows of all tables give."""
 
     readings: list[GaugeReading] = field(default_factory=list)
@@ -86,7 +86,7 @@ class Rows:
 
     def count_repeats(self) -> None:
         """Number the readings of each cell; one that is given twice, and that nothing counts, is a problem."""
-        by_cell: dict[Cell, list[tuple[GaugeReading, float | None]]] = {}
+        by_cell: dict[GaugeCell, list[tuple[GaugeReading, float | None]]] = {}
         for reading, order in self.taken:
             by_cell.setdefault(reading.cell, []).append((reading, order))
         for cell, given in by_cell.items():
@@ -112,12 +112,12 @@ class Rows:
 
 def asked_pressure(unit: Unit) -> AskedNumber:
     """Return the pressure that is asked for in a cell, in its unit."""
-    return AskedNumber(KINDS["pressure"], unit.name, round(450e3 / unit.factor, 3), (0.0, HIGHEST / unit.factor))
+    return AskedNumber(UNIT_KINDS["pressure"], unit.name, round(450e3 / unit.factor, 3), (0.0, HIGHEST / unit.factor))
 
 
-def read_rows(tables: Sequence[GaugeTable], words: Words, ranges: Sequence[SelectorRange]) -> Rows:
+def _read_rows(tables: Sequence[GaugeTable], words: GaugeWords, ranges: Sequence[SelectorRange]) -> _Rows:
     """Return the readings of several tables of one file, and what of them cannot be read."""
-    rows = Rows()
+    rows = _Rows()
     for table in tables:
         _Reader(table, words, ranges, rows).read()
     rows.count_repeats()
@@ -127,7 +127,7 @@ def read_rows(tables: Sequence[GaugeTable], words: Words, ranges: Sequence[Selec
 class _Reader:
     """Reads the rows of one table."""
 
-    def __init__(self, table: GaugeTable, words: Words, ranges: Sequence[SelectorRange], rows: Rows) -> None:
+    def __init__(self, table: GaugeTable, words: GaugeWords, ranges: Sequence[SelectorRange], rows: _Rows) -> None:
         self.table, self.sheet, self.words, self.ranges, self.rows = table, table.sheet, words, ranges, rows
         self.columns = {
             kind: table.column(kind)
@@ -149,7 +149,7 @@ class _Reader:
 
     def _is_reading(self, row: int, column: int) -> bool:
         """Return whether a reading stands in a cell: what is crossed out is none, and a message says so."""
-        if is_blank(self.sheet.cell(row, column)) and (row, column) not in self.sheet.faults:
+        if is_blank_heading(self.sheet.cell(row, column)) and (row, column) not in self.sheet.faults:
             return False
         if self.sheet.is_struck(row, column):
             text = Sentence("{found} is crossed out: not read", found=text_of(self.sheet.cell(row, column)))
@@ -177,7 +177,7 @@ class _Reader:
                 place = self._place(self.table.row, column)
                 self.rows.refuse(_NOT_UNDERSTOOD["range"][1], place, heading, self.ranges, once=True)
                 continue
-            cell = Cell(said.range, said.engine, said.tap or LINE)
+            cell = GaugeCell(said.range, said.engine, said.tap or LINE_TAP)
             pressure = self._pressure(row, column, cell)
             if pressure is None:
                 continue
@@ -197,7 +197,7 @@ class _Reader:
         """Return what a row says in the column of a kind; None where there is no such column, or nothing in it."""
         column = self.columns[kind]
         cell = None if column is None else self.sheet.filled(row, column)
-        return None if is_blank(cell) else cell
+        return None if is_blank_heading(cell) else cell
 
     def _named(self, row: int) -> Said | None:
         """Return what the cells of a row say of its readings; None where one of them is not understood."""
@@ -217,7 +217,7 @@ class _Reader:
                 named = said.over(named)
         return named if understood else None
 
-    def _pressure(self, row: int, column: int, of: Cell) -> float | None:
+    def _pressure(self, row: int, column: int, of: GaugeCell) -> float | None:
         """Return a cell's pressure [Pa]; None where it is a problem."""
         place, cell = self._place(row, column), self.sheet.cell(row, column)
         fault = self.sheet.faults.get((row, column))
@@ -374,7 +374,7 @@ def _written(cell: SheetCell, text: str, asked: AskedNumber) -> WrittenNumber:
 
 __all__ = ["PressureTabs", "find_tabs", "likeness_of", "read_pressure_table"]
 
-WANTED = Sentence("a table of gauge readings as .xlsx workbook or .csv text")
+_WANTED = Sentence("a table of gauge readings as .xlsx workbook or .csv text")
 _HEADINGS = Sentence(
     "headings for the range (P R N D 3 2 1), the engine (slow idle, fast idle, stall) and the pressure with its unit, "
     "such as: range, slow idle [kPa], fast idle [kPa], stall [kPa]"
@@ -408,7 +408,7 @@ def read_pressure_table(
         with all problems found: an unknown range, state of the engine, tap or unit, a cell that is no pressure, a
         cell given twice; or where the file as a whole holds no such table, or none filled in.
     """
-    data, file, sheets = open_sheets(source, name, likeness_of(controller), PressureTableError, WANTED)
+    data, file, sheets = open_sheets(source, name, likeness_of(controller), PressureTableError, _WANTED)
     found = find_tabs(sheets, controller)
     if not found.tables:
         raise PressureTableError(Sentence("holds no table of gauge readings"), place=Place(file), expected=_HEADINGS)
@@ -438,9 +438,9 @@ class PressureTabs:
         PressureTableError
             as `read_pressure_table`.
         """
-        rows = read_rows(self.tables, Words.of(self.controller), ranges_of(self.controller))
+        rows = _read_rows(self.tables, GaugeWords.of(self.controller), ranges_of(self.controller))
         if rows.problems:
-            raise together(sorted(rows.problems, key=lambda each: (each.place.sheet or "", each.place.row or 0)))
+            raise faults_together(sorted(rows.problems, key=lambda each: (each.place.sheet or "", each.place.row or 0)))
         if not rows.readings:
             return None
         names = dict.fromkeys(table.sheet.name for table in self.tables if table.sheet.name is not None)
@@ -457,11 +457,11 @@ class PressureTabs:
 
 def likeness_of(controller: Controller) -> Callable[[Sheet], float]:
     """Return how to count the headings of a sheet that are understood as those of gauge readings."""
-    return partial(likeness, words=Words.of(controller))
+    return partial(likeness, words=GaugeWords.of(controller))
 
 
 def find_tabs(sheets: Sequence[Sheet], controller: Controller) -> PressureTabs:
     """Find the sheets that hold tables of gauge readings; hidden ones do not count."""
-    words = Words.of(controller)
+    words = GaugeWords.of(controller)
     shown = [sheet for sheet in sheets if not sheet.hidden]
     return PressureTabs([table for sheet in shown for table in find_gauge_tables(sheet, words)], controller)

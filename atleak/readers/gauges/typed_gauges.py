@@ -13,10 +13,10 @@ from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.common.errors import Place
 from atleak.common.unit_systems import KPA, RPM
 from atleak.common.units import find_unit
-from atleak.measurements.gauge_readings import LINE, RANGES, Cell, Engine, PressureTable
+from atleak.measurements.gauge_readings import LINE_TAP, RANGES, Engine, GaugeCell, PressureTable
 from atleak.readers.cells.sheet_file import csv_bytes, csv_rows
 
-TYPED_FILE = "typed gauge readings.csv"
+TYPED_GAUGES_FILE = "typed gauge readings.csv"
 _RANGE, _STATE, _TAP, _TEMPERATURE, _SPEED = "range", "state", "tap", "ATF temperature [°C]", "engine speed [rpm]"
 
 
@@ -24,7 +24,7 @@ _RANGE, _STATE, _TAP, _TEMPERATURE, _SPEED = "range", "state", "tap", "ATF tempe
 class TypedGauges:
     """What was typed: the text of every cell, the unit of all pressures, and what else was said of the readings."""
 
-    cells: Mapping[Cell, str] = field(default_factory=dict)
+    cells: Mapping[GaugeCell, str] = field(default_factory=dict)
     unit: str = "kPa"
     temperature: str = ""  # of the fluid [°C]
     fast_idle: str = ""  # engine speed at a fast idle [rpm]
@@ -42,12 +42,12 @@ class TypedGauges:
             fast_idle="" if speed is None else f"{speed * RPM:.10g}",
         )
 
-    def with_cell(self, cell: Cell, text: str) -> TypedGauges:
+    def with_cell(self, cell: GaugeCell, text: str) -> TypedGauges:
         """Return this with another text in a cell; an empty one takes the cell out."""
         others = {known: said for known, said in self.cells.items() if known != cell}
         return replace(self, cells={**others, cell: text.strip()} if text.strip() else others)
 
-    def part_at(self, place: Place) -> Cell | str | None:
+    def part_at(self, place: Place) -> GaugeCell | str | None:
         """Return what stands in a place of the file that `written` gives: a cell or another field; None for neither."""
         named = {_TEMPERATURE: "temperature", _SPEED: "fast_idle"}.get(place.column or "")
         cells, row = list(self.cells), (place.row or 0) - 2
@@ -73,7 +73,7 @@ def typed_gauges(content: bytes) -> TypedGauges | None:
     engines = {str(engine.label): engine for engine in Engine}
     if unit is None or any(len(row) != 6 or row[0] not in RANGES or row[1] not in engines for row in rows[1:]):
         return None
-    cells = {Cell(cast("SelectorRange", row[0]), engines[row[1]], row[2] or LINE): row[3] for row in rows[1:]}
+    cells = {GaugeCell(cast("SelectorRange", row[0]), engines[row[1]], row[2] or LINE_TAP): row[3] for row in rows[1:]}
     return TypedGauges(
         cells=cells,
         unit=unit.name,

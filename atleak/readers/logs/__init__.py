@@ -16,11 +16,11 @@ from atleak.readers.logs.columns import Ambiguous
 from atleak.readers.logs.importer import understand
 from atleak.readers.logs.log_columns import LogColumn, log_columns
 from atleak.readers.logs.parquet_log import head_of_parquet
-from atleak.readers.logs.remembered_columns import NOT_LOGGED, default_path, forget, recall, remember, signature
+from atleak.readers.logs.remembered_columns import NOT_LOGGED, default_path, forget_columns, recall, remember, signature
 from atleak.readers.logs.understood import FORMATS, Understood, describe, tidy_csv
 
 __all__ = [
-    "FORMATS", "NOT_LOGGED", "Ambiguous", "LogColumn", "Understood", "default_path", "describe", "forget",
+    "FORMATS", "NOT_LOGGED", "Ambiguous", "LogColumn", "Understood", "default_path", "describe", "forget_columns",
     "head_of_parquet", "log_columns", "read_road_test", "recall", "remember", "signature", "tidy_csv", "understand",
 ]  # fmt: skip
 

@@ -13,7 +13,7 @@ import pandas as pd
 from atleak.common.sentences import Sentence
 from atleak.common.units import HHMMSS, Unit, find_unit
 from atleak.readers.dates import day_number, half_day, likely_order, sure_date
-from atleak.readers.logs.delimited import turned
+from atleak.readers.logs.delimited import turned_columns
 from atleak.readers.logs.timeline import running, strays_of
 
 DAY = 86400.0
@@ -340,7 +340,7 @@ def _read_alike(read: ClockParts, table: np.ndarray, rows: np.ndarray, length: i
     if match is None:
         return rows[1:] if len(rows) < 64 else rows[:0]
     whole = len(rows) == len(table)
-    block = turned(table[:, :length] if whole else table[rows, :length])
+    block = turned_columns(table[:, :length] if whole else table[rows, :length])
     digits = np.zeros(length, bool)
     for group in range(1, match.re.groups + 1):
         if match[group] is not None:

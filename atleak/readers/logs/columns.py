@@ -52,7 +52,7 @@ class Candidate:
         return self.heading.label
 
 
-Offered = tuple[Candidate, np.ndarray, np.ndarray | None]
+OfferedColumn = tuple[Candidate, np.ndarray, np.ndarray | None]
 """A candidate with its numbers and its own stamps (None: the rows')."""
 
 
@@ -260,14 +260,14 @@ class Assigner:
             if column == NOT_LOGGED:
                 self.refused[quantity] = Sentence("it is stated that no column of this log holds it")
 
-    def decide_all(self, offered: Iterable[Offered]) -> None:
+    def decide_all(self, offered: Iterable[OfferedColumn]) -> None:
         """Choose a column for every quantity that is offered."""
         offered = list(offered)
         for quantity in QUANTITIES:
             if of_quantity := [each for each in offered if each[0].quantity == quantity]:
                 self._decide(quantity, of_quantity)
 
-    def _decide(self, quantity: str, offered: Sequence[Offered]) -> None:
+    def _decide(self, quantity: str, offered: Sequence[OfferedColumn]) -> None:
         """Choose one of the candidates for a quantity, or list them as ambiguous."""
         signals = [signal for each in offered if (signal := self._fit(*each)) is not None]
         fitting = [signal for signal in signals if not signal.fit.problem]
@@ -332,7 +332,7 @@ class Assigner:
             text = Sentence("{column!r} holds no values", column=candidate.label)
             self.refuse(candidate, "column_empty", text, "info")
             return None
-        if not candidate.mapped and (dead_value := _dead_value(kind, sample)) is not None and only(values, dead_value):
+        if not candidate.mapped and (dead_value := _dead_value(kind, sample)) is not None and _only(values, dead_value):
             text = Sentence(
                 "{column!r} is {value:g} throughout: the car or logger does not deliver it",
                 column=candidate.label,
@@ -470,10 +470,10 @@ def _told_apart(signals: Sequence[Signal]) -> tuple[str, ...]:
 def _dead_value(kind: str | None, sample: np.ndarray) -> float | None:
     """Return the one value that fills a sample of the column, if that value means *no sensor*; else None."""
     dead_values = {"temperature": (0.0, -40.0, 215.0, 255.0), "pressure": (0.0,)}.get(kind or "", ())
-    return next((value for value in dead_values if only(sample, value)), None)
+    return next((value for value in dead_values if _only(sample, value)), None)
 
 
-def only(values: np.ndarray, value: float) -> bool:
+def _only(values: np.ndarray, value: float) -> bool:
     """Return whether a column holds nothing but one value, and cells without any."""
     return bool(((values == value) | np.isnan(values)).all())
 

@@ -22,8 +22,8 @@ import pandas as pd
 from atleak.common.errors import InputError, Place, RoadTestError
 from atleak.common.sentences import Sentence
 from atleak.readers.logs.headings import Row
-from atleak.readers.logs.log_cells import MISSING, OFF, Decimal, kind_of, without_unit
-from atleak.readers.logs.log_file import HEAD, LARGE, LogFile
+from atleak.readers.logs.log_cells import MISSING, OFF, Decimal, kind_of_cells, without_unit
+from atleak.readers.logs.log_file import HEAD_BYTES, LARGE, LogFile
 from atleak.readers.logs.log_table import WHITESPACE, Layout, LogTable, find_dialect, find_table, split_line
 from atleak.readers.logs.text_lines import (
     QUOTE,
@@ -82,7 +82,7 @@ def in_turn(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[R
             yield waiting.popleft().result()
 
 
-def turned(table: np.ndarray) -> np.ndarray:
+def turned_columns(table: np.ndarray) -> np.ndarray:
     """Return a long table of few columns as rows of its columns.
 
     >>> turned(np.array([[1, 2], [3, 4], [5, 6]])).tolist()
@@ -97,7 +97,7 @@ def turned(table: np.ndarray) -> np.ndarray:
 BLOCK = 4 << 20
 """Bytes of a block of whole lines: little is held beside its numbers."""
 _LONGEST = 64 << 20  # bytes of a line
-LOOK = 150
+_LOOK = 150
 """Number of lines in which the table's beginning is sought first."""
 
 
@@ -141,7 +141,7 @@ class Delimited(LogTable):
             warnings.simplefilter("ignore", pd.errors.ParserWarning)
             for frame in in_turn(lambda block: self._read_block(block, columns), self._blocks()):
                 too_wide, short = too_wide + frame.attrs["too_wide"], short + frame.attrs["short"]
-                some = thinned(frame, every, lines)
+                some = every_nth(frame, every, lines)
                 for index, column in joined.items():
                     column.add(some[index], some.attrs["words"].get(index), kept)
                 places.append(some.attrs.get("lines", np.empty(0, int)))
@@ -216,7 +216,7 @@ class Delimited(LogTable):
         """Return the columns of numbers by the sample, and whether no cell of them is a word for *missing*."""
         numeric = {}
         for index in range(self.width):
-            kinds = {kind_of(row[index], self.decimal) for row in self.sample if index < len(row) and row[index]}
+            kinds = {kind_of_cells(row[index], self.decimal) for row in self.sample if index < len(row) and row[index]}
             if "number" in kinds and kinds <= {"number", "missing"} and index not in self.layout.cell_units:
                 numeric[index] = kinds == {"number"}
         return numeric
@@ -288,7 +288,7 @@ class _Joined:
 _WORD = r"\s*[^\W\d]|\s*#"  # what begins like no number and no clock
 
 
-def thinned(frame: pd.DataFrame, every: int, before: int = 0) -> pd.DataFrame:
+def every_nth(frame: pd.DataFrame, every: int, before: int = 0) -> pd.DataFrame:
     """Return each ``every``-th row, and those without a number but with a word: remarks, and headers among the rows.
 
     Parameters
@@ -318,7 +318,7 @@ def thinned(frame: pd.DataFrame, every: int, before: int = 0) -> pd.DataFrame:
 def must_be_held(source: LogFile) -> bool:
     """Return whether a text has to be held as a whole while it is read: no byte tells where its lines end."""
     head = source.head.removesuffix(b"\r")
-    other_ends = b"\r" in head and (b"\n" not in head[:HEAD] or one_line_end(head) is not head)
+    other_ends = b"\r" in head and (b"\n" not in head[:HEAD_BYTES] or one_line_end(head) is not head)
     return other_ends or b"\x00" in head or to_text(source.whole_lines).encoding.startswith("utf-16")
 
 
@@ -337,7 +337,7 @@ def open_delimited(source: LogFile) -> Delimited | None:
     else:
         text, held, size = to_text(source.whole_lines), None, source.size
         mark = 3 * text.encoding.endswith("sig")
-    tail = _part(source, held, max(size - HEAD, 0), size)
+    tail = _part(source, held, max(size - HEAD_BYTES, 0), size)
     end = size - _half_written(tail)
     head = text.data[: min(LARGE, end - mark)].split(b"\n")
     if size > LARGE:
@@ -352,7 +352,7 @@ def open_delimited(source: LogFile) -> Delimited | None:
     delimiter, decimal = dialect.delimiter, dialect.decimal
     rows: list[Row] = []
     layout = None
-    for count in (LOOK, 4 * LOOK, 16 * LOOK, len(head)):
+    for count in (_LOOK, 4 * _LOOK, 16 * _LOOK, len(head)):
         rows += [split_line(text.decode(line), delimiter) for line in head[len(rows) : count]]
         layout = find_table(rows, decimal, dialect.width)
         # lines of the head may look like a table until one with as many cells as the rows comes
@@ -362,7 +362,7 @@ def open_delimited(source: LogFile) -> Delimited | None:
     if layout is None:
         return None
     start = mark + sum(len(line) + 1 for line in head[: layout.start])
-    body = (_part(source, held, start, start + HEAD), tail)
+    body = (_part(source, held, start, start + HEAD_BYTES), tail)
     return Delimited(
         source, held, text.codec, text.encoding, delimiter, decimal, layout, start, end, end < size,
         sample=tuple(rows[layout.start :][:400]),

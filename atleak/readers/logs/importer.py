@@ -20,8 +20,8 @@ from atleak.readers.dates import words
 from atleak.readers.logs import remembered_columns as memory
 from atleak.readers.logs.columns import BESIDE, Ambiguous, Assigner, own_part_of, stated_units
 from atleak.readers.logs.delimited import Delimited, must_be_held, open_delimited
-from atleak.readers.logs.log_file import HEAD, TIMES, LogFile, of_measured_parts, open_source, without_a_table
-from atleak.readers.logs.log_sheets import LogSheet, open_sheets
+from atleak.readers.logs.log_file import HEAD_BYTES, TIMES, LogFile, of_measured_parts, open_source, without_a_table
+from atleak.readers.logs.log_sheets import LogSheet, open_log_sheets
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.mdf_log import understand_mdf
 from atleak.readers.logs.parquet_log import open_parquet
@@ -33,7 +33,7 @@ from atleak.readers.logs.understood import Understood, finish, labels_of
 
 
 @dataclass
-class Job:
+class _Job:
     """One log to understand, and what its caller states about it."""
 
     source: LogFile
@@ -91,7 +91,7 @@ def understand(
         raise RoadTestError(problem, value=every, expected=Sentence("a whole number above 0"))
     opened, done = open_source(source, name), False
     room = free_memory() if memory is None else memory
-    job = Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered, every, room)
+    job = _Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered, every, room)
     try:
         understood = _by_form(job)
     except InputError as error:
@@ -116,7 +116,7 @@ def understand(
     return replace(understood, sha256=digest, road_test=replace(test, sha256=digest) if test else None)
 
 
-def _by_form(job: Job) -> Understood:
+def _by_form(job: _Job) -> Understood:
     source = job.source
     if source.form == "workbook":
         return _workbook(job)
@@ -128,7 +128,7 @@ def _by_form(job: Job) -> Understood:
     understood = _one_table(table, "delimited text", job, (table.encoding, table.delimiter, table.decimal))
     if understood.road_test is not None or job.mapping:
         return understood
-    return replace(understood, problem=of_measured_parts(source.head[:HEAD], source.file) or understood.problem)
+    return replace(understood, problem=of_measured_parts(source.head[:HEAD_BYTES], source.file) or understood.problem)
 
 
 _BUS_TRACE = re.compile(
@@ -137,7 +137,7 @@ _BUS_TRACE = re.compile(
 )
 
 
-def _located(job: Job) -> Delimited:
+def _located(job: _Job) -> Delimited:
     """Locate the table in a delimited text.
 
     Raises
@@ -164,7 +164,7 @@ def _located(job: Job) -> Delimited:
         )
     table = open_delimited(job.source)
     if table is None:
-        raise without_a_table(job.source.head[:HEAD], job.source.file)
+        raise without_a_table(job.source.head[:HEAD_BYTES], job.source.file)
     return table
 
 
@@ -172,7 +172,7 @@ _Written = tuple[str | None, str | None, str | None]
 """Encoding, delimiter and decimal sign of a text."""
 
 
-def _one_table(table: LogTable, form: str, job: Job, written: _Written = (None, None, None)) -> Understood:
+def _one_table(table: LogTable, form: str, job: _Job, written: _Written = (None, None, None)) -> Understood:
     blank = _blank_of(job, table, form, written)
     mapping, units, notes = _with_memory(job, blank.signature)
     assigner = Assigner(job.source.file, units, stated_units(table.headings), job.interval, job.every, job.room)
@@ -185,7 +185,7 @@ def _one_table(table: LogTable, form: str, job: Job, written: _Written = (None, 
     return finish(blank, assigner, reading, job.constants)
 
 
-def _blank_of(job: Job, table: LogTable, form: str, written: _Written = (None, None, None)) -> Understood:
+def _blank_of(job: _Job, table: LogTable, form: str, written: _Written = (None, None, None)) -> Understood:
     """Return what is known of a table before its columns are read."""
     # choices for logs like this one are kept under the names of its columns; under none where its header names none
     signature = memory.signature(labels_of(table.headings)) if table.has_header else ""
@@ -193,7 +193,7 @@ def _blank_of(job: Job, table: LogTable, form: str, written: _Written = (None, N
     return Understood(job.source.file, "", form, *written, table.headings, preview, signature)
 
 
-def _with_memory(job: Job, signature: str) -> tuple[dict[str, str], dict[str, str], list[Message]]:
+def _with_memory(job: _Job, signature: str) -> tuple[dict[str, str], dict[str, str], list[Message]]:
     mapping, units = dict(job.mapping), dict(job.units)
     if job.memory is None:
         return mapping, units, []
@@ -209,8 +209,8 @@ def _with_memory(job: Job, signature: str) -> tuple[dict[str, str], dict[str, st
 # --- workbooks ----------------------------------------------------------------------------------------------
 
 
-def _workbook(job: Job) -> Understood:
-    sheets = open_sheets(job.source)
+def _workbook(job: _Job) -> Understood:
+    sheets = open_log_sheets(job.source)
     if not sheets:
         raise RoadTestError(
             Sentence("holds no sheet with a table of numbers"),
@@ -245,7 +245,7 @@ class _SheetReading(NamedTuple):
     result: TableResult
 
 
-def _read_sheet(sheet: LogSheet, job: Job) -> _SheetReading | None:
+def _read_sheet(sheet: LogSheet, job: _Job) -> _SheetReading | None:
     """Read one sheet of several; None where it is no log."""
     assigner = Assigner(job.source.file, job.units, stated_units(sheet.headings), job.interval, job.every, job.room)
     labels = {heading.label for heading in sheet.headings}
@@ -256,7 +256,7 @@ def _read_sheet(sheet: LogSheet, job: Job) -> _SheetReading | None:
         return None
 
 
-def _sheet_per_signal(job: Job, good: list[_SheetReading]) -> Understood:
+def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
     """Put sheets that hold one signal each, with a time of its own, on one time axis."""
     headings = tuple(heading for reading in good for heading in reading.sheet.headings)
     signature = memory.signature(labels_of(headings))

@@ -50,7 +50,7 @@ _DESTROYED = re.compile(r"[+-]?\d{1,3}(?:[.,']\d{3}){2,}\Z|[+-]?\d[.,]\d{1,2}E\+
 
 
 @lru_cache(maxsize=65536)
-def kind_of(cell: str, decimal: Decimal) -> CellKind:
+def kind_of_cells(cell: str, decimal: Decimal) -> CellKind:
     """Return what a cell is, given the decimal sign.
 
     >>> kind_of("-0,5", ","), kind_of("13:40:39.474", "."), kind_of("Not Running", "."), kind_of("EGR A:0/0/0 %", ".")
@@ -166,7 +166,7 @@ def cause(cells: pd.Series, values: np.ndarray, decimal: Decimal) -> tuple[Sente
         if sign not in ".," or any(match["rest"] for match in numbers) or (len(known) and np.median(known) > 100):
             return Sentence("numbers in which {sign!r} parts thousands", sign=sign), shown
         return Sentence("numbers in which {sign!r} parts thousands or is the decimal sign", sign=sign), shown
-    if sum(kind_of(text, _OTHER[decimal]) == "number" for text in few) * 2 > len(few):
+    if sum(kind_of_cells(text, _OTHER[decimal]) == "number" for text in few) * 2 > len(few):
         said = Sentence("numbers with the decimal sign {sign!r}, beside others with {usual!r}", sign=_OTHER[decimal],
                         usual=decimal)  # fmt: skip
         return said, quoted(few[0])

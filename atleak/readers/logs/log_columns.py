@@ -17,14 +17,14 @@ from atleak.readers.logs.columns import find_candidates, match_heading
 from atleak.readers.logs.delimited import numbers, open_delimited
 from atleak.readers.logs.headings import Heading
 from atleak.readers.logs.log_file import LogFile, open_source
-from atleak.readers.logs.log_sheets import open_sheets
+from atleak.readers.logs.log_sheets import open_log_sheets
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.mdf_log import mdf_columns
 from atleak.readers.logs.parquet_log import open_parquet
 from atleak.readers.logs.table_reader import long_columns, long_shape
 
-POINTS = 60  # of a small curve
-WORDS = 6  # different cells that are shown of a column of words
+_POINTS = 60  # of a small curve
+_WORDS = 6  # different cells that are shown of a column of words
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def _read(opened: LogFile) -> Iterator[tuple[Heading, np.ndarray, Iterable[str]]
         return
     tables: list[LogTable] = []
     if opened.form == "workbook":
-        tables += open_sheets(opened)
+        tables += open_log_sheets(opened)
     elif opened.form == "parquet":
         tables.append(open_parquet(opened))
     elif (text := open_delimited(opened)) is not None:
@@ -93,9 +93,9 @@ def _column(heading: Heading, values: np.ndarray, words: Iterable[str], repeated
     label = heading.numbered if repeated else heading.label
     match = match_heading(heading)
     good = values[np.isfinite(values)]
-    some = tuple(dict.fromkeys(str(word) for word in pd.Series(words, dtype=object).head(10_000)))[:WORDS]
+    some = tuple(dict.fromkeys(str(word) for word in pd.Series(words, dtype=object).head(10_000)))[:_WORDS]
     unit, quantity = heading.unit or (match.unit if match else None), match.quantity if match else None
     if not len(good):
         return LogColumn(label, unit, quantity, 0, words=some)
-    curve = tuple(good[thinned([good], POINTS)].tolist())
+    curve = tuple(good[thinned([good], _POINTS)].tolist())
     return LogColumn(label, unit, quantity, len(good), float(good.min()), float(good.max()), curve, some)

@@ -123,18 +123,18 @@ def of_measured_parts(head: bytes, file: str) -> RoadTestError | None:
     return RoadTestError(problem, place=Place(file=file), expected=expected)
 
 
-HEAD = 1 << 16
+HEAD_BYTES = 1 << 16
 """Bytes that show what a file is."""
 LARGE = 1 << 18
 """Text files beyond this size are not read into memory as a whole unless they must be."""
 SPARE = 120 << 20
-"""Bytes a packed file may unfold to beyond `GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
-GROWTH = 4
+"""Bytes a packed file may unfold to beyond `_GROWTH` times its size; keeps memory within 6 × size + 200 MB."""
+_GROWTH = 4
 
 TIMES = 6
 """How many times its size a text takes at most while it is read whole."""
 
-Form = Literal["text", "workbook", "mdf", "parquet"]
+_Form = Literal["text", "workbook", "mdf", "parquet"]
 _READ_FROM_DISK = ("text", "parquet", "mdf")  # forms of which a large file is not held
 
 
@@ -187,7 +187,7 @@ class LogFile:
     file: str
     digest: Digest
     head: bytes
-    form: Form
+    form: _Form
     size: int
     path: Path | None = None
     content: bytes | None = field(default=None, repr=False)
@@ -241,14 +241,14 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> LogFile:
     """
     if isinstance(source, bytes):
         file = name or "log"
-        refuse_what_is_no_log(source[:HEAD], file)
+        refuse_what_is_no_log(source[:HEAD_BYTES], file)
         return _packed_or_not(source, file, Digest(source), None)
     path = Path(source)
     file = name or path.name
     try:
         with path.open("rb") as stream:
             head = stream.read(LARGE)
-            refuse_what_is_no_log(head[:HEAD], file)
+            refuse_what_is_no_log(head[:HEAD_BYTES], file)
             size = path.stat().st_size
             form = _form_of(head)
             if size > LARGE and form in _READ_FROM_DISK and head[:2] != b"\x1f\x8b":
@@ -281,7 +281,7 @@ def _packed_or_not(data: bytes, file: str, digest: Digest, path: Path | None) ->
     return LogFile(file, digest, head, form, size, None, content)
 
 
-def _form_of(data: bytes) -> Form:
+def _form_of(data: bytes) -> _Form:
     if data[:4] == b"PK\x03\x04" or data[:8] == b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1":
         return "workbook"
     if data[:3] == b"MDF" or data[:8] == b"UnFinMF ":
@@ -291,13 +291,13 @@ def _form_of(data: bytes) -> Form:
 
 def _unpack(data: bytes, file: str, target: Path) -> None:
     """Unpack into a file."""
-    limit, total = GROWTH * len(data) + SPARE, 0
+    limit, total = _GROWTH * len(data) + SPARE, 0
     place = Place(file=file)
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream, target.open("wb") as out:
             while part := stream.read(1 << 20):
                 if not total:
-                    refuse_what_is_no_log(part[:HEAD], file)
+                    refuse_what_is_no_log(part[:HEAD_BYTES], file)
                     if part[:2] == b"\x1f\x8b":
                         raise RoadTestError(Sentence("is packed twice; unpack it first"), place=place)
                 total += len(part)

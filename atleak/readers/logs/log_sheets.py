@@ -17,7 +17,7 @@ import pandas as pd
 from atleak.common.errors import RoadTestError
 from atleak.readers.cells.extent import cut
 from atleak.readers.dates import words
-from atleak.readers.logs.delimited import thinned
+from atleak.readers.logs.delimited import every_nth
 from atleak.readers.logs.headings import Heading, Row, nameless
 from atleak.readers.logs.log_cells import MISSING, OFF, Decimal, without_unit
 from atleak.readers.logs.log_file import LogFile
@@ -26,29 +26,29 @@ from atleak.readers.logs.names import match_name, split_unit
 from atleak.readers.process.parent import WORKBOOK, read_apart
 from atleak.readers.process.workbooks import log_blocks, stray_cells
 
-Cell = object  # str, float, int, bool, date or time; None where empty
-Column = bytes | list[Cell]  # packed floats where every cell is a number or empty (NaN), else a list of cells
+_Cell = object  # str, float, int, bool, date or time; None where empty
+_Column = bytes | list[_Cell]  # packed floats where every cell is a number or empty (NaN), else a list of cells
 
 
 @dataclass
 class SheetCells:
     """The cells of one sheet in ``blocks`` of rows: how many, and their columns."""
 
-    blocks: list[tuple[int, list[Column]]] = field(default_factory=list)
+    blocks: list[tuple[int, list[_Column]]] = field(default_factory=list)
 
     @property
     def rows(self) -> int:
         """Return the number of rows."""
         return sum(count for count, _ in self.blocks)
 
-    def head(self, most: int) -> list[list[Cell]]:
+    def head(self, most: int) -> list[list[_Cell]]:
         """Return the first rows."""
         _, columns = self.blocks[0]
         return [list(row) for row in islice(zip(*map(_cells, columns), strict=True), most)]
 
-    def column(self, index: int, start: int) -> np.ndarray | list[Cell]:
+    def column(self, index: int, start: int) -> np.ndarray | list[_Cell]:
         """Return a column from a row of the first block on: floats where every cell is a number or empty."""
-        parts: list[Column] = [
+        parts: list[_Column] = [
             columns[index] if index < len(columns) else [None] * count for count, columns in self.blocks
         ]
         first, *others = _cells(parts[0])[start:], *parts[1:]
@@ -58,7 +58,7 @@ class SheetCells:
         return [*first, *(cell for part in others for cell in _cells(part))]
 
 
-def _cells(column: Column) -> list[Cell]:
+def _cells(column: _Column) -> list[_Cell]:
     if isinstance(column, list):
         return column
     return [None if cell != cell else cell for cell in np.frombuffer(column).tolist()]
@@ -107,7 +107,7 @@ class LogSheet(LogTable):
     def sample(self) -> tuple[Row, ...]:  # type: ignore[override]
         """Return the first data rows as text."""
         body = self.cells.head(self.layout.start + 400)[self.layout.start :]
-        return tuple([text_of(cell, self.decimal) for cell in row] for row in body)
+        return tuple([text_of_cell(cell, self.decimal) for cell in row] for row in body)
 
     @property
     def rows(self) -> int:  # type: ignore[override]
@@ -116,7 +116,7 @@ class LogSheet(LogTable):
 
     def read(self, columns: Sequence[int], every: int = 1) -> pd.DataFrame:
         """Read these columns."""
-        return thinned(pd.DataFrame({index: self._column(index) for index in columns}), every)
+        return every_nth(pd.DataFrame({index: self._column(index) for index in columns}), every)
 
     def _column(self, index: int) -> pd.Series:
         cells = self.cells.column(index, self.layout.start)
@@ -135,7 +135,7 @@ def _plain(heading: Heading) -> str:
     return "" if nameless(heading) else words(heading.names[0])
 
 
-def text_of(cell: object, decimal: Decimal = ".") -> str:
+def text_of_cell(cell: object, decimal: Decimal = ".") -> str:
     """Return a cell as a logger would have written it."""
     if cell is None:
         return ""
@@ -167,10 +167,10 @@ def _column(cells: list[object]) -> pd.Series:
         return pd.Series(floats)
     if any(isinstance(cell, dt.date | dt.time | dt.timedelta) for cell in cells):
         return pd.Series(cells, dtype=object)
-    return pd.Series([None if cell is None or cell == "" else text_of(cell) for cell in cells], dtype="str")
+    return pd.Series([None if cell is None or cell == "" else text_of_cell(cell) for cell in cells], dtype="str")
 
 
-def open_sheets(source: LogFile) -> list[LogSheet]:
+def open_log_sheets(source: LogFile) -> list[LogSheet]:
     """Return every sheet of a workbook that holds a table.
 
     Raises
@@ -195,7 +195,7 @@ def _sheet(name: str, cells: SheetCells) -> LogSheet | None:
     for row in rows:
         del row[width:]
     for decimal in (".", ","):
-        texts = [[text_of(cell, decimal) for cell in row] for row in rows]
+        texts = [[text_of_cell(cell, decimal) for cell in row] for row in rows]
         layout = find_table([_without_blank_end(row) for row in texts], decimal)
         if layout is not None:
             best: Decimal = decimal

@@ -19,7 +19,7 @@ from atleak.readers.logs.headings import (
     units_share,
     with_stated_units,
 )
-from atleak.readers.logs.log_cells import CellKind, Decimal, kind_of, unit_in_cells
+from atleak.readers.logs.log_cells import CellKind, Decimal, kind_of_cells, unit_in_cells
 
 WHITESPACE = " "
 _COMMENTS = ("#", "%", "//", "'", "*")
@@ -151,7 +151,7 @@ def _scored_dialect(lines: Sequence[str]) -> tuple[float, Dialect] | None:
         steady = sum(count for cells, count in widths.items() if abs(cells - width) <= 1) / len(rows)
         body = [row for row in rows if abs(len(row) - width) <= 1]
         for decimal in (".", ","):
-            kinds = Counter(kind_of(cell, decimal) for row in body for cell in row)
+            kinds = Counter(kind_of_cells(cell, decimal) for row in body for cell in row)
             filled = sum(kinds.values()) - sum(1 for row in body for cell in row if not cell)
             telling = kinds["number"] + kinds["clock"]
             if not telling:
@@ -168,7 +168,9 @@ def _scored_dialect(lines: Sequence[str]) -> tuple[float, Dialect] | None:
 def find_table(rows: Sequence[Row], decimal: Decimal, width: int | None = None) -> Layout | None:
     """Return the table among rows of cells: the longest block of data rows with the rows that name its columns."""
     widths = Counter(
-        len(row) for row in rows if len(row) > 1 and any(kind_of(cell, decimal) in ("number", "clock") for cell in row)
+        len(row)
+        for row in rows
+        if len(row) > 1 and any(kind_of_cells(cell, decimal) in ("number", "clock") for cell in row)
     )
     if not widths:
         return None
@@ -203,7 +205,7 @@ def _expected_kinds(rows: Sequence[Row], width: int, decimal: Decimal) -> list[C
     expected: list[CellKind] = []
     body = rows[len(rows) // 3 :] or rows
     for column in range(width):
-        kinds = Counter(kind_of(row[column], decimal) for row in body)
+        kinds = Counter(kind_of_cells(row[column], decimal) for row in body)
         del kinds["missing"]
         expected.append(kinds.most_common(1)[0][0] if kinds else "missing")
     return expected
@@ -214,7 +216,7 @@ def _is_data(row: Row, expected: list[CellKind], width: int, decimal: Decimal) -
         return False
     good = bad = readable = 0
     for cell, expected_kind in zip(row, expected, strict=False):
-        kind = kind_of(cell, decimal)
+        kind = kind_of_cells(cell, decimal)
         readable += kind in ("number", "clock")
         if expected_kind in ("number", "clock"):
             if kind == "text" or (kind == "clock" and expected_kind == "number"):
@@ -229,8 +231,8 @@ def is_name_row(row: Row, width: int, decimal: Decimal) -> bool:
     filled = [cell for cell in row if cell]
     if len(row) < 2 or (width > 3 and len(row) < width / 2) or not filled:
         return False
-    kinds = Counter(kind_of(cell, decimal) for cell in filled)
-    wordy = kinds["text"] + sum(1 for cell in filled if kind_of(cell, decimal) == "missing" and len(cell) > 1)
+    kinds = Counter(kind_of_cells(cell, decimal) for cell in filled)
+    wordy = kinds["text"] + sum(1 for cell in filled if kind_of_cells(cell, decimal) == "missing" and len(cell) > 1)
     return kinds["number"] <= 0.3 * len(filled) and (wordy >= 0.4 * len(filled) or units_share(row) > 0.5)
 
 

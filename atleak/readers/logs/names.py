@@ -42,7 +42,7 @@ _FOOTNOTE = re.compile(r"(?<=[)\]])\s*\*\s*\w*$")
 
 
 @dataclass(frozen=True)
-class Name:
+class _Name:
     """A column's name without its unit, and the unit's text (None where the name states none)."""
 
     text: str
@@ -50,7 +50,7 @@ class Name:
 
 
 @lru_cache(maxsize=4096)
-def split_unit(name: str) -> Name:
+def split_unit(name: str) -> _Name:
     """Separate the unit from a column's name.
 
     Only the last group in brackets can be the unit, and only if it is one: ``Speed (OBD)(km/h)``.
@@ -63,7 +63,7 @@ def split_unit(name: str) -> Name:
     text = name.replace("\ufeff", "").strip().strip('"').strip()
     if text.count("|") >= 2:  # "Name"|"unit"|min|max|rate
         parts = [part.strip().strip('"').strip() for part in text.split("|")]
-        return Name(parts[0], parts[1] or None)
+        return _Name(parts[0], parts[1] or None)
     text = _FOOTNOTE.sub("", text)  # "Engine Speed (rpm) *OBD"
     unit: str | None = None
     while match := _GROUP.match(text):
@@ -74,8 +74,8 @@ def split_unit(name: str) -> Name:
             break
         text, unit = match[1].strip(), inside
         if not text:
-            return Name(name.strip(), None)
-    return Name(text, unit or None)
+            return _Name(name.strip(), None)
+    return _Name(text, unit or None)
 
 
 @lru_cache(maxsize=4096)
@@ -159,7 +159,7 @@ def _without(text: str, unwanted: tuple[str, ...]) -> str:
     return padded.strip()
 
 
-def unit_at_the_end(name: str, kind: str | None) -> Name | None:
+def unit_at_the_end(name: str, kind: str | None) -> _Name | None:
     """Separate a last word that is a unit of this kind: ``engine_speed_rpm``, ``Vehicle speed, km/h``."""
     if kind is None:
         return None
@@ -171,7 +171,7 @@ def unit_at_the_end(name: str, kind: str | None) -> Name | None:
         ends.append((two[1], f"{two[2]} {match[2]}"))
     for head, tail in ends:
         if find_unit(clean_unit(tail), kind):
-            return Name(head.strip(" ,;:_-"), clean_unit(tail))
+            return _Name(head.strip(" ,;:_-"), clean_unit(tail))
     return None
 
 

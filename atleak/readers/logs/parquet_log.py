@@ -14,9 +14,9 @@ from atleak.common.errors import Place, RoadTestError
 from atleak.common.sentences import Sentence
 from atleak.readers.logs.delimited import Filled
 from atleak.readers.logs.headings import Row, headings_of, names_columns
-from atleak.readers.logs.log_cells import Decimal, kind_of, unit_in_cells, without_unit
+from atleak.readers.logs.log_cells import Decimal, kind_of_cells, unit_in_cells, without_unit
 from atleak.readers.logs.log_file import LogFile, open_source
-from atleak.readers.logs.log_sheets import text_of
+from atleak.readers.logs.log_sheets import text_of_cell
 from atleak.readers.logs.log_table import Layout, LogTable
 from atleak.readers.process.parent import PARQUET, read_apart, read_apart_in_parts
 from atleak.readers.process.parquet import parquet_head, parquet_parts
@@ -84,7 +84,7 @@ def open_parquet(source: LogFile) -> ParquetLog:
     kinds = tuple(column["kind"] for column in columns)
     cells = [_cells_of(part, kind) for part, kind in zip(block, kinds, strict=True)]
     decimal = _decimal([text for texts, kind in zip(cells, kinds, strict=True) if kind == "text" for text in texts])
-    texts = [[text_of(cell, decimal) for cell in column] for column in cells]
+    texts = [[text_of_cell(cell, decimal) for cell in column] for column in cells]
     names = [column["name"].strip() for column in columns]
     units = {
         index: unit
@@ -131,5 +131,5 @@ def _cells_of(part: Any, kind: str) -> list[object]:
 def _decimal(cells: Sequence[object]) -> Decimal:
     """Return the decimal sign of the numbers that are written as text."""
     texts = [cell for cell in cells if isinstance(cell, str) and "," in cell]
-    commas = sum(kind_of(text, ",") == "number" for text in texts)
+    commas = sum(kind_of_cells(text, ",") == "number" for text in texts)
     return "," if commas > 0.5 * len(texts) else "."

@@ -28,7 +28,7 @@ class TableResult:
     left_out: int = 0  # lines of the table that are no rows
 
 
-def width_of(table: LogTable, columns: Sequence[int]) -> float:
+def bytes_of(table: LogTable, columns: Sequence[int]) -> float:
     """Return how many bytes the cells of a row take: eight as a number, as text by their length."""
     width = 0.0
     for index in columns:

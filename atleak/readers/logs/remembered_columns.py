@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from atleak.common.errors import OutputError
-from atleak.common.files import PRIVATE, earlier_file, home, made, readable, replace_file, rewritten
+from atleak.common.files import PRIVATE, earlier_file, home, made_folder, readable, replace_file, rewritten
 from atleak.common.sentences import Sentence
 from atleak.readers.dates import words
 
@@ -52,7 +52,7 @@ def default_path() -> Path:
     earlier = None if path.exists() else earlier_file(path.name)
     if earlier is not None:
         try:
-            replace_file(made(path.parent) / path.name, earlier.read_bytes(), mode=PRIVATE)
+            replace_file(made_folder(path.parent) / path.name, earlier.read_bytes(), mode=PRIVATE)
         except (OutputError, OSError):
             return earlier
     return path
@@ -105,10 +105,10 @@ def remember(
     if not header:
         raise OutputError(Sentence("the log names no columns by which others like it could be told"))
     now = dt.datetime.now(dt.UTC).isoformat(timespec="seconds")
-    restore(path, header, RememberedColumns(dict(mapping), dict(units or {}), format, tuple(columns), now))
+    restore_columns(path, header, RememberedColumns(dict(mapping), dict(units or {}), format, tuple(columns), now))
 
 
-def restore(path: Path, header: str, entry: RememberedColumns) -> None:
+def restore_columns(path: Path, header: str, entry: RememberedColumns) -> None:
     """Keep choices as they were before they were forgotten.
 
     Raises
@@ -120,7 +120,7 @@ def restore(path: Path, header: str, entry: RememberedColumns) -> None:
         entries[header] = {**vars(entry), "columns": list(entry.columns)}
 
 
-def forget(path: Path, header: str) -> None:
+def forget_columns(path: Path, header: str) -> None:
     """Delete the choices kept for a header's signature.
 
     Raises

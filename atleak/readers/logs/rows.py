@@ -202,7 +202,7 @@ def _asked(channel: Candidate, again: Again, unit: str, assigner: Assigner) -> R
 
 
 @dataclass
-class LeftOut:
+class LeftOutRow:
     """What of a table's lines is no row, and what else was met in reading them."""
 
     above: int = 0  # rows of another table above
@@ -213,7 +213,7 @@ class LeftOut:
     blank: int = 0  # at the end
 
     @classmethod
-    def of(cls, frame: pd.DataFrame, table: LogTable) -> LeftOut:
+    def of(cls, frame: pd.DataFrame, table: LogTable) -> LeftOutRow:
         """Return what was met when the file was read."""
         too_wide, short = (int(frame.attrs.get(name, 0)) for name in ("too_wide", "short"))
         return cls(table.above, too_wide, short, bool(frame.attrs.get("breaks_off")))
@@ -278,7 +278,7 @@ def lines_of(frame: pd.DataFrame) -> np.ndarray:
     return frame.attrs["lines"][labels] if "lines" in frame.attrs else labels
 
 
-def rows_of(
+def rows_of_log(
     frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner
 ) -> Rows:
     """Leave out comments, markers, repeated headers and blank rows at the end, each counted in a message.
@@ -288,7 +288,7 @@ def rows_of(
     RoadTestError
         where another header with other columns begins.
     """
-    left, word_for_time = LeftOut.of(frame, table), _words_for_time(frame, times, table)
+    left, word_for_time = LeftOutRow.of(frame, table), _words_for_time(frame, times, table)
     if len(word_for_time) >= _REMARKS * len(frame):
         word_for_time = word_for_time[:0]
     frame, left.lines = _without_words(frame, times, channels, table, assigner, word_for_time)

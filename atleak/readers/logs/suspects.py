@@ -26,7 +26,7 @@ CHECKS: Mapping[str, Sentence] = {  # what messages call them
     "spike": Sentence("spike"),
     "frozen": Sentence("frozen"),
 }
-STEP = {  # what a channel can change between two samples at most, per kind, in SI; for spikes
+_STEP = {  # what a channel can change between two samples at most, per kind, in SI; for spikes
     "rotational_speed": 2000.0 / 60,
     "temperature": 15.0,
     "speed": 40.0 / 3.6,
@@ -174,8 +174,8 @@ def suspect(
             if masks["failed sensor"].to_numpy().any():
                 clean = clean.mask(masks["failed sensor"])
         masks["start-up"] = start_up(clean, START_UP)
-    if kind in STEP and most - least > STEP[kind]:
-        masks["spike"] = spikes(clean, STEP[kind])
+    if kind in _STEP and most - least > _STEP[kind]:
+        masks["spike"] = spikes(clean, _STEP[kind])
     if kind in FROZEN_SECONDS:
         masks["frozen"] = frozen(clean, FROZEN_SECONDS[kind], moving)
     arrays = {name: mask.to_numpy() for name, mask in masks.items()}

@@ -19,23 +19,30 @@ from atleak.readers.dates import words
 from atleak.readers.logs import names as words_as_numbers
 from atleak.readers.logs.channels import say_strays
 from atleak.readers.logs.clock import Clock, Motion, numeric_clock
-from atleak.readers.logs.columns import Assigner, Candidate, Offered, find_candidates, map_columns
+from atleak.readers.logs.columns import Assigner, Candidate, OfferedColumn, find_candidates, map_columns
 from atleak.readers.logs.delimited import numbers
 from atleak.readers.logs.headings import Heading, named_by_a_date
-from atleak.readers.logs.log_cells import is_clock, kind_of
+from atleak.readers.logs.log_cells import is_clock, kind_of_cells
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.names import clean_unit, match_name, split_unit
-from atleak.readers.logs.protocol import TableResult, width_of
+from atleak.readers.logs.protocol import TableResult, bytes_of
 from atleak.readers.logs.remembered_columns import NOT_LOGGED
 from atleak.readers.logs.rows import (
-    LeftOut,
+    LeftOutRow,
     Rows,
     check_clock_stated_again,
     columns_of_numbers,
-    rows_of,
+    rows_of_log,
     with_units_stated_again,
 )
-from atleak.readers.logs.time_column import best_clock, clock_of, motions_beside, no_time, rising_without_name, runs
+from atleak.readers.logs.time_column import (
+    best_clock,
+    clock_of,
+    motions_beside,
+    no_time,
+    rising_without_name,
+    runs_of_rows,
+)
 from atleak.readers.logs.timeline import Timeline
 from atleak.readers.logs.timeline import build as build_timeline
 from atleak.readers.logs.unit_cells import UNIT_HEADERS, say_two_units, two_units, with_units_beside
@@ -95,7 +102,7 @@ def _names_headings(table: LogTable, mapping: Mapping[str, str]) -> bool:
 
 def _wordy(table: LogTable, heading: Heading) -> bool:
     cells = table.sampled(heading.index)
-    return bool(cells) and sum(kind_of(cell, table.decimal) == "text" for cell in cells) > 0.8 * len(cells)
+    return bool(cells) and sum(kind_of_cells(cell, table.decimal) == "text" for cell in cells) > 0.8 * len(cells)
 
 
 def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
@@ -107,14 +114,14 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
         when its time cannot be read or the user names a column that it lacks.
     """
     read, frame, names = _rows(table, shape, assigner)
-    left = LeftOut.of(read, table)
+    left = LeftOutRow.of(read, table)
     left.say(assigner)
     if nameless := len(read) - len(frame):
         text = Sentence("{count} row(s) name no signal, or repeat the header, and are left out", count=nameless)
         assigner.say("lines_left_out", text)
     left_out = left.rows + nameless
     clock = clock_of(shape.time, frame, table, assigner, ())
-    if clock is None or not runs(clock.seconds):
+    if clock is None or not runs_of_rows(clock.seconds):
         raise no_time(table, assigner)
     if clock.unit_assumed:
         assigner.assume_unit(shape.time.label, clock.unit, "time")
@@ -129,7 +136,7 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     own_mapping = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
     candidates = map_columns(candidates, headings, own_mapping, assigner.file)
     assigner.neighbours = tuple(heading.unit for heading in headings if heading.unit)
-    offered: list[Offered] = []
+    offered: list[OfferedColumn] = []
     for candidate in (each for each in candidates if each.quantity != "time"):
         quantity, rows = candidate.quantity, codes == candidate.heading.index
         if shape.unit is not None and split_unit(candidate.label).unit is None:
@@ -161,7 +168,7 @@ def _rows(
         columns.append(shape.unit.index)
     columns = sorted(set(columns))
     if assigner is not None:
-        assigner.refuse_too_large(table.rows, width_of(table, columns), thins=False)
+        assigner.refuse_too_large(table.rows, bytes_of(table, columns), thins=False)
     frame = table.read(columns)
     names = frame[shape.name.index].astype("str").str.strip()
     keep = frame[shape.name.index].notna() & (names != shape.name.label)
@@ -247,9 +254,9 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     channels = [candidate for candidate in candidates if candidate.quantity != "time"]
     chosen = [candidate.heading.index for candidate in (*times, *channels)]
     columns_read = sorted(set(chosen)) or [0]
-    assigner.refuse_too_large(table.rows, width_of(table, columns_read))
+    assigner.refuse_too_large(table.rows, bytes_of(table, columns_read))
     frame = table.read(columns_read, assigner.every)
-    rows = rows_of(frame, times, channels, table, assigner)
+    rows = rows_of_log(frame, times, channels, table, assigner)
     frame = rows.frame
     channels, unit_columns = with_units_beside(channels, table, frame.index, assigner)
     columns = columns_of_numbers(channels, frame, table.decimal, assigner)
@@ -358,7 +365,7 @@ def _read_own_times(
     time_columns = sorted({candidate.heading.index: candidate for candidate in clock_columns.values()}.items())
     for index, candidate in time_columns:
         clock = clock_of(candidate, rows.frame, table, assigner, motions)
-        if clock is not None and runs(clock.seconds):
+        if clock is not None and runs_of_rows(clock.seconds):
             clocks_by_column[index] = clock
     if not clocks_by_column:
         raise no_time(table, assigner)
@@ -369,7 +376,7 @@ def _read_own_times(
         if index != first:  # what is to be said of the first is said of the log
             say_strays(assigner, timeline, dict(time_columns)[index].label)
     assigner.base = base.time if base.order is None else None
-    offered: list[Offered] = []
+    offered: list[OfferedColumn] = []
     for candidate in channels:
         index = clock_columns[candidate.heading.index].heading.index
         values = columns[candidate.heading.index]

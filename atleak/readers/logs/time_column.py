@@ -124,7 +124,7 @@ def best_clock(
     for candidate in times:
         said = len(assigner.messages)
         clock = clock_of(candidate, rows.frame, table, assigner, motions)
-        if clock is not None and runs(clock.seconds):
+        if clock is not None and runs_of_rows(clock.seconds):
             readable.append((candidate, clock))
             if candidate.mapped:
                 break
@@ -238,7 +238,7 @@ def _starts_again(seconds: np.ndarray) -> bool:
     return len(finite) > _LEAST_ROWS and bool(np.mean(falls) > 0.1 and np.ptp(finite[1:][falls]) < 0.1 * np.ptp(finite))
 
 
-def runs(seconds: np.ndarray) -> bool:
+def runs_of_rows(seconds: np.ndarray) -> bool:
     """Return whether a clock runs on: its time passes, and seldom steps back."""
     if len(seconds) < 2:
         return len(seconds) == 1 and bool(np.isfinite(seconds[0]))

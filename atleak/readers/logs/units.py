@@ -10,7 +10,7 @@ import numpy as np
 
 from atleak.common.errors import InputError
 from atleak.common.sentences import Sentence
-from atleak.common.units import KINDS, Unit, find_unit, kinds_of, unit
+from atleak.common.units import UNIT_KINDS, Unit, find_unit, kinds_of, unit
 from atleak.measurements.road_test import QUANTITIES
 from atleak.readers.logs.names import clean_unit
 
@@ -106,7 +106,7 @@ def fit(
     stated_unit = find_unit(text, kind) if text.lower() not in _SAYS_NOTHING else None
     if stated_unit is None and text.lower() not in _SAYS_NOTHING:
         problem = Sentence(
-            "unit {unit!r} is {meaning}, not a unit of {kind}", unit=text, meaning=_meaning(text), kind=KINDS[kind]
+            "unit {unit!r} is {meaning}, not a unit of {kind}", unit=text, meaning=_meaning(text), kind=UNIT_KINDS[kind]
         )
         return Fit(None, problem=problem, foreign=True)
     if stated_unit is not None:
@@ -123,7 +123,9 @@ def _meaning(text: str) -> Sentence:
         return Sentence("a sensor's voltage: its characteristic curve is needed")
     meaning: Sentence | None = None
     for kind in kinds_of(text):
-        meaning = KINDS[kind] if meaning is None else Sentence("{one} or {other}", one=meaning, other=KINDS[kind])
+        meaning = (
+            UNIT_KINDS[kind] if meaning is None else Sentence("{one} or {other}", one=meaning, other=UNIT_KINDS[kind])
+        )
     return meaning or Sentence("something else")
 
 

@@ -26,7 +26,7 @@ from typing import Any, BinaryIO
 
 from atleak.common.sentences import Sentence
 
-LENGTH = struct.Struct(">Q")
+_LENGTH = struct.Struct(">Q")
 ADDRESSES = 1 << 30
 """Bytes of address space beyond the memory limit: libraries, stacks, what is reserved and never used."""
 _ERROR_SHOWN = 200  # characters of a reader's own message
@@ -71,7 +71,7 @@ class Request:
 
 def send(stream: BinaryIO, content: bytes) -> None:
     """Write one frame."""
-    stream.write(LENGTH.pack(len(content)))
+    stream.write(_LENGTH.pack(len(content)))
     stream.write(content)
     stream.flush()
 
@@ -86,10 +86,10 @@ def receive(stream: BinaryIO, limit: int | None = None) -> bytes:
     OverflowError
         where the frame is longer than ``limit`` bytes.
     """
-    head = stream.read(LENGTH.size)
-    if len(head) < LENGTH.size:
+    head = stream.read(_LENGTH.size)
+    if len(head) < _LENGTH.size:
         raise EOFError
-    (length,) = LENGTH.unpack(head)
+    (length,) = _LENGTH.unpack(head)
     if limit is not None and length > limit:
         raise OverflowError
     content = stream.read(length)

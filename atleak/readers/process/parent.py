@@ -52,7 +52,7 @@ LEAVE = 5.0
 
 
 @dataclass(frozen=True)
-class Budget:
+class ProcessBudget:
     """What reading a file may use: memory [bytes] and time [s], each with a part for every byte of the file."""
 
     kind: Sentence
@@ -70,7 +70,7 @@ class Budget:
 
 # A workbook takes 8 bytes of memory a byte of file; packed four times as tightly, as a log of round numbers is, 32. A
 # measuring sheet takes 30 MB and 0.03 s.
-WORKBOOK = Budget(
+WORKBOOK = ProcessBudget(
     kind=Sentence("workbook"),
     memory=400 << 20,
     memory_per_byte=30.0,
@@ -83,7 +83,7 @@ WORKBOOK = Budget(
     ),
 )
 # asammdf alone takes 130 MB and a second to load.
-MDF = Budget(
+MDF = ProcessBudget(
     kind=Sentence("MDF file"),
     memory=700 << 20,
     memory_per_byte=30.0,
@@ -101,7 +101,7 @@ def read_apart(
     source: bytes | Path,
     file: str,
     error: type[InputError],
-    budget: Budget,
+    budget: ProcessBudget,
     explain: Callable[..., Iterator[object]] | None = None,
     **asked: Any,
 ) -> list[Item]:
@@ -138,7 +138,7 @@ def read_apart_in_parts(
     source: bytes | Path,
     file: str,
     error: type[InputError],
-    budget: Budget,
+    budget: ProcessBudget,
     **asked: Any,
 ) -> Generator[Item]:
     """Call a reading function in a child process and yield what it yields, as it comes.
@@ -159,7 +159,7 @@ def _items(
     source: bytes | Path,
     file: str,
     error: type[InputError],
-    budget: Budget,
+    budget: ProcessBudget,
     explain: Callable[..., Iterator[object]] | None,
     asked: Mapping[str, Any],
     *,

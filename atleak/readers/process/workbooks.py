@@ -15,22 +15,22 @@ from xml.parsers import expat
 
 from atleak.common.sentences import Sentence
 from atleak.readers.cells.extent import COLUMNS as WIDTH
-from atleak.readers.cells.extent import EXPECTED, SHEETS, excess, trimmed
+from atleak.readers.cells.extent import EXPECTED, MOST_SHEETS, excess, trimmed
 from atleak.readers.cells.workbook_marks import Marks, column_index, marks, sheet_paths, unpacked_part, whole_number
 from atleak.readers.process.child import Refused, of_library
 
 NativeCell = Any  # str, float, int, bool, date or time; "" where empty
 Range = tuple[tuple[int, int], tuple[int, int]]  # first and last (row, column), both from 0
 
-CELLS = 1_000_000
+_CELLS = 1_000_000
 """Cells that a measuring sheet may span at most; a filled one spans thousands."""
 LOG_CELLS, LOG_CELLS_PER_BYTE = 4_000_000, 16
 """Cells that a log may span, and more for each byte of its file: a cell takes three, if one in fifty is filled."""
-COLUMNS = 16_384
+_COLUMNS = 16_384
 """Columns of a sheet in a spreadsheet program."""
-LOOK = 300
+_LOOK = 300
 """Rows of a sheet in which it shows what it holds."""
-BLOCK = 20_000
+_BLOCK = 20_000
 """Rows of a log that are handed over together."""
 _NAN = float("nan")
 
@@ -65,7 +65,7 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
     marked = marks(data)
     for name, hidden, sheet in _worksheets(data):
         rows, columns = (0, 0) if sheet.end is None else (sheet.end[0] + 1, sheet.end[1] + 1)
-        _refuse_vast(rows, columns, name, columns * rows > CELLS)
+        _refuse_vast(rows, columns, name, columns * rows > _CELLS)
         ranges = sheet.merged_cell_ranges
         with of_library():
             rows_of_cells = sheet.to_python(skip_empty_area=False)
@@ -96,7 +96,7 @@ def first_rows(data: bytes) -> Iterator[MeasuringSheet]:
         if sheet.start is not None:
             _refuse_vast_log(sheet, name, len(data))
             rows = ([""] * sheet.start[1] + row for row in _rows(sheet))  # calamine's begin at its first column
-        cells = trimmed([row[:WIDTH] for row in itertools.islice(rows, LOOK)])
+        cells = trimmed([row[:WIDTH] for row in itertools.islice(rows, _LOOK)])
         ranges = [] if sheet.merged_cell_ranges is None else sheet.merged_cell_ranges
         merged = _within(ranges, cells, name)
         yield {"name": name, "hidden": hidden, "rows": cells, "merged": merged, "faults": {}, "marks": vars(Marks())}
@@ -119,7 +119,7 @@ def log_blocks(data: bytes) -> Iterator[tuple[str, int, list[bytes | list[Native
             continue
         _refuse_vast_log(sheet, name, len(data))
         rows = itertools.islice(_rows(sheet), sheet.start[0], None)
-        while block := list(itertools.islice(rows, BLOCK)):
+        while block := list(itertools.islice(rows, _BLOCK)):
             yield name, len(block), [_packed(column) for column in itertools.zip_longest(*block, fillvalue="")]
 
 
@@ -210,10 +210,10 @@ def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
             workbook = CalamineWorkbook.from_filelike(io.BytesIO(data))
         except PasswordError:
             raise _protected() from None
-    if len(workbook.sheets_metadata) > SHEETS:
+    if len(workbook.sheets_metadata) > MOST_SHEETS:
         raise Refused(
             Sentence("this workbook has {count} sheets", count=len(workbook.sheets_metadata)),
-            expected=Sentence("at most {count}", count=SHEETS),
+            expected=Sentence("at most {count}", count=MOST_SHEETS),
         )
     for meta in workbook.sheets_metadata:
         if meta.typ == SheetTypeEnum.WorkSheet:
@@ -223,7 +223,7 @@ def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
 
 
 def _refuse_vast(rows: int, columns: int, sheet: str | None, vast: bool) -> None:
-    if vast or columns > COLUMNS:
+    if vast or columns > _COLUMNS:
         raise Refused(
             Sentence("the cells of this sheet reach row {row} and column number {column}", row=rows, column=columns),
             sheet=sheet,

@@ -18,7 +18,7 @@ from atleak.measurements.readings import Reading
 from atleak.readers.cells.sheet import rows_named
 from atleak.readers.sheets.columns import Columns
 from atleak.readers.sheets.diameters import DiameterCell
-from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import Words, is_blank, letters, number, part_of, plain, text_of
 
 _ROUNDED = 1.5e-6  # [m] by which a clearance or mean of rounded diameters may differ from theirs
@@ -36,8 +36,8 @@ _OF_A_FORM = re.compile(
 _ID = re.compile(r"[A-Za-z0-9]+(?:[_-][A-Za-z0-9]+)+")
 
 
-def messages(
-    table: Table, columns: Columns, entries: Sequence[DiameterCell], readings: Sequence[Reading]
+def agreement_messages(
+    table: HeadedTable, columns: Columns, entries: Sequence[DiameterCell], readings: Sequence[Reading]
 ) -> Iterator[Message]:
     """Yield a message for each clearance or mean that contradicts its diameters, and each correction not applied."""
     by_place = {reading.place: reading for reading in readings}
@@ -70,7 +70,7 @@ Contradiction = tuple[int, Sentence, Sentence]  # row, what is stated, what foll
 class _Beside:
     """What stands beside the readings of a table, which are given by row, and by component and plane."""
 
-    table: Table
+    table: HeadedTable
     rows: dict[int, list[Reading]]
     lands: dict[tuple[str, str], list[Reading]]
 
@@ -181,7 +181,7 @@ def _unit(heading: str) -> Unit | None:
     return find_unit(words[-1], "length") if words and words[-1] in {"mm", "um", "µm", "μm", "inch"} else None
 
 
-def _stated(table: Table, row: int, index: int) -> tuple[float, Unit | None] | None:
+def _stated(table: HeadedTable, row: int, index: int) -> tuple[float, Unit | None] | None:
     cell = table.sheet.cell(row, index)
     try:
         return None if is_blank(cell) else number(cell)
@@ -189,7 +189,7 @@ def _stated(table: Table, row: int, index: int) -> tuple[float, Unit | None] | N
         return None
 
 
-def temperatures(table: Table, columns: Columns, rows: Collection[int]) -> Iterator[Message]:
+def temperatures(table: HeadedTable, columns: Columns, rows: Collection[int]) -> Iterator[Message]:
     """Tell of a column of temperatures of measuring: only the head's is taken, so 20 °C would be assumed."""
     for index in range(table.sheet.width):
         words = letters(table.heading(index))
@@ -236,7 +236,7 @@ def _is_correction(words: Words) -> bool:
     return correction and not words.any("corrected")
 
 
-def _correction(table: Table, index: int, rows: Collection[int], columns: Columns) -> Iterator[Message]:
+def _correction(table: HeadedTable, index: int, rows: Collection[int], columns: Columns) -> Iterator[Message]:
     read = [column.heading for group in columns.groups for column in group.values()]
     stated = {row: said[0] for row in rows if (said := _stated(table, row, index)) is not None and said[0]}
     if not stated or any(letters(heading).any("corrected") for heading in read):
@@ -260,7 +260,7 @@ def _correction(table: Table, index: int, rows: Collection[int], columns: Column
     yield Message("warning", "correction_not_applied", text, table.sheet.place(row, index, heading))
 
 
-def _correction_above(table: Table) -> Iterator[Message]:
+def _correction_above(table: HeadedTable) -> Iterator[Message]:
     for row in range(max(table.first, 0)):
         for index, cell in enumerate(table.sheet.rows[row]):
             if not isinstance(cell, str) or not _is_correction(letters(re.sub(r"[\d.,+\-−]+", " ", cell))):
@@ -280,7 +280,9 @@ def _correction_above(table: Table) -> Iterator[Message]:
 # --- the head of the sheet --------------------------------------------------------------------------------------------
 
 
-def other_controller(table: Table, controller: Controller, made_for: str | None = None) -> OtherControllerError | None:
+def other_controller(
+    table: HeadedTable, controller: Controller, made_for: str | None = None
+) -> OtherControllerError | None:
     """Return an error where the head of the sheet names another controller than the one it is read for.
 
     ``made_for`` is the id of one from which this one was copied, and which the head may name as well.

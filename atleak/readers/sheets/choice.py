@@ -14,15 +14,15 @@ from atleak.common.sentences import Sentence
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Sheet
 from atleak.readers.sheets.controller_names import ControllerNames, Sizes
-from atleak.readers.sheets.diameters import Key, filled_down
+from atleak.readers.sheets.diameters import PlaceKey, filled_down
 from atleak.readers.sheets.layout import continued, find_tables, turned
 from atleak.readers.sheets.rows import Rows
-from atleak.readers.sheets.table import EXPECTED, Table, best_header
+from atleak.readers.sheets.table import EXPECTED_SHEET, HeadedTable, best_header
 from atleak.readers.sheets.words import is_repeat_title, letters
 
 
 @dataclass(frozen=True)
-class Choice:
+class SheetChoice:
     """The tables to read, those beside them that hold no readings, and the sheets that were not asked for.
 
     ``sheets`` are all of the file as they were understood, some with rows and columns exchanged.
@@ -31,17 +31,17 @@ class Choice:
     """
 
     sheets: tuple[Sheet, ...]
-    tables: tuple[Table, ...]
-    of_lands: tuple[Table, ...]
-    doubtful: tuple[Table, ...]
-    aside: tuple[Table, ...]
+    tables: tuple[HeadedTable, ...]
+    of_lands: tuple[HeadedTable, ...]
+    doubtful: tuple[HeadedTable, ...]
+    aside: tuple[HeadedTable, ...]
     sheets_aside: tuple[Sheet, ...]
     messages: tuple[Message, ...]
 
 
-def choose(
+def choose_sheet(
     sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: str | None, fill_down: bool = False
-) -> Choice:
+) -> SheetChoice:
     """Choose the tables to read: of the sheet that is asked for, or of every visible sheet that is filled in.
 
     ``fill_down`` says that empty cells of a label go on with the one above them.
@@ -78,7 +78,7 @@ def choose(
     read_names = {table.sheet.name for table in readable if _is_filled(table)}
     read = [sheet for sheet in sheets if sheet.name in read_names]
     unread = [sheet for sheet in sheets if sheet not in read and any(table.readable for table in tables[sheet.name])]
-    return Choice(
+    return SheetChoice(
         sheets=tuple(sheets),
         tables=tuple(filled_down(table, fill_down) for table in readable),
         of_lands=tuple(of_lands),
@@ -89,7 +89,7 @@ def choose(
     )
 
 
-def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> tuple[Sheet, list[Table]]:
+def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> tuple[Sheet, list[HeadedTable]]:
     """Return a sheet with its tables, turned where its headings run down the first column."""
     tables = find_tables(sheet, names)
     if any(table.of("component") and any(each.holds_size for each in table.columns) for table in tables):
@@ -101,7 +101,7 @@ def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> tuple[Sheet, l
     return around, tables_around
 
 
-def _is_filled(table: Table) -> bool:
+def _is_filled(table: HeadedTable) -> bool:
     return table.readable and table.count_values() > 0
 
 
@@ -128,7 +128,7 @@ def _quoted(names: Iterable[str | None]) -> tuple[str, ...]:
     return tuple(map(repr, names))
 
 
-def _wanted(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file: str, wanted: str) -> Sheet:
+def _wanted(sheets: Sequence[Sheet], tables: dict[str | None, list[HeadedTable]], file: str, wanted: str) -> Sheet:
     by_name = {sheet.name: sheet for sheet in sheets if sheet.name is not None}
     if wanted not in by_name:
         raise unknown(
@@ -139,11 +139,11 @@ def _wanted(sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file
         problem = Sentence("this sheet holds no readings")
         if usable:
             problem = Sentence("this sheet holds no readings; readings are in sheet {sheets}", sheets=_quoted(usable))
-        raise ReadingsError(problem, place=Place(file, wanted), expected=EXPECTED)
+        raise ReadingsError(problem, place=Place(file, wanted), expected=EXPECTED_SHEET)
     return by_name[wanted]
 
 
-def _unless_none(tables: list[Table]) -> list[Table]:
+def _unless_none(tables: list[HeadedTable]) -> list[HeadedTable]:
     """Return the tables of a sheet that was asked for; its name alone does not leave them aside."""
     if any(table.readable for table in tables):
         return tables
@@ -151,7 +151,7 @@ def _unless_none(tables: list[Table]) -> list[Table]:
 
 
 def _no_readings(
-    sheets: Sequence[Sheet], tables: dict[str | None, list[Table]], file: str, known: ControllerNames
+    sheets: Sequence[Sheet], tables: dict[str | None, list[HeadedTable]], file: str, known: ControllerNames
 ) -> ReadingsError:
     if not any(any(any(str(cell).strip() for cell in row) for row in sheet.rows) for sheet in sheets):
         return ReadingsError(
@@ -177,10 +177,10 @@ def _no_readings(
             "no row of headings found in any of the sheets {sheets}: not a measuring sheet?", sheets=_quoted(names)
         )
     place = Place(file, sheets[0].name if len(sheets) == 1 else None)
-    return ReadingsError(problem, place=place, expected=EXPECTED)
+    return ReadingsError(problem, place=place, expected=EXPECTED_SHEET)
 
 
-def _incomplete(table: Table, sizes: Sizes) -> ReadingsError:
+def _incomplete(table: HeadedTable, sizes: Sizes) -> ReadingsError:
     """Return why a table cannot be read whose headings are the best of the file, and what may be meant by them."""
     missing = [] if table.of("component") else [Sentence("component")]
     missing += [] if table.values else [Sentence("diameter, or coordinate x1 and coordinate x2")]
@@ -215,10 +215,10 @@ def _incomplete(table: Table, sizes: Sizes) -> ReadingsError:
         if said and not table.values:
             problem = template.of(problem=problem, headings=_quoted(said))
     value = ", ".join(repr(column.name) for column in table.columns)
-    return ReadingsError(problem, place=table.sheet.place(table.last), value=value, expected=EXPECTED)
+    return ReadingsError(problem, place=table.sheet.place(table.last), value=value, expected=EXPECTED_SHEET)
 
 
-def _of_size(table: Table, sizes: Sizes) -> list[str]:
+def _of_size(table: HeadedTable, sizes: Sizes) -> list[str]:
     """Return the headings that say nothing known, and under which most numbers are of the size of a diameter."""
     headed = (index for index in range(table.sheet.width) if table.role(index) in (None, "quantity"))
     found = [table.heading(index) for index in headed if sizes.fill(table.cells(index).values())]
@@ -234,7 +234,7 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
         where two sheets do: which is meant, only the user knows.
     """
     problems: list[ReadingsError] = []
-    first: dict[tuple[str, Part, str], list[tuple[Rows, Key]]] = defaultdict(list)
+    first: dict[tuple[str, Part, str], list[tuple[Rows, PlaceKey]]] = defaultdict(list)
     asked: dict[str | None, None] = {}
     reported: set[tuple[int, int]] = set()
     for before, rows in zip((None, *read), read, strict=False):
@@ -243,7 +243,7 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
         if is_repeat_title(rows.table.title):
             continue
         over_the_page, sheet = _goes_on(before, rows), rows.table.sheet.name
-        mine: dict[object, Key] = {}
+        mine: dict[object, PlaceKey] = {}
         for entry in rows.entries:
             key = entry.key
             place = key.component, key.part, key.plane
@@ -279,7 +279,7 @@ def _goes_on(before: Rows | None, rows: Rows) -> int | None:
     return rows.entries[0].row if first == last and not rows.table.title else None
 
 
-def _twice(rows: Rows, other: Rows, key: Key, place: Place) -> ReadingsError:
+def _twice(rows: Rows, other: Rows, key: PlaceKey, place: Place) -> ReadingsError:
     return ReadingsError(
         Sentence(
             "component {component}, {part}, plane {plane} stands in this table and in the one in {where} already: "

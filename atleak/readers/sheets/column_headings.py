@@ -13,7 +13,7 @@ from typing import Literal
 
 from atleak.catalogue.instruments import Part
 from atleak.common.units import Unit, find_unit
-from atleak.readers.sheets.words import ORDINALS, Words, direction_of, part_of, plain, side_of, vocabulary
+from atleak.readers.sheets.words import ORDINALS, Words, direction_of, part_of, plain, sheet_vocabulary, side_of
 
 _EXPLAINED = (
     *("repeat", "reading", "actual", "diameter", "coordinate", "number", "direction", "outer", "inner", "dimension"),
@@ -70,7 +70,7 @@ def spot_of_heading(tokens: Sequence[str]) -> tuple[dict[str, str], Words]:
     while at < len(words):
         glued = re.fullmatch(r"([^\W\d]+)(\d{1,2})", words[at])
         kind = _kind(glued[1] if glued else words[at])
-        step = 2 if at + 1 < len(words) and words[at + 1] in vocabulary("number") else 1
+        step = 2 if at + 1 < len(words) and words[at + 1] in sheet_vocabulary("number") else 1
         name = glued[2] if glued else words[at + step] if at + step < len(words) else ""
         if kind is not None and kind not in said and _names_spot(name, kind):
             said[kind] = _ROMAN.get(name, name)
@@ -87,7 +87,7 @@ def spot_of_heading(tokens: Sequence[str]) -> tuple[dict[str, str], Words]:
 def _kind(word: str) -> str | None:
     if word == "l":
         return "land"
-    return next((kind for kind in ("land", "plane", "direction") if word in vocabulary(kind)), None)
+    return next((kind for kind in ("land", "plane", "direction") if word in sheet_vocabulary(kind)), None)
 
 
 def _names_spot(name: str, kind: str) -> bool:
@@ -99,7 +99,7 @@ def _names_spot(name: str, kind: str) -> bool:
 def is_explained(tokens: Iterable[str]) -> bool:
     """Return whether words say only of which part and place a diameter is, and which repeat."""
     return all(
-        token in vocabulary(*_EXPLAINED)
+        token in sheet_vocabulary(*_EXPLAINED)
         or token in _SAY_NO_MORE
         or token.isdigit()
         or is_angle(token)
@@ -127,12 +127,12 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
 
 
 def _direction(role: str, tokens: Sequence[str]) -> float | None:
-    around = [each for each in _around(tokens) if each[2] not in vocabulary("before_unit")]
+    around = [each for each in _around(tokens) if each[2] not in sheet_vocabulary("before_unit")]
     angles = [token for _, token, _ in around if is_angle(token)]
     angles += [
         token
         for before, token, _ in around
-        if token in _PLAIN_ANGLES and (before in vocabulary("of_size") or part_of(before))
+        if token in _PLAIN_ANGLES and (before in sheet_vocabulary("of_size") or part_of(before))
     ]
     angles += [token for token in tokens if "-" in token or (token.isalpha() and len(token) > 3)]
     said = [angle for each in angles if (angle := direction_of(each)) is not None]
@@ -150,12 +150,12 @@ def _counted(tokens: Sequence[str]) -> tuple[int | None, list[int]]:
     for before, token, after in _numbered(tokens):
         glued = re.fullmatch(r"([^\W\d]+)(\d+)", token)
         word, number = (glued[1], int(glued[2])) if glued else (before, int(token))
-        another = after in vocabulary("before_unit") or after[:1].isdigit() or before.isdigit()
+        another = after in sheet_vocabulary("before_unit") or after[:1].isdigit() or before.isdigit()
         if another or not 0 < number <= _MOST_REPEATS:
             continue
-        if word in vocabulary("repeat", "of_reading") or word in {"#", "r"}:
+        if word in sheet_vocabulary("repeat", "of_reading") or word in {"#", "r"}:
             repeat = number if repeat is None else repeat
-        elif word in vocabulary("of_size") or _may_be_numbered(word, after):
+        elif word in sheet_vocabulary("of_size") or _may_be_numbered(word, after):
             beside.append(number)
     return repeat, beside
 
@@ -173,7 +173,7 @@ def besides_numbers(words: Iterable[str]) -> frozenset[str]:
         or (
             word.isalpha()
             and len(word) > 1
-            and not (word in vocabulary(*_EXPLAINED) or word in ORDINALS or word in _AXES or word in _ROMAN)
+            and not (word in sheet_vocabulary(*_EXPLAINED) or word in ORDINALS or word in _AXES or word in _ROMAN)
             and part_of(word) is None
         )
     )
@@ -190,9 +190,11 @@ def _around(tokens: Sequence[str]) -> Iterator[tuple[str, str, str]]:
 
 def _numbered(tokens: Sequence[str]) -> Iterator[tuple[str, str, str]]:
     """Yield each number with the word before it, past "no.", and the word behind it, past "st" and "nd"."""
-    words = [token for token in tokens if (token not in vocabulary("number") or token == "#") and token not in ORDINALS]
     words = [
-        _ROMAN[token] if token in _ROMAN and before in vocabulary("repeat", "of_reading") else token
+        token for token in tokens if (token not in sheet_vocabulary("number") or token == "#") and token not in ORDINALS
+    ]
+    words = [
+        _ROMAN[token] if token in _ROMAN and before in sheet_vocabulary("repeat", "of_reading") else token
         for before, token, _ in _around(words)
     ]
     for before, token, after in _around(words):
@@ -203,8 +205,10 @@ def _numbered(tokens: Sequence[str]) -> Iterator[tuple[str, str, str]]:
 def _may_be_numbered(word: str, after: str) -> bool:
     """Return whether a part, a direction, or nothing stands before the word for the diameter: "1. diameter"."""
     if word == "":
-        return after in vocabulary("diameter", "repeat", "of_reading") or part_of(after) is not None
-    return (part_of(word) is not None and word not in vocabulary("part_or_other")) or word in _AXES or is_angle(word)
+        return after in sheet_vocabulary("diameter", "repeat", "of_reading") or part_of(after) is not None
+    return (
+        (part_of(word) is not None and word not in sheet_vocabulary("part_or_other")) or word in _AXES or is_angle(word)
+    )
 
 
 Role = Literal[
@@ -228,7 +232,7 @@ LETTERED = re.compile(r"(?<![^\W_])([dD])(?:[xyi]|\d{1,2})?(?![^\W_])")  # d of 
 
 
 @dataclass(frozen=True)
-class Column:
+class HeadedColumn:
     """One column of the table.
 
     ``rank`` says how surely a component column is one, by its heading. ``standing`` is what a heading says of a
@@ -278,7 +282,7 @@ class Column:
         return *self.station, self.repeat
 
 
-def read_heading(text: str, index: int = 0) -> Column | None:
+def read_heading(text: str, index: int = 0) -> HeadedColumn | None:
     """Return what a heading says of its column; None where it says nothing.
 
     >>> column = read_heading("Coordinate x1 (y1) [mm]")
@@ -295,15 +299,15 @@ def read_heading(text: str, index: int = 0) -> Column | None:
 
 
 @lru_cache(maxsize=4096)
-def _read_heading(text: str) -> Column | None:
-    rest, unit = split_unit(text)
+def _read_heading(text: str) -> HeadedColumn | None:
+    rest, unit = unit_of_heading(text)
     tokens = tokens_of(rest)
     said = _Heading(Words(dict.fromkeys(tokens)), rest, unit)
     if not said.words:
         return None
     of_land = _of_land(said)
     if of_land is not None:
-        return Column(0, text, of_land, unit=unit)
+        return HeadedColumn(0, text, of_land, unit=unit)
     named, part, side = said.role, _part(said), side_of(rest)
     spot, others = spot_of_heading(tokens)
     role = _role_at_spot(named, others, unit) if spot else _role_of_part(named, tokens, part, side, unit)
@@ -312,12 +316,12 @@ def _read_heading(text: str) -> Column | None:
     if role == "diameter" and None not in (part, side) and part != side:
         role = "quantity"  # the outer diameter of a sleeve, say
     if role not in {"diameter", "coordinate"}:
-        return Column(0, text, role, unit=unit, rank=_rank(said.words) if role == "component" else 0)
+        return HeadedColumn(0, text, role, unit=unit, rank=_rank(said.words) if role == "component" else 0)
     coordinate, direction, repeat = numbers_of_heading(role, others)
     sized = said.says("of_size")
     outcome = said.says("now") or (unit is None and said.says("actual", "corrected", "raw"))
     by_place = role != named and unit is None and not sized
-    return Column(
+    return HeadedColumn(
         *(0, text, role, unit, coordinate, part or side),
         direction=direction_of(spot["direction"]) if direction is None and "direction" in spot else direction,
         repeat=repeat,
@@ -488,7 +492,7 @@ def _part(said: _Heading) -> Part | None:
 
 
 @lru_cache(maxsize=4096)
-def split_unit(text: str) -> tuple[str, Unit | None]:
+def unit_of_heading(text: str) -> tuple[str, Unit | None]:
     for bracketed in re.finditer(r"[\[\(<{]([^\[\]\(\)<>{}]*)[\]\)>}]", text):
         inner = re.sub(r"^\s*in\s+(?=\S)", "", bracketed[1])
         unit = find_unit(inner, "length") if inner.strip() else None

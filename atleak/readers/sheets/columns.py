@@ -10,11 +10,11 @@ from itertools import pairwise
 from atleak.common.errors import ReadingsError
 from atleak.common.sentences import Sentence
 from atleak.common.units import Unit, find_unit
-from atleak.readers.sheets.column_headings import Column, Role
+from atleak.readers.sheets.column_headings import HeadedColumn, Role
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.labels import says_date
-from atleak.readers.sheets.table import Table
-from atleak.readers.sheets.words import plain, text_of, vocabulary
+from atleak.readers.sheets.table import HeadedTable
+from atleak.readers.sheets.words import plain, sheet_vocabulary, text_of
 
 _COORDINATES = ("coordinate 1", "coordinate 2")
 _VALUE_WORDS = {
@@ -28,22 +28,22 @@ _VALUE_WORDS = {
 class Columns:
     """The columns to read from; None or empty where the sheet has none of a kind."""
 
-    component: Column | None
-    names: tuple[Column, ...]  # further columns that say the component too, by name beside the number
-    part: Column | None
-    plane: Column | None
-    land: Column | None
-    direction: Column | None  # None also where it is empty throughout
-    repeat: Column | None  # the same
-    unit: Column | None
-    groups: tuple[dict[str, Column], ...]  # each makes one diameter: "diameter", "coordinate 1", "coordinate 2"
+    component: HeadedColumn | None
+    names: tuple[HeadedColumn, ...]  # further columns that say the component too, by name beside the number
+    part: HeadedColumn | None
+    plane: HeadedColumn | None
+    land: HeadedColumn | None
+    direction: HeadedColumn | None  # None also where it is empty throughout
+    repeat: HeadedColumn | None  # the same
+    unit: HeadedColumn | None
+    groups: tuple[dict[str, HeadedColumn], ...]  # each makes one diameter: "diameter", "coordinate 1", "coordinate 2"
     sheet_unit: Unit | None  # where a heading names none
-    hidden: tuple[Column, ...] = ()  # diameters left aside because a visible column holds the same part
-    hidden_read: tuple[Column, ...] = ()  # hidden diameters that are read because none does
+    hidden: tuple[HeadedColumn, ...] = ()  # diameters left aside because a visible column holds the same part
+    hidden_read: tuple[HeadedColumn, ...] = ()  # hidden diameters that are read because none does
     problems: list[ReadingsError] = field(default_factory=list)
 
     @property
-    def keys(self) -> tuple[Column, ...]:
+    def keys(self) -> tuple[HeadedColumn, ...]:
         """Return the columns that say what a diameter is of, and its unit."""
         keys = (self.component, *self.names, self.part, self.plane, self.land, self.direction, self.repeat, self.unit)
         return tuple(column for column in keys if column is not None)
@@ -55,12 +55,12 @@ class Columns:
         return frozenset(column.index for column in (*self.keys, *values))
 
 
-def find_columns(table: Table, names: ControllerNames) -> Columns:
+def find_columns(table: HeadedTable, names: ControllerNames) -> Columns:
     """Decide which column is what. What is missing or contradictory is among the ``problems``."""
     component = _component(table, names)
     hidden, hidden_read = _hidden(table)
     values = [column for column in table.values if column not in hidden]
-    groups: dict[object, dict[str, Column]] = {}
+    groups: dict[object, dict[str, HeadedColumn]] = {}
     problems: list[ReadingsError] = []
     for column in values:
         name = "diameter" if column.role == "diameter" else f"coordinate {column.coordinate}"
@@ -87,17 +87,17 @@ def find_columns(table: Table, names: ControllerNames) -> Columns:
     return columns
 
 
-def _used(table: Table, role: Role) -> Column | None:
+def _used(table: HeadedTable, role: Role) -> HeadedColumn | None:
     return next((column for column in table.of(role) if table.cells(column.index)), None)
 
 
-def _component(table: Table, names: ControllerNames) -> Column | None:
+def _component(table: HeadedTable, names: ControllerNames) -> HeadedColumn | None:
     """Return the column whose cells the controller knows, of those that may number or name the components.
 
     One whose cells are parts, as in the study's Table 1, is that of parts.
     """
 
-    def sureness(column: Column) -> tuple[float, float, int]:
+    def sureness(column: HeadedColumn) -> tuple[float, float, int]:
         cells = table.cells(column.index).values()
         known = sum(names.component(cell) is not None for cell in cells)
         numbered = sum(text_of(cell) in names.with_lands for cell in cells)
@@ -107,13 +107,13 @@ def _component(table: Table, names: ControllerNames) -> Column | None:
     return max(columns, key=sureness, default=None)
 
 
-def _plane(table: Table, names: ControllerNames) -> Column | None:
+def _plane(table: HeadedTable, names: ControllerNames) -> HeadedColumn | None:
     """Return the column of planes; of several the one whose cells the controller knows."""
     known = {column: sum(map(names.is_plane, table.cells(column.index).values())) for column in table.of("plane")}
     return max(known, key=lambda column: known[column], default=None)
 
 
-def _same(table: Table, names: ControllerNames, component: Column | None) -> Iterator[Column]:
+def _same(table: HeadedTable, names: ControllerNames, component: HeadedColumn | None) -> Iterator[HeadedColumn]:
     """Yield further columns that name the component, or number it in most rows, as no running number does."""
     numbered = {} if component is None else table.cells(component.index)
     for column in table.of("component") if component is not None else ():
@@ -127,7 +127,7 @@ def _same(table: Table, names: ControllerNames, component: Column | None) -> Ite
                 yield column
 
 
-def _hidden(table: Table) -> tuple[tuple[Column, ...], tuple[Column, ...]]:
+def _hidden(table: HeadedTable) -> tuple[tuple[HeadedColumn, ...], tuple[HeadedColumn, ...]]:
     """Return the hidden columns of diameters that are left aside, and those that are read."""
     concealed = [column for column in table.values if column.index in table.sheet.marks.hidden_columns]
     visible = [column for column in table.values if column not in concealed and table.cells(column.index)]
@@ -139,14 +139,14 @@ def _hidden(table: Table) -> tuple[tuple[Column, ...], tuple[Column, ...]]:
     return tuple(aside), tuple(column for column in lone if column not in aside)
 
 
-def _makes_one(column: Column, other: Column) -> bool:
+def _makes_one(column: HeadedColumn, other: HeadedColumn) -> bool:
     return column.group == other.group and (column.role, column.coordinate) != (other.role, other.coordinate)
 
 
 # --- what is wrong with them ------------------------------------------------------------------------------------------
 
 
-def _same_value(table: Table, name: str, first: Column, second: Column) -> ReadingsError:
+def _same_value(table: HeadedTable, name: str, first: HeadedColumn, second: HeadedColumn) -> ReadingsError:
     return ReadingsError(
         Sentence(
             "two columns are read as the same {what}: {first!r} and {second!r}",
@@ -162,7 +162,7 @@ def _same_value(table: Table, name: str, first: Column, second: Column) -> Readi
     )
 
 
-def _alone(table: Table, groups: Iterable[Mapping[str, Column]]) -> Iterator[ReadingsError]:
+def _alone(table: HeadedTable, groups: Iterable[Mapping[str, HeadedColumn]]) -> Iterator[ReadingsError]:
     for group in groups:
         if "diameter" not in group and not group.keys() >= {*_COORDINATES}:
             column = next(iter(group.values()))
@@ -174,7 +174,7 @@ def _alone(table: Table, groups: Iterable[Mapping[str, Column]]) -> Iterator[Rea
             )
 
 
-def _unsure(table: Table, values: Sequence[Column]) -> Iterator[ReadingsError]:
+def _unsure(table: HeadedTable, values: Sequence[HeadedColumn]) -> Iterator[ReadingsError]:
     """Yield a problem for columns headed by numbers alone, where the nominal diameters do not tell them for lands."""
     unsure = [column for column in values if column.unsure]
     if not unsure:
@@ -190,7 +190,7 @@ def _unsure(table: Table, values: Sequence[Column]) -> Iterator[ReadingsError]:
     yield ReadingsError(problem, place=place, expected=Sentence("headings such as 'land 1', '0°' or 'diameter 1'"))
 
 
-def _two_states(table: Table, values: Sequence[Column]) -> Iterator[ReadingsError]:
+def _two_states(table: HeadedTable, values: Sequence[HeadedColumn]) -> Iterator[ReadingsError]:
     """Yield a problem for columns that number repeats and differ in other words: "diameter 1 before", "2 after"."""
     for column, other in pairwise(values):
         numbered = column.station == other.station and column.repeat != other.repeat
@@ -211,7 +211,7 @@ def _two_states(table: Table, values: Sequence[Column]) -> Iterator[ReadingsErro
             )
 
 
-def _sheet_unit(table: Table) -> Unit | None:
+def _sheet_unit(table: HeadedTable) -> Unit | None:
     """Return the unit where a heading names none: that of the other headings, or the one stated above the table."""
     headed = {column.unit for column in table.values if column.unit is not None}
     if len(headed) == 1:
@@ -220,7 +220,7 @@ def _sheet_unit(table: Table) -> Unit | None:
         for index, cell in enumerate(table.sheet.rows[row]):
             words = plain(cell).replace(":", " ").replace("=", " ").split() if isinstance(cell, str) else []
             candidates: list[str] = []
-            if words and words[0] in vocabulary("unit"):
+            if words and words[0] in sheet_vocabulary("unit"):
                 candidates = [*words[1:], str(table.sheet.cell(row, index + 1))]
             elif "in" in words[:-1] or "w" in words[:-1]:  # "all dimensions in mm"
                 candidates = words[-1:]
@@ -230,7 +230,7 @@ def _sheet_unit(table: Table) -> Unit | None:
     return None
 
 
-def _missing(table: Table, names: ControllerNames, columns: Columns) -> Iterator[ReadingsError]:
+def _missing(table: HeadedTable, names: ControllerNames, columns: Columns) -> Iterator[ReadingsError]:
     dated = _dated(table, columns)
     if dated is not None:
         yield dated
@@ -253,14 +253,14 @@ def _missing(table: Table, names: ControllerNames, columns: Columns) -> Iterator
         )
 
 
-def _of_one_land(table: Table, names: ControllerNames, columns: Columns) -> bool:
+def _of_one_land(table: HeadedTable, names: ControllerNames, columns: Columns) -> bool:
     """Return whether every component that the table names has one land, so that nothing need say which."""
     column = columns.component
     named = {table.component} if column is None else set(map(names.component, table.cells(column.index).values()))
     return bool(named) and all(len(names.controller.lands_of(each)) == 1 for each in named if each is not None)
 
 
-def _dated(table: Table, columns: Columns) -> ReadingsError | None:
+def _dated(table: HeadedTable, columns: Columns) -> ReadingsError | None:
     """Return an error where a spreadsheet program has made dates of "8-1" in a column that says what rows are of."""
     for column in filter(None, (columns.component, columns.plane, columns.land)):
         for row, cell in table.cells(column.index).items():

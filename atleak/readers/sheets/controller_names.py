@@ -22,7 +22,7 @@ from atleak.readers.sheets.words import numbers_in, plain, plane_names, text_of
 
 _INCH_DECIMALS = 3  # a diameter in inches has at least so many; 0.5 is half a millimetre of something
 ROUNDED = 0.51e-6  # [m] by which a number that was rounded to a micrometre may be off
-UNITS = MM, UM, INCH = tuple(unit(name, "length") for name in ("mm", "µm", "inch"))
+UNITS = MILLIMETRE, _UM, INCH = tuple(unit(name, "length") for name in ("mm", "µm", "inch"))
 
 
 class Sizes:

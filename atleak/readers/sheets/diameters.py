@@ -23,15 +23,15 @@ from atleak.measurements.readings import NOMINAL_HEADING, Reading
 from atleak.readers.cells.sheet import rows_named
 from atleak.readers.sheets.column_headings import Role
 from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, numbers_of
-from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import is_blank, plain, repeat_of, text_of
 
 COORDINATES_AGREE = 2e-6  # [m] between a diameter and the distance of its coordinates, both rounded to 0.001 mm
-MM = 1e-3
+IN_MM = 1e-3
 
 
 @dataclass(frozen=True)
-class Key:
+class PlaceKey:
     """What a diameter is of."""
 
     component: str
@@ -66,7 +66,7 @@ class DiameterCell:
 
     row: int
     column: int
-    key: Key
+    key: PlaceKey
     raw: RawValue
 
 
@@ -122,7 +122,7 @@ def _agrees(raw: RawValue, unit: Unit, problems: list[ReadingsError]) -> bool:
     return False
 
 
-def _reading(key: Key, raw: RawValue, unit: Unit) -> Reading:
+def _reading(key: PlaceKey, raw: RawValue, unit: Unit) -> Reading:
     ends = raw.coordinates
     coordinates = None if ends is None else (unit.to_si(ends[0]), unit.to_si(ends[1]))
     size = unit.to_si(raw.size)
@@ -150,10 +150,10 @@ def _assumed_unit(
     for entry in unitless:
         land = controller.land_of_plane(entry.key.component, entry.key.plane)
         assert land is not None  # a key is only made for planes that the controller knows
-        ratios.append(entry.raw.size / (land.nominal_diameter / MM))
+        ratios.append(entry.raw.size / (land.nominal_diameter / IN_MM))
     middle = median(ratios)
     for unit in (unit_named(name, "length") for name in unit_names("length")):
-        if 0.8 < middle * unit.factor / MM < 1.25:
+        if 0.8 < middle * unit.factor / IN_MM < 1.25:
             text = Sentence(
                 "the sheet names no unit: {unit} assumed, in which the diameters come near the nominal ones",
                 unit=unit.said,
@@ -174,7 +174,7 @@ _FILLED: tuple[Role, ...] = ("component", "part", "plane", "land", "direction")
 FILL_DOWN = Sentence("or --fill-down, if an empty cell means the one above it")
 
 
-def filled_down(table: Table, told: bool) -> Table:
+def filled_down(table: HeadedTable, told: bool) -> HeadedTable:
     """Return the table with the empty cells of a block filled from the first one.
 
     ``told`` is whether the user says that empty cells go on with the one above. Without it only the program's own form
@@ -217,13 +217,13 @@ def filled_down(table: Table, told: bool) -> Table:
     )
 
 
-def _is_same(table: Table, first: int | None, row: int, index: int) -> bool:
+def _is_same(table: HeadedTable, first: int | None, row: int, index: int) -> bool:
     if first is None:
         return False
     return plain(text_of(table.sheet.filled(first, index))) == plain(text_of(table.sheet.filled(row, index)))
 
 
-def _what_was_filled(table: Table, filled: Mapping[tuple[int, int], tuple[int, int]]) -> Message:
+def _what_was_filled(table: HeadedTable, filled: Mapping[tuple[int, int], tuple[int, int]]) -> Message:
     text = Sentence(
         "empty cells under {headings} go on with the one above them ({rows})",
         headings=tuple(repr(table.heading(index)) for index in sorted({index for _, index in filled})),
@@ -232,7 +232,9 @@ def _what_was_filled(table: Table, filled: Mapping[tuple[int, int], tuple[int, i
     return Message("info", "filled_down", text, table.sheet.place(min(row for row, _ in filled)))
 
 
-def broken_blocks(table: Table, entries: Sequence[DiameterCell], names: ControllerNames) -> Iterator[ReadingsError]:
+def broken_blocks(
+    table: HeadedTable, entries: Sequence[DiameterCell], names: ControllerNames
+) -> Iterator[ReadingsError]:
     """Yield a problem for each filled row that cannot go on with the one above: of another diameter, or come twice."""
     sizes = Sizes(names.controller)
     seen: dict[object, int] = {}
@@ -261,7 +263,7 @@ def broken_blocks(table: Table, entries: Sequence[DiameterCell], names: Controll
         seen[station] = row
 
 
-def _broken(table: Table, entry: DiameterCell, why: Sentence) -> ReadingsError:
+def _broken(table: HeadedTable, entry: DiameterCell, why: Sentence) -> ReadingsError:
     key = entry.key
     return ReadingsError(
         Sentence(
@@ -276,7 +278,7 @@ def _broken(table: Table, entry: DiameterCell, why: Sentence) -> ReadingsError:
     )
 
 
-def is_own_form(table: Table) -> bool:
+def is_own_form(table: HeadedTable) -> bool:
     """Return whether a table has the heading of nominal diameters that the program's own form has."""
     return any(table.heading(index).partition(" [")[0] in nominal_headings() for index in table.span)
 

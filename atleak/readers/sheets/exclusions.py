@@ -16,11 +16,11 @@ from typing import Any
 from atleak.common.errors import Message, ReadingsError, nearest_name
 from atleak.common.sentences import Sentence, counted, some
 from atleak.readers.cells.sheet import Cell, column_letter, rows_named
-from atleak.readers.sheets.column_headings import Column
+from atleak.readers.sheets.column_headings import HeadedColumn
 from atleak.readers.sheets.columns import Columns
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.diameters import DiameterCell
-from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import (
     Summary,
     direction_of,
@@ -78,7 +78,7 @@ _COMPUTED: dict[Summary, Callable[[Sequence[float]], float]] = {
 class Asides:
     """Decides which rows under the headings are left aside, and why."""
 
-    def __init__(self, table: Table, columns: Columns, names: ControllerNames) -> None:
+    def __init__(self, table: HeadedTable, columns: Columns, names: ControllerNames) -> None:
         self.table, self.sheet, self.columns, self.names = table, table.sheet, columns, names
         self.struck: list[int] = []
         self._summaries: dict[int, Summary] = {}  # by row
@@ -249,7 +249,7 @@ class Asides:
         """Return what the row's labels say, as far as they are understood."""
         columns, names = self.columns, self.names
 
-        def cell(column: Column | None) -> Cell:
+        def cell(column: HeadedColumn | None) -> Cell:
             return "" if column is None else self._cells[column.index].get(row, "")
 
         component = names.component(cell(columns.component))
@@ -319,7 +319,7 @@ _FEW = (
 At = tuple[int, int]  # row, column
 
 
-def messages(table: Table, rows: Collection[int], columns: Columns) -> Iterator[Message]:
+def exclusion_messages(table: HeadedTable, rows: Collection[int], columns: Columns) -> Iterator[Message]:
     """Say which readings of a table are marked; ``rows`` are those that hold any."""
     sheet = table.sheet
     groups = [[column.index for column in group.values()] for group in columns.groups]
@@ -335,7 +335,7 @@ def messages(table: Table, rows: Collection[int], columns: Columns) -> Iterator[
         yield from _colours(table, read)
 
 
-def _stars(table: Table, read: Sequence[Sequence[At]]) -> Iterator[Message]:
+def _stars(table: HeadedTable, read: Sequence[Sequence[At]]) -> Iterator[Message]:
     """Say which numbers have a star or dagger, which points to a note."""
     sheet, marked = table.sheet, [at for cells in read for at in cells if is_marked(table.sheet.cell(*at))]
     if marked:
@@ -348,7 +348,7 @@ def _stars(table: Table, read: Sequence[Sequence[At]]) -> Iterator[Message]:
         yield Message("info", "numbers_marked", text, sheet.place(*marked[0]))
 
 
-def _comments(table: Table, rows: Collection[int]) -> Iterator[Message]:
+def _comments(table: HeadedTable, rows: Collection[int]) -> Iterator[Message]:
     """Quote the comments on readings, and on what else stands in their rows."""
     sheet = table.sheet
     comments = {at: words for at, words in sorted(sheet.marks.comments.items()) if at[0] in rows and words}
@@ -362,7 +362,7 @@ def _comments(table: Table, rows: Collection[int]) -> Iterator[Message]:
         yield Message("warning" if rejected else "info", "readings_commented", text, sheet.place(*next(iter(comments))))
 
 
-def _colours(table: Table, read: Sequence[Sequence[At]]) -> Iterator[Message]:
+def _colours(table: HeadedTable, read: Sequence[Sequence[At]]) -> Iterator[Message]:
     """Say which readings are coloured otherwise than most in their column, where they are few or a legend names it."""
     sheet, colours = table.sheet, table.sheet.marks.colours
     by_column: dict[int, Counter[str]] = {}
@@ -389,7 +389,7 @@ def _colours(table: Table, read: Sequence[Sequence[At]]) -> Iterator[Message]:
     yield Message("warning", "readings_coloured", text, sheet.place(*others[0]))
 
 
-def _legend(table: Table, colours: Collection[str]) -> str | None:
+def _legend(table: HeadedTable, colours: Collection[str]) -> str | None:
     """Return what on the sheet says what a colour means: it names one, or is a word for what counts not in that one."""
     for row, cells in enumerate(table.sheet.rows):
         for column, cell in enumerate(cells):
@@ -408,7 +408,7 @@ def _legend(table: Table, colours: Collection[str]) -> str | None:
     return None
 
 
-def _named(table: Table, at: At) -> str:
+def _named(table: HeadedTable, at: At) -> str:
     """Name a cell as a spreadsheet does."""
     row, column = (at[1], at[0]) if table.sheet.turned else at
     return f"{column_letter(column)}{row + 1}"

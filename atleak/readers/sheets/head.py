@@ -23,7 +23,7 @@ from atleak.measurements.readings import TYPED_MARK, SheetIdentity
 from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.dates import sure_date
 from atleak.readers.sheets.head_fields import Stated, read_identity, several, stated_values
-from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import text_of
 
 _VALUE = re.compile(
@@ -65,7 +65,7 @@ _CLEARANCES = tuple(
 
 
 @dataclass(frozen=True)
-class Head:
+class _Head:
     """Temperature [°C] and date of measuring and the pump's clearances as a head states them, and whose unit it is.
 
     ``cells`` are those read, as sheet, row and column.
@@ -80,7 +80,7 @@ class Head:
     problems: tuple[ReadingsError, ...] = ()
 
 
-def read_head(tables: Sequence[Table], sheets: Sequence[Sheet]) -> Head:
+def read_head(tables: Sequence[HeadedTable], sheets: Sequence[Sheet]) -> _Head:
     """Read what stands above the first headings of every sheet that holds one of the tables.
 
     Two temperatures or dates that differ are named, and none of them is taken. A temperature that is none is a problem;
@@ -108,7 +108,7 @@ def read_head(tables: Sequence[Table], sheets: Sequence[Sheet]) -> Head:
     dates = list(stated_values(heads, ("date",), ("beside_head",), "temperature"))
     date, doubts = _read_date(dates)
     identity, fields, of_identity = read_identity(heads)
-    return Head(
+    return _Head(
         temperature=temperature,
         date=date,
         pump=PumpClearances.of_um(side, tip),

@@ -12,9 +12,16 @@ from dataclasses import dataclass, replace
 
 from atleak.common.errors import ReadingsError
 from atleak.readers.cells.sheet import Cell
-from atleak.readers.sheets.column_headings import Column, Role, is_angle, split_unit, spot_of_heading, tokens_of
+from atleak.readers.sheets.column_headings import (
+    HeadedColumn,
+    Role,
+    is_angle,
+    spot_of_heading,
+    tokens_of,
+    unit_of_heading,
+)
 from atleak.readers.sheets.controller_names import ControllerNames
-from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import (
     direction_of,
     is_blank,
@@ -23,8 +30,8 @@ from atleak.readers.sheets.words import (
     part_said,
     plain,
     plane_names,
+    sheet_vocabulary,
     text_of,
-    vocabulary,
 )
 
 _LEADING_NUMBER = re.compile(r"(\d+'?)(?=[\s,;:./_()\-–—#]|$)")
@@ -71,7 +78,7 @@ def read_label(cell: Cell, names: ControllerNames) -> Label | None:
     if isinstance(cell, bool | datetime.date | datetime.time) or cell is None:
         return None
     text = text_of(cell)
-    rest, unit = split_unit(text)
+    rest, unit = unit_of_heading(text)
     folded = plain(rest)
     for component, other in (*_with_component(folded, names), (None, folded)):
         label = _read_rest(other, replace(Label(), component=component, unit=None if unit is None else unit.name))
@@ -97,7 +104,7 @@ def _with_component(folded: str, names: ControllerNames) -> Iterator[tuple[str, 
 
 
 def _unless_label(match: re.Match[str]) -> str:
-    is_label = match[0].strip(" .:") in vocabulary("number", "component", "generic")
+    is_label = match[0].strip(" .:") in sheet_vocabulary("number", "component", "generic")
     return "" if is_label or match[0].startswith("#") else match[0]
 
 
@@ -111,7 +118,7 @@ def _read_rest(text: str, label: Label) -> Label | None:
     before = ""
     for token in others:
         if token.isdigit():
-            if before in vocabulary("of_repeat") and label.repeat is None:
+            if before in sheet_vocabulary("of_repeat") and label.repeat is None:
                 label = replace(label, repeat=token)
             elif label.number is None and label.land is None and label.plane is None:
                 label = replace(label, number=token)
@@ -123,7 +130,7 @@ def _read_rest(text: str, label: Label) -> Label | None:
             label = replace(label, part=said)
         elif token.isalpha() and len(token) > 3 and label.direction is None and direction_of(token) is not None:
             label = replace(label, direction=token)
-        elif token not in vocabulary("number", "diameter", "of_repeat"):
+        elif token not in sheet_vocabulary("number", "diameter", "of_repeat"):
             return None
         before = token
     return label
@@ -162,7 +169,7 @@ _ROLES: Mapping[str, Role] = {
 }
 
 
-def with_split_labels(table: Table, names: ControllerNames) -> Table:
+def with_split_labels(table: HeadedTable, names: ControllerNames) -> HeadedTable:
     """Return a table with further columns behind its last one, for what a cell says besides its own column's meaning.
 
     A column is split where most cells beside a diameter are understood as a whole, and say more than its heading does
@@ -180,7 +187,7 @@ def with_split_labels(table: Table, names: ControllerNames) -> Table:
     return table
 
 
-def _labels(table: Table, index: int, rows: Sequence[int], names: ControllerNames) -> Mapping[int, Label]:
+def _labels(table: HeadedTable, index: int, rows: Sequence[int], names: ControllerNames) -> Mapping[int, Label]:
     """Return what the cells of a column to be split say; nothing where it is none."""
     role = table.role(index)
     if role not in (None, "component", "part"):
@@ -200,7 +207,7 @@ def _labels(table: Table, index: int, rows: Sequence[int], names: ControllerName
     return labels if 2 * len(labels) > len(cells) and needed and agree else {}
 
 
-def _agrees(label: Label, row: int, table: Table, besides: int, names: ControllerNames) -> bool:
+def _agrees(label: Label, row: int, table: HeadedTable, besides: int, names: ControllerNames) -> bool:
     """Return whether a label contradicts no other column, and no heading that says the part of its diameters."""
     part = part_said(label.part or "")
     parts = {column.part for column in table.values} - {None}
@@ -230,7 +237,7 @@ def _is_number(cell: Cell) -> bool:
     return not isinstance(cell, str) or number_of(cell) is not None
 
 
-def _is_said(table: Table, role: Role, besides: int) -> bool:
+def _is_said(table: HeadedTable, role: Role, besides: int) -> bool:
     """Return whether another column says it, or every heading of a diameter."""
     places: tuple[Role, ...] = ("plane", "land")
     roles = places if role in places else (role,)
@@ -241,10 +248,10 @@ def _is_said(table: Table, role: Role, besides: int) -> bool:
     return role != "component" and all(getattr(column, role) is not None for column in table.values)
 
 
-def _split(table: Table, index: int, labels: Mapping[int, Label]) -> Table:
+def _split(table: HeadedTable, index: int, labels: Mapping[int, Label]) -> HeadedTable:
     said = dict.fromkeys(name for label in labels.values() for name in label.said)
     wanted = [name for name in said if not _is_said(table, _ROLES[name], index)]
-    columns = [(Column(0, table.texts[index], _ROLES[name], rank=9), index) for name in wanted]
+    columns = [(HeadedColumn(0, table.texts[index], _ROLES[name], rank=9), index) for name in wanted]
 
     def cells(row: int) -> Iterator[Cell]:
         label = labels.get(row)

@@ -21,14 +21,14 @@ from atleak.common.units import Unit, find_unit
 from atleak.measurements.own_lands import LENGTHS_MEASURED, REPAIR_FITTED, FittedRepair, OwnLands, OwnLength
 from atleak.measurements.readings import NOMINAL_TOLERANCE
 from atleak.readers.cells.sheet import Cell, Sheet
-from atleak.readers.sheets.column_headings import Column
+from atleak.readers.sheets.column_headings import HeadedColumn
 from atleak.readers.sheets.columns import Columns, find_columns
-from atleak.readers.sheets.controller_names import MM, ControllerNames
+from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames
 from atleak.readers.sheets.repeats import rows_left_out
-from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import at, is_blank, number, text_of
 
-SHORTEST, LONGEST = 0.2e-3, 0.1  # [m] of contact lengths that anybody measures: choice of this project
+SHORTEST, _LONGEST = 0.2e-3, 0.1  # [m] of contact lengths that anybody measures: choice of this project
 _DOUBTFUL = 2.0  # times the stated contact length, or its part: from here on a warning says so
 _REFUSED = 10.0  # times, or its part: another unit, or a lost decimal point
 _SAME = 1.0e-9  # [m]
@@ -37,7 +37,7 @@ _LENGTH = Sentence("a length such as 5.25")
 
 
 def read_land_values(
-    tables: Sequence[Table],
+    tables: Sequence[HeadedTable],
     names: ControllerNames,
     given_unit: Unit | None = None,
     where: Mapping[str, str] | None = None,
@@ -72,7 +72,7 @@ class LandValues:
         self.problems: list[ReadingsError] = []
         self.messages: list[Message] = []
 
-    def read(self, table: Table, given_unit: Unit | None, left_out: frozenset[int]) -> None:
+    def read(self, table: HeadedTable, given_unit: Unit | None, left_out: frozenset[int]) -> None:
         sheet, columns = table.sheet, find_columns(table, self.names)
         for row in table.rows:
             for column in table.of_lands:
@@ -86,7 +86,13 @@ class LandValues:
                     self.problems.append(problem if problem.place.file else at(place, problem))
 
     def _read_cell(
-        self, table: Table, columns: Columns, row: int, column: Column, given_unit: Unit | None, place: Place
+        self,
+        table: HeadedTable,
+        columns: Columns,
+        row: int,
+        column: HeadedColumn,
+        given_unit: Unit | None,
+        place: Place,
     ) -> None:
         cell, fault = table.sheet.cell(row, column.index), table.sheet.faults.get((row, column.index))
         if is_blank(cell) and fault is not None:
@@ -104,7 +110,7 @@ class LandValues:
         except ReadingsError as error:
             raise ReadingsError(error.problem, value=error.value, expected=_LENGTH) from error
         of_row = find_unit(text_of(table.sheet.filled(row, columns.unit.index)), "length") if columns.unit else None
-        metres = (written or given_unit or of_row or column.unit or columns.sheet_unit or MM).to_si(value)
+        metres = (written or given_unit or of_row or column.unit or columns.sheet_unit or MILLIMETRE).to_si(value)
         template = Sentence("another position of {land} stands in {where} already")
         if column.role == "contact length":
             self._check_contact_length(land, metres, cell, place)
@@ -117,7 +123,7 @@ class LandValues:
             problem = template.of(land=named(land), where=known[1].sentence)
             raise ReadingsError(problem, value=cell, expected=Sentence("each once"))
 
-    def _component(self, table: Table, columns: Columns, row: int) -> str | None:
+    def _component(self, table: HeadedTable, columns: Columns, row: int) -> str | None:
         """Return the component of a row; None where nothing names one, which a row of diameters reports itself."""
         if columns.component is None:
             if table.component is None and not table.values:
@@ -163,7 +169,7 @@ class LandValues:
             problem = Sentence(
                 "this contact length has the size of the land's diameter: a reading in the wrong column?"
             )
-        elif not SHORTEST <= metres <= LONGEST or not 1.0 / _REFUSED < ratio < _REFUSED:
+        elif not SHORTEST <= metres <= _LONGEST or not 1.0 / _REFUSED < ratio < _REFUSED:
             problem = Sentence(
                 "the contact length is {ratio:.3g} times the stated one: another unit, or a decimal point lost?",
                 ratio=ratio,

@@ -15,14 +15,14 @@ from typing import Any
 
 from atleak.common.errors import Message, ReadingsError
 from atleak.common.sentences import Sentence, all_of
-from atleak.readers.cells.extent import TABLES
+from atleak.readers.cells.extent import MOST_TABLES
 from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.cells.workbook_marks import Marks
-from atleak.readers.sheets.column_headings import Column, Role, read_heading, split_unit
-from atleak.readers.sheets.controller_names import MM as MILLIMETRE
+from atleak.readers.sheets.column_headings import HeadedColumn, Role, read_heading, unit_of_heading
+from atleak.readers.sheets.controller_names import MILLIMETRE as MILLIMETRE
 from atleak.readers.sheets.controller_names import ControllerNames, Sizes, numbers_of
 from atleak.readers.sheets.labels import read_label, with_split_labels
-from atleak.readers.sheets.table import Table, find_headers, read_together
+from atleak.readers.sheets.table import HeadedTable, find_headers, read_together
 from atleak.readers.sheets.words import (
     is_blank,
     letters,
@@ -41,7 +41,7 @@ _WORD = re.compile(r"[^\W\d_]+")
 _DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
 
 
-def with_deviations(table: Table) -> Table:
+def with_deviations(table: HeadedTable) -> HeadedTable:
     """Return a table with diameters behind its last column, if it has none but nominal ones and deviations from them.
 
     The columns whose numbers went into them are ``used``, and ``told`` says so.
@@ -60,7 +60,7 @@ def with_deviations(table: Table) -> Table:
     return replace(table.with_columns(columns, sums, used), used=used, told=told)
 
 
-def _pairs(table: Table) -> Iterator[tuple[Column, Column]]:
+def _pairs(table: HeadedTable) -> Iterator[tuple[HeadedColumn, HeadedColumn]]:
     """Yield each deviation behind a nominal diameter that it may be from: of its part, where headings say one."""
     sizes = [column for column in table.of("specification") if not _is_permitted(column)]
     for deviation in filter(_is_deviation, table.of("quantity")):
@@ -71,28 +71,28 @@ def _pairs(table: Table) -> Iterator[tuple[Column, Column]]:
                 yield nominal, deviation
 
 
-def _is_deviation(column: Column) -> bool:
+def _is_deviation(column: HeadedColumn) -> bool:
     words = letters(_without_brackets(column))
     beside = words.but("deviation", "beside_deviation", "diameter", "of_reading", "direction", "repeat")
     return words.any("deviation") and all(map(part_of, beside))  # no standard and no permitted deviation
 
 
-def _without_brackets(column: Column) -> str:
+def _without_brackets(column: HeadedColumn) -> str:
     """Return a heading without its unit, and without what brackets hold of which nothing is known: "[0.01 mm]"."""
-    said, unit = split_unit(column.heading)
+    said, unit = unit_of_heading(column.heading)
     if unit is not None:
         return said
     return _IN_BRACKETS.sub(lambda held: held[0] if any(map(part_of, letters(held[0]))) else " ", said)
 
 
-def _as_diameter(table: Table, deviation: Column, nominal: Column) -> Column:
+def _as_diameter(table: HeadedTable, deviation: HeadedColumn, nominal: HeadedColumn) -> HeadedColumn:
     """Return the column of the diameters that deviations make: what their heading says besides is theirs."""
     said = _WORD.sub(
         lambda word: "diameter" if letters(word[0]).any("deviation") else word[0], _without_brackets(deviation)
     )
     read = read_heading(said)
     if read is None or read.role != "diameter":
-        read = Column(0, "", "diameter")
+        read = HeadedColumn(0, "", "diameter")
     return replace(
         read,
         heading=deviation.heading,
@@ -104,12 +104,12 @@ def _as_diameter(table: Table, deviation: Column, nominal: Column) -> Column:
     )
 
 
-def _is_permitted(column: Column) -> bool:
+def _is_permitted(column: HeadedColumn) -> bool:
     """Return whether a heading says a deviation or tolerance, which no diameter is: "Upper dev", "Lower tol"."""
-    return letters(split_unit(column.heading)[0]).any("deviation", "permitted")
+    return letters(unit_of_heading(column.heading)[0]).any("deviation", "permitted")
 
 
-def _sum(table: Table, row: int, nominal: Column, deviation: Column) -> Cell:
+def _sum(table: HeadedTable, row: int, nominal: HeadedColumn, deviation: HeadedColumn) -> Cell:
     size, off = table.sheet.filled(row, nominal.index), table.sheet.cell(row, deviation.index)
     if is_blank(off):
         return ""
@@ -122,7 +122,7 @@ def _sum(table: Table, row: int, nominal: Column, deviation: Column) -> Cell:
     return round((unit.to_si(value) + small.to_si(apart)) / MILLIMETRE.factor, _DIGITS)
 
 
-def _told(table: Table, nominal: Column, deviation: Column) -> Message:
+def _told(table: HeadedTable, nominal: HeadedColumn, deviation: HeadedColumn) -> Message:
     text = Sentence(
         "diameters are those of column {nominal!r} plus the deviations of column {deviation!r}",
         nominal=nominal.name,
@@ -131,7 +131,7 @@ def _told(table: Table, nominal: Column, deviation: Column) -> Message:
     return Message("info", "diameters_of_deviations", text, table.place(table.last, deviation))
 
 
-def _says_no_unit(table: Table, deviation: Column) -> bool:
+def _says_no_unit(table: HeadedTable, deviation: HeadedColumn) -> bool:
     """Return whether neither the heading nor every cell says in which unit the deviations are."""
     for cell in table.cells(deviation.index).values() if deviation.unit is None else ():
         try:
@@ -145,7 +145,7 @@ def _says_no_unit(table: Table, deviation: Column) -> bool:
 _TITLE_ROWS = 4
 
 
-def find_tables(sheet: Sheet, names: ControllerNames) -> list[Table]:
+def find_tables(sheet: Sheet, names: ControllerNames) -> list[HeadedTable]:
     """Return every table of a sheet that has headings, from top to bottom and from left to right."""
     return [
         table
@@ -156,7 +156,7 @@ def find_tables(sheet: Sheet, names: ControllerNames) -> list[Table]:
     ]
 
 
-def continued(sheet: Sheet, table: Table, names: ControllerNames) -> Table | None:
+def continued(sheet: Sheet, table: HeadedTable, names: ControllerNames) -> HeadedTable | None:
     """Return a sheet without headings as the continuation of the table before it, where the columns fit."""
     components = table.of("component")
     rows = [row for row, cells in enumerate(sheet.rows) if any(not is_blank(cell) for cell in cells)]
@@ -189,7 +189,7 @@ def _strips(sheet: Sheet, names: ControllerNames) -> list[Sheet]:
     return views if len(headed) > 1 else [sheet]
 
 
-def _is_whole(header: Table) -> bool:
+def _is_whole(header: HeadedTable) -> bool:
     return bool((header.values or header.of("specification")) and header.labels)
 
 
@@ -200,11 +200,11 @@ def _only(sheet: Sheet, left: int, right: int, end: int | None = None) -> Sheet:
     return replace(sheet, rows=rows, faults={at: why for at, why in sheet.faults.items() if left <= at[1] < right})
 
 
-def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
+def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[HeadedTable]:
     headers = find_headers(sheet, names.is_named)
-    if len(headers) > TABLES:
+    if len(headers) > MOST_TABLES:
         problem = Sentence("this sheet has {count} tables with headings of their own", count=len(headers))
-        expected = Sentence("at most {count}", count=TABLES)
+        expected = Sentence("at most {count}", count=MOST_TABLES)
         raise ReadingsError(problem, place=sheet.place(), expected=expected)
     for header, following in zip_longest(headers, headers[1:]):
         end = len(sheet.rows)
@@ -215,7 +215,7 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[Table]:
         yield with_deviations(with_split_labels(_by_content(table, Sizes(names.controller)), names))
 
 
-def _by_content(table: Table, sizes: Sizes) -> Table:
+def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
     """Return the table without a "result" that is no diameter, and without raw readings beside others."""
     kept = []
     for column in table.columns:
@@ -232,7 +232,7 @@ def _by_content(table: Table, sizes: Sizes) -> Table:
     return _with_counts(replace(table, columns=tuple(kept)))
 
 
-def _with_counts(table: Table) -> Table:
+def _with_counts(table: HeadedTable) -> HeadedTable:
     """Return the table with "Measurement" or "Reading" as the repeat where it counts 1, 2, 3 beside diameters.
 
     A column that numbers all rows through says nothing.
@@ -255,7 +255,7 @@ def _with_counts(table: Table) -> Table:
         restarts = any(after <= before for before, after in pairwise(numbers))
         role: Role = "repeat" if (restarts or len(numbers) < len(cells)) and not table.of("repeat") else "remark"
         columns = [column for column in columns if column.index != index]
-        columns.append(Column(index, table.texts[index], role))
+        columns.append(HeadedColumn(index, table.texts[index], role))
     return replace(table, columns=tuple(sorted(columns, key=lambda column: column.index)))
 
 
@@ -278,7 +278,7 @@ def _title_rows(sheet: Sheet, first: int, after: int) -> list[int]:
     return title_rows
 
 
-def _side_by_side(table: Table) -> Iterator[Table]:
+def _side_by_side(table: HeadedTable) -> Iterator[HeadedTable]:
     """Yield the table, or those that share its rows: between empty headings, or where the first one returns."""
     starts = {index for index in range(1, len(table.texts)) if table.texts[index] and not table.texts[index - 1]}
     keys = table.labels
@@ -298,11 +298,11 @@ def _side_by_side(table: Table) -> Iterator[Table]:
         yield replace(part, sheet=_only(table.sheet, begin, end), columns=columns, texts=texts)
 
 
-def _between(table: Table, begin: int, end: int) -> Table:
+def _between(table: HeadedTable, begin: int, end: int) -> HeadedTable:
     return replace(table, columns=tuple(column for column in table.columns if begin <= column.index < end))
 
 
-def _titled(table: Table, names: ControllerNames) -> Table:
+def _titled(table: HeadedTable, names: ControllerNames) -> HeadedTable:
     """Return the table with what its title lines and its sheet's name say of it."""
     above = _title_rows(table.sheet, table.first, -1)
     texts = [" ".join(str(cell) for cell in table.sheet.rows[row] if not is_blank(cell)) for row in above]
@@ -312,7 +312,7 @@ def _titled(table: Table, names: ControllerNames) -> Table:
     return replace(_said(table, lines, names), aside=_why_aside(table, [*texts[:1], table.sheet.name or ""]))
 
 
-def _said(table: Table, lines: Sequence[tuple[Sentence, str]], names: ControllerNames) -> Table:
+def _said(table: HeadedTable, lines: Sequence[tuple[Sentence, str]], names: ControllerNames) -> HeadedTable:
     """Return the table with part and component from the nearest line that says one, where no column does."""
 
     def component(text: str) -> str | None:
@@ -331,7 +331,7 @@ def _said(table: Table, lines: Sequence[tuple[Sentence, str]], names: Controller
     return replace(table, said_by=all_of(dict.fromkeys(said_by))) if said_by else table
 
 
-def _why_aside(table: Table, titles: Sequence[str]) -> Sentence | None:
+def _why_aside(table: HeadedTable, titles: Sequence[str]) -> Sentence | None:
     if not table.values and not table.of_lands:
         return Sentence("no measured diameter by its headings")
     for title in titles:
@@ -344,7 +344,7 @@ def _why_aside(table: Table, titles: Sequence[str]) -> Sentence | None:
     return None
 
 
-def _sections(table: Table, names: ControllerNames) -> Iterator[Table]:
+def _sections(table: HeadedTable, names: ControllerNames) -> Iterator[HeadedTable]:
     """Yield the table, cut where a line between its rows names the part or component that no column does."""
     if table.aside or not table.values or (table.has_part and table.of("component")):
         yield table

@@ -17,10 +17,10 @@ from atleak.common.sentences import Sentence, all_of, any_of, counted
 from atleak.common.units import Unit, find_unit
 from atleak.measurements.readings import REPEAT_TOLERANCE
 from atleak.readers.cells.sheet import Sheet
-from atleak.readers.sheets.column_headings import Role, split_unit
+from atleak.readers.sheets.column_headings import Role, unit_of_heading
 from atleak.readers.sheets.controller_names import (
     INCH,
-    MM,
+    MILLIMETRE,
     ROUNDED,
     ControllerNames,
     Sizes,
@@ -30,7 +30,7 @@ from atleak.readers.sheets.controller_names import (
 )
 from atleak.readers.sheets.diameters import nominal_headings
 from atleak.readers.sheets.rows import Rows
-from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import (
     Words,
     is_blank,
@@ -39,8 +39,8 @@ from atleak.readers.sheets.words import (
     part_of,
     part_said,
     plain,
+    sheet_vocabulary,
     text_of,
-    vocabulary,
 )
 
 _WHY: dict[Role, Sentence] = {
@@ -65,12 +65,12 @@ class Account:
     problems: list[ReadingsError] = field(default_factory=list)
     messages: list[Message] = field(default_factory=list)
     _done: dict[str | None, set[tuple[int, int]]] = field(default_factory=lambda: defaultdict(set))
-    _tables: dict[str | None, list[tuple[range, Table]]] = field(default_factory=lambda: defaultdict(list))
+    _tables: dict[str | None, list[tuple[range, HeadedTable]]] = field(default_factory=lambda: defaultdict(list))
 
     def __post_init__(self) -> None:
         self._sizes = Sizes(self.names.controller)
         stated = [unit for name in self.units if (unit := find_unit(name, "length")) is not None]
-        self._units = tuple(dict.fromkeys((*stated, MM, INCH)))
+        self._units = tuple(dict.fromkeys((*stated, MILLIMETRE, INCH)))
 
     def enter(self, rows: Rows) -> None:
         """Account for a table that was read, and judge its columns that were not."""
@@ -95,12 +95,12 @@ class Account:
         elif rivals:
             self.problems.append(_which(table, rivals))
 
-    def enter_lands(self, table: Table) -> None:
+    def enter_lands(self, table: HeadedTable) -> None:
         """Account for a table of what lands themselves have: its numbers and names, and its other quantities."""
         known = [column.index for column in table.columns if not column.holds_size]
         self._enter(table, table.block).update((row, index) for row in table.block for index in known)
 
-    def leave_table(self, table: Table) -> None:
+    def leave_table(self, table: HeadedTable) -> None:
         """Leave aside a table that holds no readings of this valve body."""
         done = self._enter(table, table.block)
         of_sizes = {column.index for column in table.columns if column.holds_size}
@@ -116,7 +116,7 @@ class Account:
             )
             self.messages.append(Message("info", "table_aside", text, table.sheet.place(max(table.first, 0))))
 
-    def holds_sizes(self, table: Table) -> bool:
+    def holds_sizes(self, table: HeadedTable) -> bool:
         """Return whether numbers of the size of a diameter stand where a table's headings say diameter."""
         return any(
             self._is_size(table.sheet, row, column.index, headed=table) for row in table.rows for column in table.values
@@ -163,7 +163,7 @@ class Account:
 
     # --- one table ------------------------------------------------------------------------------------------------
 
-    def _enter(self, table: Table, rows: range) -> set[tuple[int, int]]:
+    def _enter(self, table: HeadedTable, rows: range) -> set[tuple[int, int]]:
         """Note a table with its headings, and return the cells of its sheet that are accounted for."""
         sheet = table.sheet
         self._tables[sheet.name].append((rows, table))
@@ -213,7 +213,7 @@ class Account:
         """Return the cells of a column that have a diameter's size; whole numbers only where near their row's."""
         return sorted({*self._sizes_under(rows.table, index), *self._near(rows, index)})
 
-    def _sizes_under(self, table: Table, index: int) -> list[tuple[int, int]]:
+    def _sizes_under(self, table: HeadedTable, index: int) -> list[tuple[int, int]]:
         return [(row, index) for row in table.rows if self._is_size(table.sheet, row, index, headed=table)]
 
     def _is_rival(self, rows: Rows, index: int) -> bool:
@@ -225,7 +225,7 @@ class Account:
             self._leave_column(table, index, self._sizes_in(rows, index), "remark")
             return False
         units = self._units_of(table, index)
-        if units[0].factor >= MM.factor and all(is_coarse(table.sheet.cell(*at)) for at in near):
+        if units[0].factor >= MILLIMETRE.factor and all(is_coarse(table.sheet.cell(*at)) for at in near):
             self._leave_column(table, index, self._sizes_in(rows, index), None)
             return False
         return True
@@ -249,7 +249,7 @@ class Account:
         ]
         return 2 * sum(apart > REPEAT_TOLERANCE + _ROUNDED for apart in nearest) > len(nearest)
 
-    def _units_of(self, table: Table, index: int) -> tuple[Unit, ...]:
+    def _units_of(self, table: HeadedTable, index: int) -> tuple[Unit, ...]:
         return _units(table, index) or self._units
 
     def _near(self, rows: Rows, index: int) -> list[tuple[int, int]]:
@@ -265,7 +265,7 @@ class Account:
             )
         ]
 
-    def _leave_column(self, table: Table, index: int, sizes: list[tuple[int, int]], role: Role | None) -> None:
+    def _leave_column(self, table: HeadedTable, index: int, sizes: list[tuple[int, int]], role: Role | None) -> None:
         sheet = table.sheet
         self._done[sheet.name].update((row, index) for row in table.rows)
         if sizes:
@@ -298,14 +298,16 @@ class Account:
         sheet = rows.table.sheet
         return rows.table.role(index) == "quantity" and any(self._is_size(sheet, row, index) for row in rows.of_row)
 
-    def _table_at(self, sheet: Sheet, row: int, column: int) -> Table | None:
+    def _table_at(self, sheet: Sheet, row: int, column: int) -> HeadedTable | None:
         """Return the table that a cell stands in, or else one beside it."""
         tables = [table for rows, table in self._tables[sheet.name] if row in rows]
         return next((table for table in tables if column in table.span), next(iter(tables), None))
 
     # --- one cell -------------------------------------------------------------------------------------------------
 
-    def _is_size(self, sheet: Sheet, row: int, column: int, headed: Table | None = None, whole: bool = False) -> bool:
+    def _is_size(
+        self, sheet: Sheet, row: int, column: int, headed: HeadedTable | None = None, whole: bool = False
+    ) -> bool:
         """Return whether a cell holds a number of the size of a diameter, in its heading's unit where that has one."""
         cell = sheet.cell(row, column)
         values = numbers_of(cell)
@@ -314,7 +316,7 @@ class Account:
         headed = headed or self._table_at(sheet, row, column)
         units = self._units if headed is None else self._units_of(headed, column)
         if headed is not None and not whole and is_whole(cell):
-            units = tuple(unit for unit in units if unit.factor < MM.factor)
+            units = tuple(unit for unit in units if unit.factor < MILLIMETRE.factor)
         return any(self._sizes.near(value, units) for value in values)
 
     def _is_labelled(self, sheet: Sheet, row: int, column: int) -> bool:
@@ -363,36 +365,36 @@ class Account:
         )
 
 
-def _units(table: Table, index: int) -> tuple[Unit, ...]:
+def _units(table: HeadedTable, index: int) -> tuple[Unit, ...]:
     """Return the unit that a heading states; "Micrometer" alone is the instrument."""
-    rest, unit = split_unit(table.heading(index))
+    rest, unit = unit_of_heading(table.heading(index))
     return () if unit is None or not rest.strip() else (unit,)
 
 
-def _is_headed(table: Table) -> bool:
+def _is_headed(table: HeadedTable) -> bool:
     """Return whether every column that was read says by a word of its own that it holds diameters."""
     return all(letters(column.heading).any(*_MEASURED) for column in table.values)
 
 
-def _says_other(table: Table, index: int) -> bool:
+def _says_other(table: HeadedTable, index: int) -> bool:
     """Return whether a heading says in a word what its column holds, and not that it is a reading."""
-    words = letters(split_unit(table.heading(index))[0])
+    words = letters(unit_of_heading(table.heading(index))[0])
     return any(len(word) > 2 for word in words.but("dimension")) and not words.any(*_MEASURED)
 
 
-def _is_of_gauge(table: Table, index: int) -> bool:
+def _is_of_gauge(table: HeadedTable, index: int) -> bool:
     """Return whether a heading names a gauge of known diameter; "gauge" alone may be what was read from one."""
-    words = letters(split_unit(table.heading(index))[0])
+    words = letters(unit_of_heading(table.heading(index))[0])
     return table.role(index) == "gauge" and (len(words) > 1 or words.any("earlier"))
 
 
-def _in_another_unit(table: Table, index: int) -> bool:
+def _in_another_unit(table: HeadedTable, index: int) -> bool:
     """Return whether a heading states a unit that is none of length: "RH [%]", "Mass [g]"."""
     heading = table.heading(index)
-    return re.search(r"\[[^\]\d]+\]", heading) is not None and split_unit(heading)[1] is None
+    return re.search(r"\[[^\]\d]+\]", heading) is not None and unit_of_heading(heading)[1] is None
 
 
-def _name(table: Table, index: int) -> Sentence:
+def _name(table: HeadedTable, index: int) -> Sentence:
     text = table.heading(index)
     if text:
         return Sentence("{heading!r}", heading=text)
@@ -407,7 +409,7 @@ def _lacks_value(rows: Rows, row: int) -> bool:
     )
 
 
-def _slip(table: Table, row: int, index: int) -> ReadingsError:
+def _slip(table: HeadedTable, row: int, index: int) -> ReadingsError:
     problem = Sentence(
         "this number has the size of a diameter and stands in a column that is not read, while the row's diameter is "
         "empty: slipped into the wrong column?"
@@ -421,7 +423,7 @@ def _slip(table: Table, row: int, index: int) -> ReadingsError:
     )
 
 
-def _which(table: Table, rivals: Sequence[int]) -> ReadingsError:
+def _which(table: HeadedTable, rivals: Sequence[int]) -> ReadingsError:
     problem = counted(
         len(rivals),
         Sentence("column {names} holds numbers of the size of the diameters as {read} does: which is the measurement?"),
@@ -487,7 +489,7 @@ def _titles(rows: Rows) -> Iterator[_Said]:
     said.append((rows.table.title, sheet.place(max(rows.table.first - 1, 0)), False))
     for text, place, is_sheet in (*said, (sheet.name or "", sheet.place(), True)):
         for match in _NAMED.finditer(text):
-            if plain(match[1]) in vocabulary("whole_unit"):
+            if plain(match[1]) in sheet_vocabulary("whole_unit"):
                 yield _Said(plain(match[1]), match[2].strip("./-"), text, place, is_sheet)
 
 

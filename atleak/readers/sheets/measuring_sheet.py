@@ -38,7 +38,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.words import PART_WORDS
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import Message, Place, ReadingsError
-from atleak.common.file_faults import together
+from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence, all_of, counted, in_a_row
 from atleak.common.units import Unit
 from atleak.common.units import unit as unit_named
@@ -49,7 +49,7 @@ from atleak.readers.cells.sheet import Sheet
 from atleak.readers.cells.sheet_file import read_bytes, read_sheets
 from atleak.readers.gauges.gauge_table import find_tabs, likeness_of
 from atleak.readers.sheets import agreement
-from atleak.readers.sheets.choice import Choice, choose, require_one_measurement
+from atleak.readers.sheets.choice import SheetChoice, choose_sheet, require_one_measurement
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.diameters import Converted, convert
 from atleak.readers.sheets.exclusions import LEFT_ASIDE
@@ -59,10 +59,10 @@ from atleak.readers.sheets.leftovers import Account, units_apart
 from atleak.readers.sheets.plausibility import check
 from atleak.readers.sheets.repeats import require_known
 from atleak.readers.sheets.rows import Rows, read_rows
-from atleak.readers.sheets.table import Table, best_header
+from atleak.readers.sheets.table import HeadedTable, best_header
 from atleak.readers.sheets.words import is_word
 
-SHOWN = 10
+_SHOWN = 10
 
 
 class ReadingsRefused(ReadingsError):
@@ -90,10 +90,10 @@ class ReadingsRefused(ReadingsError):
         said = Sentence("{count} problems in the readings:", count=count)
         if file:
             said = Sentence("{count} problems in {file}:", count=count, file=file)
-        for problem in self.problems[:SHOWN]:
+        for problem in self.problems[:_SHOWN]:
             said = Sentence("{problem}\n  {other}", problem=said, other=problem.sentence)
-        if count > SHOWN:
-            said = Sentence("{problem}\n  … and {count} more", problem=said, count=count - SHOWN)
+        if count > _SHOWN:
+            said = Sentence("{problem}\n  … and {count} more", problem=said, count=count - _SHOWN)
         return said
 
 
@@ -163,7 +163,7 @@ def read_readings(
     cells = (cell for each in sheets for row in each.rows for cell in row)
     if pressures is not None and not any(any(map(str.isdigit, str(cell))) for cell in cells):
         return _of_gauges_alone(pressures)
-    chosen = choose(sheets, file, names, sheet, fill_down)
+    chosen = choose_sheet(sheets, file, names, sheet, fill_down)
     require_known(chosen.tables, where or {})
     of_lands = read_land_values([*chosen.tables, *chosen.of_lands], names, given_unit, where)
     controller = of_lands.own.with_fitted(controller)
@@ -223,7 +223,7 @@ def read_readings(
 
 
 def _read_all(
-    tables: Sequence[Table], names: ControllerNames, unit: Unit | None, where: Mapping[str, str] | None
+    tables: Sequence[HeadedTable], names: ControllerNames, unit: Unit | None, where: Mapping[str, str] | None
 ) -> list[Rows]:
     """Return the rows of tables, until there are so many faults that the file is something else."""
     read: list[Rows] = []
@@ -243,7 +243,7 @@ def _of_gauges_alone(pressures: PressureTable) -> Readings:
 def _contradictions(read: Sequence[Rows], converted: Converted, *, with_temperatures: bool) -> list[Message]:
     told: list[Message] = []
     for rows in read:
-        told += agreement.messages(rows.table, rows.columns, rows.entries, converted.readings)
+        told += agreement.agreement_messages(rows.table, rows.columns, rows.entries, converted.readings)
     for rows in read if with_temperatures else ():
         told += agreement.temperatures(rows.table, rows.columns, list(rows.of_row))
     return list(dict.fromkeys(told))  # a message about what stands above several tables is given once
@@ -274,7 +274,7 @@ def _score(sheet: Sheet) -> float:
 
 
 def _account(
-    chosen: Choice,
+    chosen: SheetChoice,
     of_lands: LandValues,
     read: Sequence[Rows],
     names: ControllerNames,
@@ -297,7 +297,7 @@ def _account(
     return account
 
 
-def _none_left(result: Readings, table: Table) -> ReadingsError:
+def _none_left(result: Readings, table: HeadedTable) -> ReadingsError:
     """Return the error where every reading was left aside, or none is filled in."""
     reasons = [message.text for message in result.messages if message.code in LEFT_ASIDE]
     problem, place = Sentence("no readings are filled in: every diameter is empty"), table.sheet.place(table.last)
@@ -360,5 +360,5 @@ def read_several(
         except ReadingsError as fault:
             faults += fault.problems if isinstance(fault, ReadingsRefused) else [fault]
     if faults:
-        raise together(faults)
+        raise faults_together(faults)
     return sheets

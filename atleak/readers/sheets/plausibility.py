@@ -24,11 +24,11 @@ from atleak.measurements.readings import (
     Readings,
     clearances,
 )
-from atleak.readers.sheets.controller_names import MM
+from atleak.readers.sheets.controller_names import MILLIMETRE
 
-CLEARANCE_LIMIT = 0.5e-3  # [m] radial; a pair further apart than this is a slip of the pen: choice of this project
+_CLEARANCE_LIMIT = 0.5e-3  # [m] radial; a pair further apart than this is a slip of the pen: choice of this project
 REPEAT_LIMIT = 0.5e-3  # [m] repeats further apart than this are a slip too
-FACTORS = (10.0, 25.4, 1000.0 / 25.4, 100.0, 1000.0, 25400.0)  # between units, or a lost decimal point
+_FACTORS = (10.0, 25.4, 1000.0 / 25.4, 100.0, 1000.0, 25400.0)  # between units, or a lost decimal point
 _FACTOR_TOLERANCE = 1.2  # a factor is recognised this far off: a nominal diameter is only nominal
 _FAR = 2.0  # times the nominal diameter, that is another component's land
 _WHOLE_SHEET = 0.8  # of all readings wrong by one factor: the unit is wrong, not the readings
@@ -121,7 +121,7 @@ def _by_land(readings: Readings, controller: Controller) -> dict[LandKey, list[R
 
 def _factor(ratio: float) -> float | None:
     """Return the known factor nearest to a ratio, above or below 1; None where none is near."""
-    for factor in FACTORS:
+    for factor in _FACTORS:
         for candidate in (factor, 1.0 / factor):
             if 1.0 / _FACTOR_TOLERANCE < ratio / candidate < _FACTOR_TOLERANCE:
                 return candidate
@@ -208,7 +208,7 @@ def _slip(factor: float) -> Sentence:
 
 
 def _written(readings: Readings, metres: float) -> Sentence:
-    stated = find_unit(readings.unit, "length") or MM
+    stated = find_unit(readings.unit, "length") or MILLIMETRE
     return Sentence("{size:.7g} {unit}", size=stated.from_si(metres), unit=stated.said)
 
 
@@ -303,7 +303,7 @@ def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readin
         yield swapped
     elif gap.radial_clearance < 0.0:
         yield _smaller(gap, spool, sleeve, place)
-    elif gap.radial_clearance > CLEARANCE_LIMIT:
+    elif gap.radial_clearance > _CLEARANCE_LIMIT:
         missing = {"spool_only": PART_WORDS["sleeve"], "sleeve_only": land.part_name}.get(gap.status)
         problem = Sentence(
             "{land}: radial clearance {clearance} {clearance.unit} between {part} {spool} and sleeve {sleeve}"
@@ -317,7 +317,7 @@ def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readin
         )
         expected = Sentence(
             "at most {most:g} {most.unit}; the mounting clearance is {new:.4g} {new.unit}",
-            most=Quantity(CLEARANCE_LIMIT * TO_MM, "length"),
+            most=Quantity(_CLEARANCE_LIMIT * TO_MM, "length"),
             new=Quantity(land.mounting_high * TO_MM, "length"),
         )
         value = sleeve if gap.status != "spool_only" else spool

@@ -17,7 +17,7 @@ from atleak.common.units import find_unit
 from atleak.readers.cells.sheet import Cell, Sheet, rows_named
 from atleak.readers.sheets.columns import Columns
 from atleak.readers.sheets.diameters import DiameterCell
-from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import is_blank, is_repeat_title, is_state, letters, plain, text_of
 
 _TIME = re.compile(r"[T ,]+\d{1,2}:\d{2}(:\d{2})?(\.\d+)?\s*([ap]m)?$", re.IGNORECASE)
@@ -38,7 +38,7 @@ Break = tuple[int, str]  # a row between readings, and the title in it
 
 
 def question(
-    entries: Sequence[DiameterCell], breaks: Sequence[Break], table: Table, columns: Columns
+    entries: Sequence[DiameterCell], breaks: Sequence[Break], table: HeadedTable, columns: Columns
 ) -> ReadingsError | None:
     """Return an error where the same stations come in two states and no column counts repeats."""
     sheet, several = table.sheet, _several(entries)
@@ -106,7 +106,7 @@ def _which_rows(heading: str, value: str) -> Sentence:
 
 
 def _splitting(
-    several: Mapping[StationKey, Sequence[int]], table: Table, columns: Columns
+    several: Mapping[StationKey, Sequence[int]], table: HeadedTable, columns: Columns
 ) -> Iterator[tuple[int, Splits]]:
     """Yield unread columns whose values separate the rows of one station; the surest first."""
     candidates: list[tuple[int, int, Splits]] = []
@@ -188,7 +188,7 @@ def _blocks(entries: Sequence[DiameterCell], breaks: Sequence[Break], sheet: She
 
 
 def messages(
-    entries: Sequence[DiameterCell], table: Table, columns: Columns, controller: Controller
+    entries: Sequence[DiameterCell], table: HeadedTable, columns: Columns, controller: Controller
 ) -> Iterator[Message]:
     """Yield blocks that return with the same values, and repeats that another column calls states."""
     yield from _pasted_twice(entries, table.sheet, numbered=columns.repeat is not None)
@@ -280,7 +280,7 @@ def _spread(entries: Sequence[DiameterCell], station: StationKey, controller: Co
     return 0.0 if land is None else (max(sizes) / min(sizes) - 1.0) * land.nominal_diameter
 
 
-def _remarks(several: Mapping[StationKey, Sequence[int]], table: Table) -> Iterator[Message]:
+def _remarks(several: Mapping[StationKey, Sequence[int]], table: HeadedTable) -> Iterator[Message]:
     """Yield a warning where remarks differ between rows of one station that nothing calls repeats."""
     for column in table.of("remark"):
         for station, rows in several.items():
@@ -300,7 +300,7 @@ def _remarks(several: Mapping[StationKey, Sequence[int]], table: Table) -> Itera
 # --- what to read -----------------------------------------------------------------------------------------------------
 
 
-def rows_left_out(table: Table, where: Mapping[str, str]) -> frozenset[int]:
+def rows_left_out(table: HeadedTable, where: Mapping[str, str]) -> frozenset[int]:
     """Return the rows without the values that ``where`` asks for under its headings, where a table has them."""
     cells = table.sheet.filled
     return frozenset(
@@ -312,7 +312,7 @@ def rows_left_out(table: Table, where: Mapping[str, str]) -> frozenset[int]:
     )
 
 
-def require_known(tables: Sequence[Table], where: Mapping[str, str]) -> None:
+def require_known(tables: Sequence[HeadedTable], where: Mapping[str, str]) -> None:
     """Check that every heading of ``where`` is that of a column, and what it asks for stands under it.
 
     Raises
@@ -333,7 +333,7 @@ def require_known(tables: Sequence[Table], where: Mapping[str, str]) -> None:
             raise unknown(problem, wanted, map(_day, cells), kind=ReadingsError, place=place)
 
 
-def _headed(table: Table, heading: str) -> int | None:
+def _headed(table: HeadedTable, heading: str) -> int | None:
     return next((index for index in table.span if plain(table.heading(index)) == plain(heading)), None)
 
 

@@ -17,13 +17,13 @@ from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Cell, column_letter
 from atleak.readers.sheets import exclusions as author_marks
 from atleak.readers.sheets import repeats as states
-from atleak.readers.sheets.column_headings import Column
+from atleak.readers.sheets.column_headings import HeadedColumn
 from atleak.readers.sheets.columns import Columns, find_columns
-from atleak.readers.sheets.controller_names import MM as MILLIMETRE
+from atleak.readers.sheets.controller_names import MILLIMETRE as MILLIMETRE
 from atleak.readers.sheets.controller_names import ControllerNames
-from atleak.readers.sheets.diameters import FILL_DOWN, MM, DiameterCell, Key, RawValue, broken_blocks
+from atleak.readers.sheets.diameters import FILL_DOWN, IN_MM, DiameterCell, PlaceKey, RawValue, broken_blocks
 from atleak.readers.sheets.exclusions import Asides
-from atleak.readers.sheets.table import Table
+from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import (
     A_DIAMETER,
     at,
@@ -73,18 +73,18 @@ class Rows:
     were read are of.
     """
 
-    table: Table
+    table: HeadedTable
     columns: Columns
     entries: list[DiameterCell] = field(default_factory=list)
     problems: list[ReadingsError] = field(default_factory=list)
     messages: list[Message] = field(default_factory=list)
     rows_without_reading: int = 0
     cells: set[tuple[int, int]] = field(default_factory=set)
-    of_row: dict[int, list[Key]] = field(default_factory=dict)
+    of_row: dict[int, list[PlaceKey]] = field(default_factory=dict)
 
 
 def read_rows(
-    table: Table, names: ControllerNames, given_unit: Unit | None, where: Mapping[str, str] | None = None
+    table: HeadedTable, names: ControllerNames, given_unit: Unit | None, where: Mapping[str, str] | None = None
 ) -> Rows:
     """Read every diameter of a table, and note everything that is wrong with it."""
     columns = find_columns(table, names)
@@ -96,11 +96,11 @@ def read_rows(
 
 
 class _Reader:
-    def __init__(self, table: Table, columns: Columns, names: ControllerNames, given_unit: Unit | None) -> None:
+    def __init__(self, table: HeadedTable, columns: Columns, names: ControllerNames, given_unit: Unit | None) -> None:
         self.table, self.columns, self.names, self.given_unit = table, columns, names, given_unit
         self.sheet, self.rows = table.sheet, Rows(table, columns)
         self.asides = Asides(table, columns, names)
-        self.blanks: dict[Column, dict[int, None]] = defaultdict(dict)
+        self.blanks: dict[HeadedColumn, dict[int, None]] = defaultdict(dict)
         self.overridden: set[str] = set()
 
     def read(self, where: Mapping[str, str]) -> None:
@@ -125,7 +125,7 @@ class _Reader:
         question = states.question(rows.entries, breaks, table, columns)
         rows.problems += [] if question is None else [question]
         rows.messages += self.asides.messages(rows.entries)
-        rows.messages += author_marks.messages(table, rows.of_row, columns)
+        rows.messages += author_marks.exclusion_messages(table, rows.of_row, columns)
         rows.messages += states.messages(rows.entries, table, columns, self.names.controller)
 
     def _read_all_rows(self, rows_left_out: frozenset[int]) -> tuple[int, list[states.Break]]:
@@ -205,7 +205,7 @@ class _Reader:
 
     # --- values -------------------------------------------------------------------------------------------------------
 
-    def _raw_values(self, row: int) -> Iterator[tuple[dict[str, Column], RawValue | None]]:
+    def _raw_values(self, row: int) -> Iterator[tuple[dict[str, HeadedColumn], RawValue | None]]:
         """Yield each diameter of a row; None for one that is there and cannot be read (the problem is noted)."""
         for group in self.columns.groups:
             given = {name: column for name, column in group.items() if not is_blank(self.sheet.cell(row, column.index))}
@@ -217,7 +217,7 @@ class _Reader:
             elif any([self._fault(row, column, group) for column in group.values()]):  # noqa: C419  all are reported
                 yield group, None
 
-    def _fault(self, row: int, column: Column, group: dict[str, Column]) -> bool:
+    def _fault(self, row: int, column: HeadedColumn, group: dict[str, HeadedColumn]) -> bool:
         fault = self.sheet.faults.get((row, column.index))
         if fault is None:
             return False
@@ -231,7 +231,7 @@ class _Reader:
         self._refuse(Sentence("this cell's formula has no stored result"), row, column, fault, expected)
         return True
 
-    def _half_given(self, row: int, group: dict[str, Column], given: dict[str, Column]) -> bool:
+    def _half_given(self, row: int, group: dict[str, HeadedColumn], given: dict[str, HeadedColumn]) -> bool:
         for which in () if "diameter" in given else (1, 2):
             name = f"coordinate {which}"
             if name not in given:
@@ -241,7 +241,7 @@ class _Reader:
                 return True
         return False
 
-    def _raw_value(self, row: int, given: dict[str, Column]) -> RawValue | None:
+    def _raw_value(self, row: int, given: dict[str, HeadedColumn]) -> RawValue | None:
         numbers: dict[str, float] = {}
         units: dict[str, Unit | None] = {}
         for name, column in given.items():
@@ -254,7 +254,7 @@ class _Reader:
             units[name] = written or self._unit(row, column)
         unit = next(iter(units.values()))
         if len(set(units.values())) > 1:  # diameter and coordinates each in its own unit
-            numbers = {name: value * ((units[name] or MILLIMETRE).factor / MM) for name, value in numbers.items()}
+            numbers = {name: value * ((units[name] or MILLIMETRE).factor / IN_MM) for name, value in numbers.items()}
             unit = MILLIMETRE
         column = given.get("diameter") or given["coordinate 1"]
         coordinates = None
@@ -266,7 +266,7 @@ class _Reader:
                 return None
         return RawValue(numbers.get("diameter"), coordinates, unit, self.table.place(row, column))
 
-    def _unit(self, row: int, column: Column) -> Unit | None:
+    def _unit(self, row: int, column: HeadedColumn) -> Unit | None:
         """Return the unit of a cell that states none: the user's, the row's, the heading's, or that above the table."""
         if column.index in self.sheet.derived:
             return column.unit  # a sum of columns, made in this unit
@@ -282,7 +282,7 @@ class _Reader:
 
     # --- what the row is about ----------------------------------------------------------------------------------------
 
-    def _key(self, row: int, value: Column) -> Key | None:
+    def _key(self, row: int, value: HeadedColumn) -> PlaceKey | None:
         columns = self.columns
         component = self._component(row)
         part: Part | None = value.part or self.table.part
@@ -302,9 +302,9 @@ class _Reader:
             known = known and (repeat is not None or not explicit)
         if component is None or part is None or plane is None or not known:
             return None
-        return Key(component, part, plane, direction, repeat, explicit, self._is_unworn(row))
+        return PlaceKey(component, part, plane, direction, repeat, explicit, self._is_unworn(row))
 
-    def _read_key(self, row: int, column: Column, name: str) -> Any:
+    def _read_key(self, row: int, column: HeadedColumn, name: str) -> Any:
         """Return what the cell of a key says; None where it is empty or not understood, which is a problem."""
         cell = self._required(row, column)
         if cell is None:
@@ -326,7 +326,7 @@ class _Reader:
         cells = (self.sheet.filled(row, index) for index in range(self.sheet.width) if index not in self.columns.read)
         return any(isinstance(cell, str) and says_unworn(cell) for cell in cells)
 
-    def _required(self, row: int, column: Column) -> Cell | None:
+    def _required(self, row: int, column: HeadedColumn) -> Cell | None:
         cell = self.sheet.filled(row, column.index)
         if not is_blank(cell):
             return cell
@@ -362,7 +362,7 @@ class _Reader:
                 expected=Sentence("{component} or {name}", component=component, name=name),
             )
 
-    def _plane(self, row: int, component: str | None, value: Column) -> str | None:
+    def _plane(self, row: int, component: str | None, value: HeadedColumn) -> str | None:
         """Return the plane as the controller spells it: of the planes or lands that columns or the heading name."""
         columns = self.columns
         if component is None:  # reported already; whether a plane is given at all is still reported
@@ -397,7 +397,7 @@ class _Reader:
             self._once(row, column, error)
             return None
 
-    def _named(self, row: int, column: Column | None, headed: str | None, needed: bool = True) -> Cell | None:
+    def _named(self, row: int, column: HeadedColumn | None, headed: str | None, needed: bool = True) -> Cell | None:
         """Return what the value's heading names, or else the cell of the row; None where it is empty."""
         if headed is not None or column is None:
             return headed
@@ -442,12 +442,17 @@ class _Reader:
                 self.rows.messages.append(Message("warning", "hidden_columns", text, self.table.heading_place()))
 
     def _refuse(
-        self, problem: Sentence, row: int, column: Column | None, value: object = None, expected: Sentence | None = None
+        self,
+        problem: Sentence,
+        row: int,
+        column: HeadedColumn | None,
+        value: object = None,
+        expected: Sentence | None = None,
     ) -> None:
         place = self.sheet.place(row) if column is None else self.table.place(row, column)
         self.rows.problems.append(ReadingsError(problem, place=place, value=value, expected=expected))
 
-    def _once(self, row: int, column: Column, problem: ReadingsError) -> None:
+    def _once(self, row: int, column: HeadedColumn, problem: ReadingsError) -> None:
         """Add a problem of the row once, not for each of its values."""
         place = self.table.place(row, column)
         if place not in {known.place for known in self.rows.problems[-8:]}:

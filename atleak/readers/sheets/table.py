@@ -21,21 +21,21 @@ from atleak.readers.sheets.column_headings import (
     LETTERED,
     OF_LANDS,
     SAYS_NOTHING,
-    Column,
+    HeadedColumn,
     Role,
     both_ends,
     is_explained,
     read_heading,
-    split_unit,
     spot_of_heading,
     tokens_of,
+    unit_of_heading,
 )
 from atleak.readers.sheets.head_fields import is_row_of_fields
 from atleak.readers.sheets.words import is_blank, is_page_title, number_of, part_of, part_said, side_of, text_of
 
 
 @dataclass(frozen=True)
-class Table:
+class HeadedTable:
     """One table of a sheet, with headings in rows ``first`` to ``last`` from 0, of all columns in ``texts``.
 
     A table that goes on under another title, or on another sheet, has no headings of its own: ``last`` is then the row
@@ -49,7 +49,7 @@ class Table:
     sheet: Sheet
     first: int
     last: int
-    columns: tuple[Column, ...]
+    columns: tuple[HeadedColumn, ...]
     texts: tuple[str, ...] = ()
     part: Part | None = None
     component: str | None = None
@@ -69,7 +69,7 @@ class Table:
         """Return the place of a column's heading, or of the row of headings."""
         return self.sheet.place(max(self.last, 0), index, "" if index is None else self.heading(index))
 
-    def of(self, role: Role) -> tuple[Column, ...]:
+    def of(self, role: Role) -> tuple[HeadedColumn, ...]:
         """Return the columns of that role."""
         return tuple(column for column in self.columns if column.role == role)
 
@@ -78,17 +78,17 @@ class Table:
         return next((column.role for column in self.columns if column.index == index), None)
 
     @cached_property
-    def values(self) -> tuple[Column, ...]:
+    def values(self) -> tuple[HeadedColumn, ...]:
         """Return the columns of diameters and their coordinates."""
         return tuple(column for column in self.columns if column.holds_value)
 
     @cached_property
-    def of_lands(self) -> tuple[Column, ...]:
+    def of_lands(self) -> tuple[HeadedColumn, ...]:
         """Return the columns of what a land itself has, or its component: contact length, position, fitted repair."""
         return tuple(column for column in self.columns if column.role in OF_LANDS)
 
     @property
-    def labels(self) -> list[Column]:
+    def labels(self) -> list[HeadedColumn]:
         """Return the columns that say of which component, part or place the rows are."""
         return [column for column in self.columns if column.role in ("component", "part", "plane", "land")]
 
@@ -156,12 +156,12 @@ class Table:
         """Count the cells under the headings that hold something where a diameter belongs."""
         return sum(not is_blank(self.sheet.cell(row, column.index)) for row in self.rows for column in self.values)
 
-    def names_parts(self, column: Column) -> bool:
+    def names_parts(self, column: HeadedColumn) -> bool:
         """Return whether most cells of a column name a part, and nothing else."""
         cells = self.cells(column.index).values()
         return 2 * sum(part_said(text_of(cell)) is not None for cell in cells) > len(cells)
 
-    def place(self, row: int, column: Column) -> Place:
+    def place(self, row: int, column: HeadedColumn) -> Place:
         """Return the place of a cell."""
         return self.sheet.place(row, column.index, column.name)
 
@@ -196,7 +196,7 @@ class Table:
     # --- the same table, otherwise ------------------------------------------------------------------------------------
 
     @property
-    def as_it_stands(self) -> Table:
+    def as_it_stands(self) -> HeadedTable:
         """Return the table for what stands above its headings in the file, also where it was turned."""
         if not self.sheet.turned:
             return self
@@ -204,8 +204,11 @@ class Table:
         return replace(self, sheet=replace(self.sheet, turned=False), first=first)
 
     def with_columns(
-        self, columns: Sequence[tuple[Column, int]], cells: Callable[[int], Iterable[Cell]], instead_of: frozenset[int]
-    ) -> Table:
+        self,
+        columns: Sequence[tuple[HeadedColumn, int]],
+        cells: Callable[[int], Iterable[Cell]],
+        instead_of: frozenset[int],
+    ) -> HeadedTable:
         """Return the table with further columns behind its last one.
 
         Parameters
@@ -230,7 +233,7 @@ class Table:
         )
 
 
-EXPECTED = Sentence(
+EXPECTED_SHEET = Sentence(
     "one row of headings with at least: component (or 'No.'), part (spool or sleeve), plane (or land), and either "
     "diameter or coordinate x1 and coordinate x2; also read: direction, repeat, unit"
 )
@@ -238,7 +241,7 @@ EXPECTED = Sentence(
 _DEPTH = 4  # rows that headings may be spread over
 
 
-def _starts_table(table: Table) -> bool:
+def _starts_table(table: HeadedTable) -> bool:
     """Return whether this can only be headings: two sizes, or a size beside what it is of."""
     sizes = [column for column in table.columns if column.holds_size and _is_named_size(column)]
     others = [column for column in table.columns if column.role == "quantity" and column.unit is not None]
@@ -247,21 +250,21 @@ def _starts_table(table: Table) -> bool:
     return (len(sizes) or several) + bool(keys) > 1 or (bool(others or table.of_lands) and len(keys) > 1)
 
 
-def _is_named_size(column: Column) -> bool:
+def _is_named_size(column: HeadedColumn) -> bool:
     """Return whether a word of its own says a size, not only "spool" or "0°", which stand in readings too."""
     words = tokens_of(column.heading)
     named = words.any("of_size", "of_reading") or both_ends(set(words)) or column.role == "coordinate"
     return not column.holds_value or named or column.unit is not None or bool(column.standing)
 
 
-def best_header(sheet: Sheet) -> Table | None:
+def best_header(sheet: Sheet) -> HeadedTable | None:
     """Return the row (or up to three rows) that looks most like headings, or None where none does."""
     rows = (row for row in range(len(sheet.rows)) if _may_hold_headings(sheet, row))
     found = [header for row in rows for header in _headers_at(sheet, row) if header.score > 2.0]
     return max(found, key=lambda header: round(header.score, 9), default=None)
 
 
-def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Table]:
+def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[HeadedTable]:
     """Return the headings of every table, from top to bottom. ``is_component`` knows the cells of readings."""
     candidates = []
     for first in range(len(sheet.rows)):
@@ -281,7 +284,7 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Tabl
             # a row that holds a number is taken only where its headings leave no doubt
             if _starts_table(header) and (not decimals or (header.complete and len(header.roles) > 2)):
                 candidates.append(header)
-    headers: list[Table] = []
+    headers: list[HeadedTable] = []
     taken: set[int] = set()
     for header in sorted(candidates, key=lambda each: (-round(each.score + _depth_bonus(each), 9), each.first)):
         rows = range(header.first, header.last + 1)
@@ -291,7 +294,7 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Tabl
     return sorted(headers, key=lambda each: each.first)
 
 
-def _depth_bonus(table: Table) -> float:
+def _depth_bonus(table: HeadedTable) -> float:
     """Score headings under headings higher: "nominal" and "actual" under "diameter" make no table of their own."""
     return sum(
         0.02
@@ -327,14 +330,14 @@ def _may_hold_headings(sheet: Sheet, row: int) -> bool:
     return texts[0] > 0 and sheet.merged.get((row, texts[0] + 1)) == (row, texts[0])
 
 
-def _headers_at(sheet: Sheet, first: int) -> Iterator[Table]:
+def _headers_at(sheet: Sheet, first: int) -> Iterator[HeadedTable]:
     for last in range(first, min(first + _DEPTH, len(sheet.rows))):
         if last > first and not any(not is_blank(cell) for cell in sheet.rows[last]):
             return
         headings = _headings(sheet, first, last)
         columns = [column for index, text in enumerate(headings) if (column := read_heading(text, index)) is not None]
         columns += _numbered(columns, headings)
-        header = Table(sheet, first, last, read_together(columns), tuple(headings))
+        header = HeadedTable(sheet, first, last, read_together(columns), tuple(headings))
         if last > first and _is_data(header):
             return
         yield header
@@ -364,13 +367,13 @@ def _said(sheet: Sheet, row: int, column: int) -> str:
 
 @lru_cache(maxsize=4096)
 def _is_under_another(text: str) -> bool:
-    rest, _ = split_unit(text)
+    rest, _ = unit_of_heading(text)
     words = tokens_of(rest)
     of_another = words.any("mean", "sum", "mean_in_heading", "of_specification", "of_reading")
     return of_another or is_explained(spot_of_heading(words)[1])
 
 
-def _numbered(columns: Sequence[Column], headings: Sequence[str]) -> list[Column]:
+def _numbered(columns: Sequence[HeadedColumn], headings: Sequence[str]) -> list[HeadedColumn]:
     """Return columns headed 1, 2 … alone beside component and part, where no other holds a diameter."""
     roles = {column.role for column in columns}
     if not {"component", "part"} <= roles or any(column.holds_size for column in columns):
@@ -379,12 +382,12 @@ def _numbered(columns: Sequence[Column], headings: Sequence[str]) -> list[Column
     if len(numbered) < 2 or [headings[index] for index in numbered] != [str(at + 1) for at in range(len(numbered))]:
         return []
     return [
-        Column(index, headings[index], "diameter", repeat=int(headings[index]), tentative=True, unsure=True)
+        HeadedColumn(index, headings[index], "diameter", repeat=int(headings[index]), tentative=True, unsure=True)
         for index in numbered
     ]
 
 
-def _is_data(header: Table) -> bool:
+def _is_data(header: HeadedTable) -> bool:
     """Return whether the last row taken for headings is a reading: it names a component of its own."""
     cell = header.sheet.cell
     return any(
@@ -394,7 +397,7 @@ def _is_data(header: Table) -> bool:
     )
 
 
-def read_together(columns: list[Column]) -> tuple[Column, ...]:
+def read_together(columns: list[HeadedColumn]) -> tuple[HeadedColumn, ...]:
     """Correct what single headings say by what all columns say together.
 
     A direction or part in a value's heading holds only where no column of its own says it. "Spool" and "sleeve" are
@@ -434,7 +437,7 @@ def read_together(columns: list[Column]) -> tuple[Column, ...]:
     return tuple(replace(column, repeat=None) if column.station in gaps else column for column in together)
 
 
-def _lettered(columns: list[Column]) -> list[Column]:
+def _lettered(columns: list[HeadedColumn]) -> list[HeadedColumn]:
     """Return diameters headed "dx" and "Dx" as of spool and bore, where both letters stand there."""
     letters = {
         column.index: match[1]
@@ -449,7 +452,7 @@ def _lettered(columns: list[Column]) -> list[Column]:
     ]
 
 
-def _as_inner(column: Column) -> Column:
+def _as_inner(column: HeadedColumn) -> HeadedColumn:
     """Return a column headed "ID" beside one headed "OD" as the bore's diameter."""
     if column.role != "component" or side_of(column.heading) != "sleeve":
         return column

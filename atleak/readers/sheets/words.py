@@ -58,7 +58,7 @@ class Vocabulary:
 
 
 @cache
-def vocabulary(*meanings: str) -> Vocabulary:
+def sheet_vocabulary(*meanings: str) -> Vocabulary:
     """Return the words for one or several meanings of ``vocabulary.toml``.
 
     >>> "solldurchmesser" in vocabulary("specification", "specification_title")
@@ -69,7 +69,7 @@ def vocabulary(*meanings: str) -> Vocabulary:
 
 def is_word(word: str) -> bool:
     """Return whether measuring sheets use a word, in any meaning: it tells how a text file is encoded."""
-    return plain(word) in vocabulary(*_LISTED)
+    return plain(word) in sheet_vocabulary(*_LISTED)
 
 
 _TOGETHER = {  # several meanings under one name
@@ -97,22 +97,22 @@ class Words(tuple[str, ...]):
         >>> letters("Solldurchmesser in mm").of("specification", "specification_title")
         {'solldurchmesser'}
         """
-        known = vocabulary(*meanings)
+        known = sheet_vocabulary(*meanings)
         return {word for word in self if word in known}
 
     def any(self, *meanings: str) -> bool:
         """Return whether one of the words has one of these meanings."""
-        known = vocabulary(*meanings)
+        known = sheet_vocabulary(*meanings)
         return any(word in known for word in self)
 
     def only(self, *meanings: str) -> bool:
         """Return whether every word has one of these meanings; of no words they all have."""
-        known = vocabulary(*meanings)
+        known = sheet_vocabulary(*meanings)
         return all(word in known for word in self)
 
     def but(self, *meanings: str) -> Words:
         """Return the words that have none of these meanings."""
-        known = vocabulary(*meanings)
+        known = sheet_vocabulary(*meanings)
         return Words(word for word in self if word not in known)
 
 
@@ -448,7 +448,7 @@ def says_no(cell: Cell) -> bool:
     >>> says_no("Nein"), says_no(False), says_no(0.0), says_no("ok")
     (True, True, True, False)
     """
-    return plain(text_of(cell)).strip(" .!") in vocabulary("no", "counts_not")
+    return plain(text_of(cell)).strip(" .!") in sheet_vocabulary("no", "counts_not")
 
 
 def says_yes(cell: Cell) -> bool:
@@ -457,7 +457,7 @@ def says_yes(cell: Cell) -> bool:
     >>> says_yes("tak"), says_yes("x"), says_yes("rejected"), says_yes("")
     (True, True, True, False)
     """
-    return plain(text_of(cell)).strip(" .!") in vocabulary("yes", "counts_not")
+    return plain(text_of(cell)).strip(" .!") in sheet_vocabulary("yes", "counts_not")
 
 
 def is_rejected(cell: Cell) -> bool:
@@ -467,7 +467,7 @@ def is_rejected(cell: Cell) -> bool:
     (True, True, False)
     """
     text = plain(cell).strip(" .!()") if isinstance(cell, str) else ""
-    return text in vocabulary("counts_not") or text in {
+    return text in sheet_vocabulary("counts_not") or text in {
         "do not use",
         "not valid",
         "nicht verwenden",

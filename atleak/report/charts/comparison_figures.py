@@ -18,11 +18,11 @@ from atleak.measurements.road_test import QUANTITIES, Channel
 from atleak.report.charts.figure import Figure, by_land, framed
 from atleak.report.tables.road_test import Scales
 
-POINTS = 1500  # samples of a channel that are drawn of each log
+_POINTS = 1500  # samples of a channel that are drawn of each log
 _STEPS = ("gear", "selector", "lock_up")  # channels that hold their value until the next sample
 
 
-def clearances(comparison: Comparison, lands: Sequence[LandComparison], say: Wording) -> Figure:
+def compared_clearances(comparison: Comparison, lands: Sequence[LandComparison], say: Wording) -> Figure:
     """Draw the clearances of lands before (open) and after (filled), a line between them, with their 95 % intervals.
 
     Marks are the mounting clearance and the lowest limit of wear or clearance, as they stand after.
@@ -96,7 +96,7 @@ def logs_over_one_another(logs: LogComparison, pair: EventPair, scales: Scales, 
             channel = test.channel(quantity)
             assert channel is not None
             time, values = _samples(channel, test.time, start)
-            keep, name, (colour, dash) = thinned([values], POINTS), say(f"compare.{side}"), looks[side]
+            keep, name, (colour, dash) = thinned([values], _POINTS), say(f"compare.{side}"), looks[side]
             legend = {"name": name, "legendgroup": side, "showlegend": row == 1, "hover": f"{name}: %{{y:.5g}}"}
             shape = "hv" if quantity in _STEPS else "linear"
             figure.line(time[keep], convert(values[keep]), colour, 2, dash, shape=shape, row=row, **legend)

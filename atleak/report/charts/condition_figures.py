@@ -27,7 +27,7 @@ _COLOURS = tuple(CURVES.values())
 _DASHES = ("dot", "dash", "longdash", "dashdot", "longdashdot")
 
 
-def pump_over_speed(data: PumpOverSpeed, say: Wording | None = None) -> Figure:
+def pump_speed_chart(data: PumpOverSpeed, say: Wording | None = None) -> Figure:
     """Draw the pump's supply over engine speed against the demand at each temperature, with their crossings.
 
     The demand at the condition's own temperature is drawn thick, with the 95 % interval of its crossing. English unless
@@ -94,10 +94,10 @@ _LESS = [[0.0, _MORE[1][1]], [1.0, _MORE[0][1]]]
 _TRIAL_DASHES = ("solid", "dash", "dot", "dashdot")
 _HEIGHT = 440
 
-Place = tuple[float, float]  # temperature [°C] and wear
+MapPlace = tuple[float, float]  # temperature [°C] and wear
 
 
-def share_map(over: Map, job: Place, tried: Place, say: Wording) -> Figure:
+def share_map(over: Map, job: MapPlace, tried: MapPlace, say: Wording) -> Figure:
     """Draw the share of the pump's flow over temperature and wear, with the borders of its bands."""
     values = np.where(np.isfinite(over.share), over.share, np.nan) * PERCENT
     figure = Figure()
@@ -106,7 +106,7 @@ def share_map(over: Map, job: Place, tried: Place, say: Wording) -> Figure:
     return _laid_out(figure, over, job, tried, say)
 
 
-def pressure_map(over: Map, name: str, job: Place, tried: Place, say: Wording) -> Figure:
+def pressure_map(over: Map, name: str, job: MapPlace, tried: MapPlace, say: Wording) -> Figure:
     """Draw the pressure that the line, ``p_g``, or a circuit holds, with the borders of its levels."""
     values = say.convert(over.pressures[name] * KPA, "pressure")
     figure = Figure()
@@ -143,7 +143,7 @@ def _borders(figure: Figure, over: Map, borders: Sequence[tuple[Border, np.ndarr
             figure.line(at, _wears(over, wears), colour, 3, dash, name=named, connectgaps=False, hover=hover)
 
 
-def _laid_out(figure: Figure, over: Map, job: Place, tried: Place, say: Wording) -> Figure:
+def _laid_out(figure: Figure, over: Map, job: MapPlace, tried: MapPlace, say: Wording) -> Figure:
     for place, name, symbol, size in ((job, "the_job", "circle-open", 22), (tried, "tried", "diamond", 11)):
         wear, at = _wears(over, np.array([place[1]])).tolist(), [float(say.convert(place[0], "temperature"))]
         figure.marks(wear, at, say(f"what_if.{name}"), (SCREEN.ink, symbol, size, 3.0), upright=True, cliponaxis=False)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.common.sentences import Name, Sentence
-from atleak.common.style import DARK, EDGE, PAPER, Inks, look_of
+from atleak.common.style import DARK, EDGE, PAPER_INKS, Inks, look_of
 from atleak.common.unit_systems import MM
 from atleak.common.verdicts import Verdict, worst
 from atleak.common.wording import Wording, wording
@@ -230,7 +230,10 @@ def _end_view(directions: Sequence[float], x: float, y: float, say: Wording) -> 
     """Draw the spool seen along its axis, with a line for each direction in which a diameter is measured."""
     if not directions:
         return ""
-    parts = [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="48" fill="{PAPER.metal}" stroke="{PAPER.ink}" stroke-width="1.5"/>']
+    parts = [
+        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="48" fill="{PAPER_INKS.metal}" '
+        f'stroke="{PAPER_INKS.ink}" stroke-width="1.5"/>'
+    ]
     for angle in directions:
         across, up = math.sin(math.radians(angle)), math.cos(math.radians(angle))
         ends = [f"{x + far * across:.1f} {y - far * up:.1f}" for far in (-62.0, 62.0)]
@@ -240,12 +243,12 @@ def _end_view(directions: Sequence[float], x: float, y: float, say: Wording) -> 
 
 
 def _axis_line(start: str, end: str) -> str:
-    return f'<path d="M{start}L{end}" stroke="{PAPER.ink}" stroke-width="1.2" stroke-dasharray="10 3 2 3"/>'
+    return f'<path d="M{start}L{end}" stroke="{PAPER_INKS.ink}" stroke-width="1.2" stroke-dasharray="10 3 2 3"/>'
 
 
 def on_dark(drawing: str) -> str:
     """Return the same drawing for a dark ground: light words and lines, dark cards; the lands keep their shades."""
-    return drawing.replace(_card(PAPER), _card(DARK)).replace(PAPER.ink, DARK.ink)
+    return drawing.replace(_card(PAPER_INKS), _card(DARK)).replace(PAPER_INKS.ink, DARK.ink)
 
 
 def _card(inks: Inks) -> str:
@@ -287,7 +290,7 @@ def _component(
     if title.number:
         label = svg_text(x + 12, down + letters, title.number, 15 * letters, bold=True, anchor="start") + label
     return (
-        f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{row - 8:.1f}"{_card(PAPER)} '
+        f'<rect x="{x + 4:.1f}" y="{y + 4:.1f}" width="{cell - 8:.1f}" height="{row - 8:.1f}"{_card(PAPER_INKS)} '
         f'stroke="{edge}" stroke-width="{thick}"/>'
         + label
         + _spool(lands, verdicts, x + cell / 2.0, y + row - 38.0, scale, thick=1.0)
@@ -307,12 +310,12 @@ def _spool(
     rod = min(land.nominal_diameter for land in lands) * MM * scale[1] * _ROD
     parts = [
         f'<rect x="{left - 4:.1f}" y="{middle - rod / 2:.1f}" width="{right - left + 8:.1f}" height="{rod:.1f}" '
-        f'fill="{PAPER.metal}" stroke="{PAPER.ink}" stroke-width="{0.6 * thick:.1f}"/>'
+        f'fill="{PAPER_INKS.metal}" stroke="{PAPER_INKS.ink}" stroke-width="{0.6 * thick:.1f}"/>'
     ]
     for land, x, width in places:
         height = land.nominal_diameter * MM * scale[1]
         look = look_of(verdicts[land.key]) if land.key in verdicts else None
-        fill, line, thickness = (look.fill, look.line, look.width) if look else (PAPER.metal, PAPER.ink, 1.0)
+        fill, line, thickness = (look.fill, look.line, look.width) if look else (PAPER_INKS.metal, PAPER_INKS.ink, 1.0)
         dashes = f' stroke-dasharray="{look.dashes}"' if look and look.dashes else ""
         parts.append(
             f'<rect x="{x:.1f}" y="{middle - height / 2:.1f}" width="{width:.1f}" height="{height:.1f}" '
@@ -321,7 +324,7 @@ def _spool(
         for side in (-1.0, 1.0):  # the sleeve's bore on both sides of the land
             y = middle + side * (height / 2 + 3.0 * thick)
             parts.append(
-                f'<path d="M{x - 2:.1f} {y:.1f}H{x + width + 2:.1f}" stroke="{PAPER.ink}" '
+                f'<path d="M{x - 2:.1f} {y:.1f}H{x + width + 2:.1f}" stroke="{PAPER_INKS.ink}" '
                 f'stroke-width="{1.4 * thick:.1f}"/>'
             )
         if look:
@@ -408,6 +411,6 @@ def svg_text(x: float, y: float, text: str, size: float, *, bold: bool = False, 
     """Return a line of text at a point."""
     weight = ' font-weight="bold"' if bold else ""
     return (
-        f'<text x="{x:.1f}" y="{y:.1f}" font-family="{FONT}" font-size="{size:g}" fill="{PAPER.ink}" '
+        f'<text x="{x:.1f}" y="{y:.1f}" font-family="{FONT}" font-size="{size:g}" fill="{PAPER_INKS.ink}" '
         f'text-anchor="{anchor}"{weight}>{escape(text)}</text>'
     )

@@ -15,9 +15,9 @@ import plotly.graph_objects as go
 from atleak.common.style import CLEAR, FAINT_GRID, HATCHING, SCREEN, Look
 from atleak.common.wording import Wording, wording
 
-Span = tuple[float, float]
-Values = Sequence[float | None]
-Mark = tuple[str, str | list[str], int | list[int], float]
+_Span = tuple[float, float]
+_Values = Sequence[float | None]
+_Mark = tuple[str, str | list[str], int | list[int], float]
 HATCH = {"fillmode": "overlay", "fgcolor": HATCHING, "size": 7, "solidity": 0.2}
 
 
@@ -63,7 +63,7 @@ class Figure:
         """Add bars."""
         self.add("bar", **properties)
 
-    def marks(self, values: Values, places: Sequence[Any], name: str, look: Mark, **more: Any) -> None:
+    def marks(self, values: _Values, places: Sequence[Any], name: str, look: _Mark, **more: Any) -> None:
         """Draw values as points of a colour, a symbol, a size and a width of outline.
 
         Values are along the x axis and places along the y axis, or the other way round where ``upright``. With a
@@ -80,7 +80,9 @@ class Figure:
         more["mode"] = "markers+text" if more.get("text") else "markers"
         self._valued("scatter", values, places, colour, name=name, **more)
 
-    def bars(self, values: Values, places: Sequence[Any], name: str, look: Look | tuple[str, str], **more: Any) -> None:
+    def bars(
+        self, values: _Values, places: Sequence[Any], name: str, look: Look | tuple[str, str], **more: Any
+    ) -> None:
         """Draw values as bars, in the shade and hatch of a level or in a colour and a pattern; see `marks`."""
         colour, pattern = (look.screen, look.pattern) if isinstance(look, Look) else look
         more = {"marker": {"color": colour, "pattern": HATCH | {"shape": pattern}}, **more}
@@ -103,12 +105,12 @@ class Figure:
     def _valued(
         self,
         kind: str,
-        values: Values,
+        values: _Values,
         places: Sequence[Any],
         colour: str,
         *,
         factor: float = 1.0,
-        spans: Sequence[Span | None] | None = None,
+        spans: Sequence[_Span | None] | None = None,
         upright: bool = False,
         **more: Any,
     ) -> None:
@@ -200,7 +202,7 @@ def _given(properties: dict[str, Any]) -> dict[str, Any]:
 
 
 def error_bars(
-    values: Sequence[float], intervals: Sequence[Span | None], factor: float, colour: str = SCREEN.soft
+    values: Sequence[float], intervals: Sequence[_Span | None], factor: float, colour: str = SCREEN.soft
 ) -> dict[str, Any] | None:
     """Return asymmetric error bars; None where nothing has an interval.
 

@@ -11,19 +11,19 @@ from dataclasses import dataclass
 
 from atleak.analysis.pressures import pressures_at
 from atleak.catalogue.circuits import Circuit, Consumer, Leak
-from atleak.common.style import PAPER, SCREEN, look_of
+from atleak.common.style import PAPER_INKS, SCREEN, look_of
 from atleak.common.unit_systems import DM3_MIN, KPA
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, isolated, wording
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.engine.flows import Flow, Kind, Place, flows_at
+from atleak.engine.flows import Flow, FlowKind, FlowPlace, flows_at
 from atleak.engine.operation import LINE
 from atleak.engine.projection import Projection
 from atleak.report.charts.drawing import sign_svg, svg_head, svg_text, wrapped
 from atleak.report.tables.names import has_number, land_number
 from atleak.report.tables.table import VERDICT, Column, Table
 
-SHOWN = 12  # lands that are drawn by themselves; the others of a section stand together
+_SHOWN = 12  # lands that are drawn by themselves; the others of a section stand together
 _OTHERS = -1  # number of a land that stands for several
 
 
@@ -31,7 +31,7 @@ _OTHERS = -1  # number of a land that stands for several
 class DrawnPlace:
     """One place of the diagram."""
 
-    place: Place
+    place: FlowPlace
     words: str  # short
     pressure: float | None  # [Pa] of a section or circuit
     name: str  # in full
@@ -69,7 +69,7 @@ def flow_diagram(
     projection: Projection,
     *,
     leaks_only: bool = False,
-    lands: int = SHOWN,
+    lands: int = _SHOWN,
     say: Wording | None = None,
 ) -> FlowDiagram:
     """Lay out the flow at one condition of a diagnosis.
@@ -93,9 +93,9 @@ def flow_diagram(
     verdicts = _verdicts(diagnosis, projection, every.flows)
     flows, count = _together([*every.flows], verdicts, lands)
     if leaks_only:
-        flows = [each for each in flows if each.source.kind not in (Kind.PUMP, Kind.BEYOND)]
+        flows = [each for each in flows if each.source.kind not in (FlowKind.PUMP, FlowKind.BEYOND)]
     columns = _columns(flows)
-    through: dict[Place, float] = {
+    through: dict[FlowPlace, float] = {
         place: max(
             sum(each.flow for each in flows if each.target == place),
             sum(each.flow for each in flows if each.source == place),
@@ -108,7 +108,7 @@ def flow_diagram(
         DrawnPlace(
             place=place,
             words=words.short(place),
-            pressure=every.pressures[place.name] if place.kind is Kind.SECTION else None,
+            pressure=every.pressures[place.name] if place.kind is FlowKind.SECTION else None,
             name=words.full(place),
             verdict=verdicts.get(place),
             column=columns[place],
@@ -138,27 +138,29 @@ def flow_words(flow: float, say: Wording) -> str:
     return say.value(value, "flow", 1 if value >= 1.0 else 2 if value >= 0.1 else 3)
 
 
-def _verdicts(diagnosis: Diagnosis, projection: Projection, flows: Sequence[Flow]) -> dict[Place, Verdict]:
+def _verdicts(diagnosis: Diagnosis, projection: Projection, flows: Sequence[Flow]) -> dict[FlowPlace, Verdict]:
     """Return the verdict of every place that is judged at a condition."""
     at = pressures_at(diagnosis, projection)
     of_lands = {land.key: land.verdict for land in diagnosis.lands}
-    lands = {each.target for each in flows if each.target.kind is Kind.LAND}
+    lands = {each.target for each in flows if each.target.kind is FlowKind.LAND}
     found = {land: of_lands[land.name, land.land] for land in lands}
-    found |= {Place(Kind.SECTION, each.id): each.verdict for each in at.applied if each.verdict is not None}
+    found |= {FlowPlace(FlowKind.SECTION, each.id): each.verdict for each in at.applied if each.verdict is not None}
     if at.reserve_verdict is not None:
-        found[Place(Kind.PUMP)] = at.reserve_verdict
+        found[FlowPlace(FlowKind.PUMP)] = at.reserve_verdict
     return found
 
 
-def _of_flow(flow: Flow, verdicts: dict[Place, Verdict]) -> Verdict | None:
+def _of_flow(flow: Flow, verdicts: dict[FlowPlace, Verdict]) -> Verdict | None:
     """Return the verdict of the land or circuit that a flow leads into, or out of where it leads to an end."""
     for place in (flow.target, flow.source):
-        if place.kind in (Kind.LAND, Kind.SECTION) and place != Place(Kind.SECTION, LINE):
+        if place.kind in (FlowKind.LAND, FlowKind.SECTION) and place != FlowPlace(FlowKind.SECTION, LINE):
             return verdicts.get(place)
     return None
 
 
-def _together(flows: Sequence[Flow], verdicts: dict[Place, Verdict], lands: int) -> tuple[list[Flow], dict[Place, int]]:
+def _together(
+    flows: Sequence[Flow], verdicts: dict[FlowPlace, Verdict], lands: int
+) -> tuple[list[Flow], dict[FlowPlace, int]]:
     """Let lands that are not drawn by themselves stand together, by the sections between which they leak.
 
     All that leak to the sump alone are one place.
@@ -168,29 +170,29 @@ def _together(flows: Sequence[Flow], verdicts: dict[Place, Verdict], lands: int)
     tuple
         the flows, and how many lands stand at each place that several share.
     """
-    through: dict[Place, float] = defaultdict(float)
-    ends: dict[Place, set[tuple[int, Place]]] = defaultdict(set)
+    through: dict[FlowPlace, float] = defaultdict(float)
+    ends: dict[FlowPlace, set[tuple[int, FlowPlace]]] = defaultdict(set)
     for each in flows:
-        if each.target.kind is Kind.LAND:
+        if each.target.kind is FlowKind.LAND:
             through[each.target] += each.flow
             ends[each.target].add((0, each.source))
-        if each.source.kind is Kind.LAND:
+        if each.source.kind is FlowKind.LAND:
             ends[each.source].add((1, each.target))
     worst_first = sorted(through, key=lambda land: (-_rank(verdicts.get(land)), -through[land]))
-    groups: dict[frozenset[tuple[int, Place]], list[Place]] = defaultdict(list)
+    groups: dict[frozenset[tuple[int, FlowPlace]], list[FlowPlace]] = defaultdict(list)
     for land in worst_first[lands:]:
         to = {end for end in ends[land] if end[0] == 1}
-        to_sump = {place.kind for _, place in to} == {Kind.SUMP}
+        to_sump = {place.kind for _, place in to} == {FlowKind.SUMP}
         groups[frozenset(to if to_sump else ends[land])].append(land)
     stands_at = {land: land for land in through}
-    count: dict[Place, int] = {}
+    count: dict[FlowPlace, int] = {}
     for number, alike in enumerate(groups.values()):
         if len(alike) > 1:
-            place = Place(Kind.LAND, str(number), _OTHERS)
+            place = FlowPlace(FlowKind.LAND, str(number), _OTHERS)
             count[place] = len(alike)
             verdicts[place] = max((verdicts[land] for land in alike), key=lambda verdict: verdict.rank)
             stands_at |= dict.fromkeys(alike, place)
-    sums: dict[tuple[Place, Place], float] = defaultdict(float)
+    sums: dict[tuple[FlowPlace, FlowPlace], float] = defaultdict(float)
     for each in flows:
         sums[stands_at.get(each.source, each.source), stands_at.get(each.target, each.target)] += each.flow
     return [Flow(*both, flow) for both, flow in sums.items()], count
@@ -200,7 +202,7 @@ def _rank(verdict: Verdict | None) -> int:
     return -1 if verdict is None else verdict.rank
 
 
-def _columns(flows: Sequence[Flow]) -> dict[Place, int]:
+def _columns(flows: Sequence[Flow]) -> dict[FlowPlace, int]:
     """Return the column of every place: one behind the last that leads to it.
 
     What leads to the sump alone stands before it, and the sump last of all.
@@ -213,11 +215,15 @@ def _columns(flows: Sequence[Flow]) -> dict[Place, int]:
             break
         columns = moved
     last = max(columns.values(), default=0)
-    leads_to: dict[Place, set[Kind]] = defaultdict(set)
+    leads_to: dict[FlowPlace, set[FlowKind]] = defaultdict(set)
     for each in flows:
         leads_to[each.source].add(each.target.kind)
-    moved = {place: last - 1 for place in columns if leads_to[place] == {Kind.SUMP} and place.kind is not Kind.SECTION}
-    moved |= {place: last for place in columns if place.kind is Kind.SUMP}
+    moved = {
+        place: last - 1
+        for place in columns
+        if leads_to[place] == {FlowKind.SUMP} and place.kind is not FlowKind.SECTION
+    }
+    moved |= {place: last for place in columns if place.kind is FlowKind.SUMP}
     return columns | moved
 
 
@@ -227,37 +233,37 @@ class _Words:
 
     diagnosis: Diagnosis
     pressures: Mapping[str, float]
-    count: Mapping[Place, int]
+    count: Mapping[FlowPlace, int]
     say: Wording
 
-    def short(self, place: Place) -> str:
+    def short(self, place: FlowPlace) -> str:
         """Return the words beside a place."""
         controller = self.diagnosis.controller
-        if place.kind is not Kind.LAND or place in self.count:
+        if place.kind is not FlowKind.LAND or place in self.count:
             return self.name(place)
         if not has_number(controller, place.name):
             return land_number(controller, (place.name, place.land), self.say)
         return f"{place.name} · {place.land}"
 
-    def full(self, place: Place) -> str:
+    def full(self, place: FlowPlace) -> str:
         """Return the name of a place, of a section or circuit with its pressure."""
-        if place.kind is not Kind.SECTION:
+        if place.kind is not FlowKind.SECTION:
             return self.name(place)
         pressure = self.say.value(self.pressures[place.name] * KPA, "pressure", 0)
         return f"{self.name(place)} {pressure} {self.say.unit('pressure')}"
 
-    def name(self, place: Place) -> str:
+    def name(self, place: FlowPlace) -> str:
         """Return the name of a place."""
         say, controller = self.say, self.diagnosis.controller
         if place in self.count:
             return say("flows.others", count=self.count[place])
-        if place.kind is Kind.LAND:
+        if place.kind is FlowKind.LAND:
             named = isolated(say.name(controller.components[place.name]))
             return f"{self.short(place)} {named}" if has_number(controller, place.name) else self.short(place)
-        described: dict[Kind, Sequence[Circuit | Leak | Consumer]] = {
-            Kind.SECTION: controller.circuits,
-            Kind.LEAK: controller.leaks,
-            Kind.CONSUMER: controller.consumers,
+        described: dict[FlowKind, Sequence[Circuit | Leak | Consumer]] = {
+            FlowKind.SECTION: controller.circuits,
+            FlowKind.LEAK: controller.leaks,
+            FlowKind.CONSUMER: controller.consumers,
         }
         if place.kind in described:
             known = next((each.name for each in described[place.kind] if each.id == place.name), "")
@@ -414,7 +420,9 @@ def _ribbon(flow: DrawnFlow, source: _Box, target: _Box, scale: float) -> str:
 def _words(box: _Box) -> str:
     """Draw a place, the sign of its verdict, its words and its flow."""
     place = box.place
-    fill = PAPER.ink if place.verdict in (None, Verdict.OK, Verdict.NOT_MEASURED) else look_of(place.verdict).screen
+    fill = (
+        PAPER_INKS.ink if place.verdict in (None, Verdict.OK, Verdict.NOT_MEASURED) else look_of(place.verdict).screen
+    )
     middle, x = box.y + box.height / 2.0, box.x + _BAR + 5.0
     sign = ""
     if place.verdict is not None:

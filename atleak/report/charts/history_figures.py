@@ -14,7 +14,7 @@ from atleak.common.style import SCREEN, look_of
 from atleak.common.unit_systems import PERCENT, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
-from atleak.diagnosis.land import COVERAGE, FARTHEST, WearLine
+from atleak.diagnosis.land import FARTHEST, MILEAGE_COVERAGE, WearLine
 from atleak.report.charts.figure import Figure, framed
 
 _AHEAD = 100_000.0  # [km] that a line is drawn on, where no limit is reached later
@@ -50,7 +50,7 @@ def clearance_over_mileage(land: LandWear, visits: Sequence[Visit], present: flo
         figure.add_vline(x=say.convert(since, "distance"), line={"color": SCREEN.rule, "dash": "dot", "width": 1.5})
     figure.update_xaxes(title=_mileage(say), range=[0.0, say.convert(end, "distance") * 1.02], tickformat=",.0f")
     unit = say.unit("clearance")
-    figure.update_yaxes(title=say("history.clearance", unit=unit, coverage=say.percent(COVERAGE, 0)))
+    figure.update_yaxes(title=say("history.clearance", unit=unit, coverage=say.percent(MILEAGE_COVERAGE, 0)))
     return framed(figure, 420)
 
 
@@ -67,7 +67,7 @@ def _band(figure: Figure, line: WearLine, first: float, end: float, say: Wording
     mileages = np.linspace(first, end, _STEPS)
     edges = np.array([line.band(float(each)) for each in mileages]) * um
     shown = say.convert(mileages, "distance")
-    figure.band(shown, edges[:, 0], edges[:, 1], say("history.band", coverage=say.percent(COVERAGE, 0)), _BAND)
+    figure.band(shown, edges[:, 0], edges[:, 1], say("history.band", coverage=say.percent(MILEAGE_COVERAGE, 0)), _BAND)
     ends = [line.at(first) * um, line.at(end) * um]
     figure.line([shown[0], shown[-1]], ends, SCREEN.leakage, 2, name=say("history.line"), hover=_hover(say))
 
@@ -108,7 +108,7 @@ def total_over_mileage(total: TotalOverMileage, say: Wording) -> Figure:
     figure = Figure()
     low, median, high = (np.array(each) * PERCENT for each in (total.low, total.median, total.high))
     mileages = [say.convert(each, "distance") for each in total.mileages]
-    figure.band(mileages, low, high, say.percent(COVERAGE, 0), _BAND)
+    figure.band(mileages, low, high, say.percent(MILEAGE_COVERAGE, 0), _BAND)
     hover = f"%{{x:,.0f}} {say.unit('distance')}: %{{y:.1f}} % (%{{customdata[0]:.1f}} – %{{customdata[1]:.1f}})"
     told, name = np.column_stack([low, high]), say("history.total")
     figure.line(mileages, median, SCREEN.leakage, 3, name=name, told=told, hover=hover)

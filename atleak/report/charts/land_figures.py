@@ -29,7 +29,7 @@ from atleak.engine.projection import Projection
 from atleak.report.charts.comparison_figures import open_mark
 from atleak.report.charts.figure import Figure, by_land, framed
 
-POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
+_POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
 _NAMED = 0.12  # part of the axis from which on a band has room for its name beside its sign
 _NEAR = 0.08  # part of the axis within which a word centred on its mark would be cut by the axis
 
@@ -175,7 +175,7 @@ def _bands(figure: Figure, rules: Sequence[Rule], largest: float, say: Wording) 
     return right
 
 
-def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None, say: Wording | None = None) -> Figure:
+def land_wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None, say: Wording | None = None) -> Figure:
     """Draw the wear of every measured land against the limits that apply to it, the most worn on top.
 
     English unless ``say`` is given.
@@ -203,7 +203,7 @@ def wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None, say
     return by_land(figure, [land_name(land) for _, land in reversed(worn)], 18, say)
 
 
-def clearances(
+def land_clearances(
     unit: UnitUncertainty, say: Wording, lands: int = 20, advised: Callable[[LandKey], str] = lambda _: ""
 ) -> Figure:
     """Draw radial clearances with their intervals, beside the mounting clearance and the limit that decides.

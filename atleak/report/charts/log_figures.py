@@ -24,7 +24,7 @@ from atleak.report.tables.log_scales import formula_scale
 from atleak.report.tables.road_test import RoadSeries, Scales, as_it_is, road_series
 from atleak.report.tables.road_words import event_name
 
-POINTS = 2000  # samples of a channel that are drawn, besides the edges of its gaps
+_POINTS = 2000  # samples of a channel that are drawn, besides the edges of its gaps
 LEAKAGE_POINTS = 3000  # the same of the leakage over it
 LINES = 60  # most events that are marked through all curves; the lane above them shows every one
 LABELLED = 20  # with more shifts the figure is too narrow for their gears
@@ -57,7 +57,7 @@ def log_channels(
     marked: Sequence[Event] = (),
     formulas: Sequence[FormulaChannel] = (),
     over: LaidOver | None = None,
-    points: int = POINTS,
+    points: int = _POINTS,
 ) -> Figure:
     """Draw the events and the channels of a log one above the other, suspect samples crossed, breaks dotted.
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from atleak.analysis.rates import Spread
-from atleak.common.style import PAPER, SPREADS, Look
+from atleak.common.style import PAPER_INKS, SPREADS, Look
 from atleak.common.wording import Wording
 from atleak.report.charts import paper_axes as plotting
 from atleak.report.charts.chart import Chart, ClassChart, Field, Layer, RowChart
@@ -18,14 +18,14 @@ from atleak.report.charts.paper_axes import (
     BELOW,
     SIZE,
     WIDTH,
+    axis_words,
     bar_of,
     interval,
     places,
-    rows_of,
+    rows_of_labels,
     sign,
     upright_title,
     widest,
-    words,
 )
 from atleak.report.pdf.fonts import fitting, width_of
 
@@ -40,7 +40,7 @@ _GROUND = {"boxstyle": "square,pad=0.1", "fc": "white", "ec": "none", "alpha": 0
 _BOLD = 1.1  # how much wider bold letters are than plain ones, at most
 
 
-def drawn(chart: Chart, say: Wording, *, scale: float = 1.0) -> str:
+def drawn_on_paper(chart: Chart, say: Wording, *, scale: float = 1.0) -> str:
     """Return a chart as SVG.
 
     Parameters
@@ -69,10 +69,10 @@ def _rows(chart: RowChart, say: Wording) -> str:
     right = 100.0 if chart.stacked else max(ends, default=1.0) * (1.04 if marks > 1 else 1.0)
     row = _ROW + 5.0 if chart.stacked else _ROW + _MARK * max(marks - 1, 0)
     room = widest(chart.beside) + 12.0
-    with rows_of(chart.names, row, right, room, chart.axis, say) as (figure, axes):
+    with rows_of_labels(chart.names, row, right, room, chart.axis, say) as (figure, axes):
         if chart.zero:
             axes.set_xlim(min(*ends, 0.0), max(*ends, 0.0))
-            axes.axvline(0.0, color=PAPER.rule, lw=1.0, ls=":")
+            axes.axvline(0.0, color=PAPER_INKS.rule, lw=1.0, ls=":")
         point = axes.get_position().width * WIDTH / right  # [pt] of a unit of the axis
         reached = [0.0] * len(chart.names)
         for layer in chart.layers:
@@ -84,9 +84,9 @@ def _rows(chart: RowChart, say: Wording) -> str:
                     reached[number] = max(reached[number], end)
         for place, end, told in zip(places(chart.names), reached, chart.beside, strict=False):
             at = right if chart.stacked or marks > 1 else end
-            words(axes, (at, place), told, (5.0, 0.0), bbox=None if chart.stacked else _GROUND)
+            axis_words(axes, (at, place), told, (5.0, 0.0), bbox=None if chart.stacked else _GROUND)
         for number in range(1, len(chart.names) if marks > 1 else 0):
-            axes.axhline(number - 0.5, color=PAPER.rule, lw=0.5)
+            axes.axhline(number - 0.5, color=PAPER_INKS.rule, lw=0.5)
         return plotting.svg(figure)
 
 
@@ -106,7 +106,7 @@ def _drawn(axes: Axes, layer: Layer, number: int, place: int, begin: float, poin
     if said and width_of(said, SIZE) + 5.0 < value * point:  # strokes of a hatch stand back from them
         ground = {"boxstyle": "square,pad=0.12", "fc": layer.look.fill, "ec": "none"} if layer.look.hatch else None
         middle = 0.5 * (begin + end), at
-        words(axes, middle, said, ha="center", color=layer.look.on_fill, bbox=ground, zorder=4)
+        axis_words(axes, middle, said, ha="center", color=layer.look.on_fill, bbox=ground, zorder=4)
     span = layer.spans[number] if layer.spans else None
     if span is not None:
         interval(axes, *span, at)
@@ -145,7 +145,7 @@ def _small_charts(charts: Sequence[ClassChart], say: Wording) -> str:
             if column == 0:
                 upright_title(axes, field.title, _LEFT)
             name = fitting(chart.name, SIZE, wide / _BOLD)
-            words(axes, (low, top), name, (0.0, _UNITS + 6.0), fontweight="bold", va="center")
+            axis_words(axes, (low, top), name, (0.0, _UNITS + 6.0), fontweight="bold", va="center")
             for edge, spread in zip(chart.edges, field.spreads, strict=True):
                 _spread(axes, edge, spread)
             _units_above(axes, chart, field, wide / (high - low))
@@ -166,7 +166,7 @@ def _units_above(axes: Axes, chart: ClassChart, field: Field, point: float) -> N
     narrowest = min(((end - begin) * point for begin, end in chart.edges), default=1.0)
     step = max(math.ceil((widest(units) + 5.0) / narrowest), 1)
     for (begin, end), number in list(zip(chart.edges, units, strict=True))[::step]:
-        words(axes, (0.5 * (begin + end), top), number, (0.0, 6.0), ha="center", color=PAPER.soft)
+        axis_words(axes, (0.5 * (begin + end), top), number, (0.0, 6.0), ha="center", color=PAPER_INKS.soft)
 
 
 def _reach(
@@ -188,14 +188,14 @@ def _spread(axes: Axes, edge: tuple[float, float], spread: Spread | None, scale:
     middle, wide = 0.5 * sum(edge), edge[1] - edge[0]
     low, high = (end * scale for end in spread.most_of_all)
     if spread.quantiles is None:
-        axes.plot([middle, middle], [low, high], color=PAPER.soft, lw=0.8, marker="_", ms=4, zorder=3)
+        axes.plot([middle, middle], [low, high], color=PAPER_INKS.soft, lw=0.8, marker="_", ms=4, zorder=3)
         part = 0.3
     else:
         half = spread.quantiles[1] * scale, spread.quantiles[-2] * scale
         for (bottom, top), part, colour in ((low, high), 0.8, SPREADS[0]), (half, 0.5, SPREADS[1]):
-            _bar(axes, edge, bottom, top - bottom, part, color=colour, edgecolor=PAPER.ink)
+            _bar(axes, edge, bottom, top - bottom, part, color=colour, edgecolor=PAPER_INKS.ink)
     reach = 0.5 * part * wide
-    axes.plot([middle - reach, middle + reach], [spread.median * scale] * 2, color=PAPER.ink, lw=1.6, zorder=4)
+    axes.plot([middle - reach, middle + reach], [spread.median * scale] * 2, color=PAPER_INKS.ink, lw=1.6, zorder=4)
 
 
 def _bar(axes: Axes, edge: tuple[float, float], bottom: float, high: float, part: float = 0.8, **look: Any) -> None:
@@ -230,12 +230,12 @@ def _field(axes: Axes, chart: ClassChart, field: Field, say: Wording) -> None:
         _spread(axes, edge, spread, scale)
     for edge, mean in zip(chart.edges, field.means, strict=False):
         if mean is not None:
-            axes.plot([0.5 * sum(edge)], [mean * scale], "D", ms=3.5, color=PAPER.leakage, mec="white", zorder=5)
+            axes.plot([0.5 * sum(edge)], [mean * scale], "D", ms=3.5, color=PAPER_INKS.leakage, mec="white", zorder=5)
     if field.stack:
         axes.set_ylim(0.0, 100.0)
         _stack(axes, chart, field.stack)
     for edge, units in zip(chart.edges, field.units, strict=False):
-        _bar(axes, edge, 0.0, units, color=PAPER.metal, edgecolor=PAPER.ink)
+        _bar(axes, edge, 0.0, units, color=PAPER_INKS.metal, edgecolor=PAPER_INKS.ink)
 
 
 def _stack(axes: Axes, chart: ClassChart, stack: Sequence[tuple[str, Look, Sequence[float]]]) -> None:

@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path as Outline
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from atleak.common.style import PAPER, Look
+from atleak.common.style import PAPER_INKS, Look
 from atleak.common.wording import Wording
 from atleak.report.pdf.fonts import FONTS, fitting, width_of
 
@@ -39,11 +39,11 @@ _SETTINGS: dict[RcKeyType, Any] = {
     "svg.fonttype": "none",
     "font.family": ["Noto Sans", "DejaVu Sans"],
     "font.size": SIZE,
-    "axes.edgecolor": PAPER.ink,
-    "axes.labelcolor": PAPER.ink,
+    "axes.edgecolor": PAPER_INKS.ink,
+    "axes.labelcolor": PAPER_INKS.ink,
     "axes.linewidth": 0.6,
-    "xtick.color": PAPER.ink,
-    "ytick.color": PAPER.ink,
+    "xtick.color": PAPER_INKS.ink,
+    "ytick.color": PAPER_INKS.ink,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
     "hatch.linewidth": 0.5,
@@ -52,7 +52,7 @@ _SETTINGS: dict[RcKeyType, Any] = {
     "axes.spines.right": False,
     "axes.axisbelow": True,
     "axes.labelpad": 2.0,
-    "grid.color": PAPER.rule,
+    "grid.color": PAPER_INKS.rule,
     "grid.linewidth": 0.5,
     "text.parse_math": False,  # names are the user's
 }
@@ -98,7 +98,9 @@ def widest(names: Iterable[str], size: float = SIZE) -> float:
     return max((width_of(name, size) for name in names), default=0.0)
 
 
-def words(axes: Axes, at: tuple[float, float], text: str, off: tuple[float, float] = (0.0, 0.0), **look: Any) -> None:
+def axis_words(
+    axes: Axes, at: tuple[float, float], text: str, off: tuple[float, float] = (0.0, 0.0), **look: Any
+) -> None:
     """Write words at a place of the data, shifted by so many points."""
     look = {"va": "center", "fontsize": SIZE, **look}
     axes.annotate(text, at, xytext=off, textcoords="offset points", annotation_clip=False, **look)
@@ -114,12 +116,12 @@ def upright_title(axes: Axes, title: str, left: float) -> None:
 
 def name_row(axes: Axes, name: str, place: float, width: float) -> None:
     """Write the name of a row to the left of the axis, no wider than so many points."""
-    words(axes, (0.0, place), fitting(name, SIZE, width), (-5.0, 0.0), ha="right")
+    axis_words(axes, (0.0, place), fitting(name, SIZE, width), (-5.0, 0.0), ha="right")
 
 
 def interval(axes: Axes, low: float, high: float, place: float) -> None:
     """Draw an interval as a line with a stroke at each end."""
-    axes.plot([low, high], [place, place], color=PAPER.ink, lw=1.1, marker="|", ms=5, zorder=4)
+    axes.plot([low, high], [place, place], color=PAPER_INKS.ink, lw=1.1, marker="|", ms=5, zorder=4)
 
 
 def sign(axes: Axes, look: Look, x: float, y: float) -> None:
@@ -129,7 +131,7 @@ def sign(axes: Axes, look: Look, x: float, y: float) -> None:
 
 
 @contextmanager
-def rows_of(
+def rows_of_labels(
     names: Sequence[str], row: float, right: float, room: float, title: str, say: Wording
 ) -> Iterator[tuple[Figure, Axes]]:
     """Set up a field of rows, the last at 0, each with its name, over an axis that ends at ``right``.

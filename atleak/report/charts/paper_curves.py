@@ -12,12 +12,12 @@ from operator import itemgetter
 import numpy as np
 from matplotlib.axes import Axes
 
-from atleak.common.style import PAPER
+from atleak.common.style import PAPER_INKS
 from atleak.common.unit_systems import DM3_MIN, RPM
 from atleak.common.verdicts import Band
 from atleak.common.wording import Wording
 from atleak.report.charts import paper_axes as plotting
-from atleak.report.charts.paper_axes import BELOW, SIZE, WIDTH, interval, upright_title, widest, words
+from atleak.report.charts.paper_axes import BELOW, SIZE, WIDTH, axis_words, interval, upright_title, widest
 from atleak.report.pdf.fonts import fitting, width_of
 from atleak.report.tables.pump_speed import PumpOverSpeed
 from atleak.report.tables.road_test import RoadSeries
@@ -29,10 +29,10 @@ _DASHES = ((5, 2), (2, 1.5), (1, 1.5), (8, 2, 1, 2), (5, 2, 1, 2, 1, 2))  # of c
 _LEGEND_ROW, _MARK_ROW = 13.0, 12.0  # of the legend, and of the words of engine speeds below it
 _FIELD = 50.0  # about where a field begins
 
-Mark = tuple[float, float | None, float | None]
+_Mark = tuple[float, float | None, float | None]
 
 
-def road_chart(series: RoadSeries, marks: Sequence[Mark], bands: Sequence[tuple[Band, float]], say: Wording) -> str:
+def road_chart(series: RoadSeries, marks: Sequence[_Mark], bands: Sequence[tuple[Band, float]], say: Wording) -> str:
     """Draw leakage over time and, where they are known, the pump's capacity and the share, each over its own axis.
 
     Parameters
@@ -48,11 +48,11 @@ def road_chart(series: RoadSeries, marks: Sequence[Mark], bands: Sequence[tuple[
     """
     columns, unit = series.columns, say.unit("flow")
     leakage, share = say.convert(columns["leakage_dm3_min"], "flow"), columns.get("share_percent")
-    curves = [(say("charts.leakage_in", unit=unit), leakage, _HIGH, PAPER.leakage)]
+    curves = [(say("charts.leakage_in", unit=unit), leakage, _HIGH, PAPER_INKS.leakage)]
     if share is not None:
         capacity = say.convert(columns["pump_capacity_dm3_min"], "flow")
-        curves.append((say("charts.capacity_in", unit=unit), capacity, _LOW, PAPER.pump))
-        curves.append((say("charts.share"), share, _HIGH, PAPER.ink))
+        curves.append((say("charts.capacity_in", unit=unit), capacity, _LOW, PAPER_INKS.pump))
+        curves.append((say("charts.share"), share, _HIGH, PAPER_INKS.ink))
     time, tops = columns["time_s"], [_top_of(values) for _, values, *_ in curves]
     left = _left_of(tops, say)
     with plotting.drawing():
@@ -94,19 +94,28 @@ def _bands(axes: Axes, bands: Sequence[tuple[Band, float]], say: Wording) -> Non
     (_, top), (_, end) = axes.get_ylim(), axes.get_xlim()
     for name, begins in bands:
         if begins < top:
-            axes.axhline(begins, color=PAPER.ink, lw=0.7, ls=(0, (1.5, 1.5)))
+            axes.axhline(begins, color=PAPER_INKS.ink, lw=0.7, ls=(0, (1.5, 1.5)))
             halo = {"boxstyle": "square,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.85}
             said = f"{say.level(name)} ≥ {say.plain(begins)} %"
-            words(axes, (end, begins), said, (-2.0, 1.5), ha="right", va="bottom", bbox=halo, zorder=4)
+            axis_words(axes, (end, begins), said, (-2.0, 1.5), ha="right", va="bottom", bbox=halo, zorder=4)
 
 
 def _mark(axes: Axes, time: float, value: float | None, number: int) -> None:
     if value is None or not math.isfinite(value):
         return
     axes.plot(
-        [time], [value], marker="o", ms=10.5, mfc="white", mec=PAPER.ink, mew=0.9, ls="none", zorder=5, clip_on=False
+        [time],
+        [value],
+        marker="o",
+        ms=10.5,
+        mfc="white",
+        mec=PAPER_INKS.ink,
+        mew=0.9,
+        ls="none",
+        zorder=5,
+        clip_on=False,
     )
-    words(axes, (time, value), str(number), ha="center", va="center_baseline", zorder=6)
+    axis_words(axes, (time, value), str(number), ha="center", va="center_baseline", zorder=6)
 
 
 def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
@@ -125,12 +134,14 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
     with plotting.drawing():
         figure = plotting.figure_of(top + _PUMP + BELOW)
         axes = plotting.field(figure, _left_of([highest], say), _RIGHT, top, _PUMP)
-        axes.plot(data.speeds * RPM, data.supply * flow, color=PAPER.pump, lw=1.6, label=names[0])
+        axes.plot(data.speeds * RPM, data.supply * flow, color=PAPER_INKS.pump, lw=1.6, label=names[0])
         for number, (each, name) in enumerate(zip(data.demands, names[1:], strict=True)):
             own, taken = each.of_condition, each.flow * flow
-            look = (PAPER.leakage, 1.4, "-") if own else (PAPER.soft, 0.8, (0, _DASHES[number % len(_DASHES)]))
+            look = (
+                (PAPER_INKS.leakage, 1.4, "-") if own else (PAPER_INKS.soft, 0.8, (0, _DASHES[number % len(_DASHES)]))
+            )
             axes.axhline(taken, color=look[0], lw=look[1], ls=look[2], label=name)
-            axes.plot([each.crossing * RPM], [taken], "o", ms=6 if own else 3, color=PAPER.ink, zorder=5)
+            axes.plot([each.crossing * RPM], [taken], "o", ms=6 if own else 3, color=PAPER_INKS.ink, zorder=5)
         axes.set_xlim(0.0, float(data.speeds[-1]) * RPM)
         axes.set_ylim(0.0, highest)
         for number, (label, speed) in enumerate(sorted(data.marked, key=itemgetter(1))):
@@ -153,10 +164,10 @@ def _marked_speed(axes: Axes, speed: float, row: int, said: str) -> None:
     (_, end), (_, top) = axes.get_xlim(), axes.get_ylim()
     above = (row + 0.5) * _MARK_ROW
     reach = top * (1.0 + (above + 3.0) / _PUMP)
-    axes.plot([speed, speed], [0.0, reach], color=PAPER.ink, lw=0.8, ls=(0, (6, 2)), clip_on=False)
+    axes.plot([speed, speed], [0.0, reach], color=PAPER_INKS.ink, lw=0.8, ls=(0, (6, 2)), clip_on=False)
     place = speed / end
     room, off, side = ((1.0 - place), 4.0, "left") if place < 0.5 else (place, -4.0, "right")
-    words(axes, (speed, top), fitting(said, SIZE, room * (_RIGHT - _FIELD) - 6.0), (off, above), ha=side)
+    axis_words(axes, (speed, top), fitting(said, SIZE, room * (_RIGHT - _FIELD) - 6.0), (off, above), ha=side)
 
 
 def _crossing(axes: Axes, data: PumpOverSpeed, say: Wording) -> None:
@@ -171,7 +182,7 @@ def _crossing(axes: Axes, data: PumpOverSpeed, say: Wording) -> None:
     said = f"{say.number(speed, 0)} 1/min"
     left = 1.1 * width_of(said, SIZE) + 4.0 < speed / end * (_RIGHT - 60.0)
     off, side = ((-4.0, 9.0), "right") if left else ((4.0, 9.0), "left")
-    words(axes, (speed, taken), said, off, ha=side, fontsize=SIZE, fontweight="bold")
+    axis_words(axes, (speed, taken), said, off, ha=side, fontsize=SIZE, fontweight="bold")
 
 
 __all__ = ["pump_chart", "road_chart"]

@@ -38,7 +38,7 @@ def scaled(value: float | None, factor: float) -> float | None:
     return None if value is None else finite(value * factor)
 
 
-def named(item: Any, *names: str) -> dict[str, Any]:
+def named_record(item: Any, *names: str) -> dict[str, Any]:
     """Return some attributes of an item by their names."""
     return {name: getattr(item, name) for name in names}
 
@@ -48,7 +48,9 @@ def of_land(key: LandKey) -> dict[str, Any]:
     return {"component": key[0], "land": key[1]}
 
 
-def ends(name: str, interval: tuple[float | None, float | None] | None, factor: float = 1.0) -> dict[str, float | None]:
+def interval_ends(
+    name: str, interval: tuple[float | None, float | None] | None, factor: float = 1.0
+) -> dict[str, float | None]:
     """Return the two ends of an interval in another unit, by ``{name}`` with low and high; None where none is known."""
     both = zip(("low", "high"), interval or (None, None), strict=True)
     return {name.format(end): scaled(value, factor) for end, value in both}
@@ -58,7 +60,7 @@ def decided_record(decided: RuleDecision | None) -> dict[str, Any]:
     """Return how sure what a rule says is, and how likely its limit is passed."""
     if decided is None:
         return {"decision": None, "probability_over_limit": None}
-    return named(decided, "decision", "probability_over_limit")
+    return named_record(decided, "decision", "probability_over_limit")
 
 
 def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, Any]:
@@ -77,16 +79,16 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
         "gear": at.gear,
         **{f"{name}_kpa": projection.pressures[name] * KPA for name in SECTIONS},
         "p_g_held_kpa": projection.main_pressure_held * KPA,
-        **ends("p_g_held_{}_kpa", total.main_pressure_interval if total else None, KPA),
+        **interval_ends("p_g_held_{}_kpa", total.main_pressure_interval if total else None, KPA),
         "p_g_held_new_kpa": unworn.main_pressure_held * KPA,
-        **ends("permissible_{}_kpa", (permissible.low, permissible.high) if permissible else None, KPA),
+        **interval_ends("permissible_{}_kpa", (permissible.low, permissible.high) if permissible else None, KPA),
         "leakage_dm3_min": projection.leakage * DM3_MIN,
-        **ends("leakage_{}_dm3_min", total.leakage_interval if total else None, DM3_MIN),
+        **interval_ends("leakage_{}_dm3_min", total.leakage_interval if total else None, DM3_MIN),
         "leakage_new_dm3_min": new.leakage * DM3_MIN,
-        **ends("leakage_new_{}_dm3_min", total.new_leakage_interval if total else None, DM3_MIN),
+        **interval_ends("leakage_new_{}_dm3_min", total.new_leakage_interval if total else None, DM3_MIN),
         "other_leakage_dm3_min": projection.other_leakage * DM3_MIN,
         "growth_percent": scaled(projection.leakage / new.leakage - 1.0, PERCENT) if new.leakage > 0.0 else None,
-        **ends("growth_{}_percent", total.growth_interval if total else None, PERCENT),
+        **interval_ends("growth_{}_percent", total.growth_interval if total else None, PERCENT),
         "pump_supply_dm3_min": projection.pump_supply * DM3_MIN,
         "pump_slip_dm3_min": projection.slip * DM3_MIN,
         "pump_slip_new_dm3_min": scaled(slips(diagnosis, projection)[1], DM3_MIN),
@@ -94,7 +96,7 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
         "consumers_dm3_min": projection.consumers * DM3_MIN,
         "consumers_starved_dm3_min": projection.starved * DM3_MIN,
         "reserve": finite(projection.reserve),
-        **ends("reserve_{}", total.reserve_interval if total else None),
+        **interval_ends("reserve_{}", total.reserve_interval if total else None),
         "reserve_new": finite(unworn.reserve),
         "share_percent": finite(projection.share * PERCENT),
         "share_new_percent": finite(new.share * PERCENT),
@@ -103,7 +105,7 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
         "band": diagnosis.band(projection),
         **decided_record(total.decision if total else None),
         "minimum_engine_rpm": projection.minimum_speed * RPM,
-        **ends("concentric_factor_{}", concentric_factors(diagnosis.profile, projection)),
+        **interval_ends("concentric_factor_{}", concentric_factors(diagnosis.profile, projection)),
         "circuits": [_circuit(diagnosis, projection, state, total) for state in projection.circuits],
         "rules": [unit_rule_record(diagnosis, each) for each in diagnosis.pressure_rules_at(projection)],
         "source": at.source,
@@ -137,7 +139,7 @@ def _circuit(
         "name": circuit.name,
         "vented": state.vented,
         "pressure_kpa": state.pressure * KPA,
-        **ends("pressure_{}_kpa", total.circuit_intervals.get(circuit.id) if total else None, KPA),
+        **interval_ends("pressure_{}_kpa", total.circuit_intervals.get(circuit.id) if total else None, KPA),
         "pressure_new_kpa": new * KPA,
         "set_kpa": scaled(state.set_pressure, KPA),
         "loss_kpa": (new - state.pressure) * KPA,

@@ -20,10 +20,10 @@ from atleak.engine.operation import LINE
 from atleak.report.json.conditions import (
     condition_record,
     decided_record,
-    ends,
     finite,
+    interval_ends,
     message_record,
-    named,
+    named_record,
     of_land,
     pump_record,
     scaled,
@@ -82,12 +82,12 @@ def head_record(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "profile": {"name": diagnosis.profile.name, **diagnosis.profile.options},
         "controller": {
-            **named(diagnosis.controller, "id", "name", "source", "sha256"),
+            **named_record(diagnosis.controller, "id", "name", "source", "sha256"),
             "representative": bool(diagnosis.controller.representative),
             "representative_note": diagnosis.controller.representative or None,
         },
         "fluid": {
-            **named(diagnosis.fluid, "id", "name", "source"),
+            **named_record(diagnosis.fluid, "id", "name", "source"),
             "sha256": diagnosis.fluid.origin.sha256,
             "representative": list(diagnosis.fluid.representative),
             "state": diagnosis.fluid.state,
@@ -153,7 +153,7 @@ def _complaint(diagnosis: Diagnosis) -> dict[str, Any] | None:
     if complaint is None:
         return None
     return {
-        **named(complaint, "id", "label", "source"),
+        **named_record(complaint, "id", "label", "source"),
         "conditions": list(complaint.conditions),
         "measure_first": [
             {
@@ -188,14 +188,14 @@ def _uncertainty(unit: UnitUncertainty | None) -> dict[str, Any] | None:
         "spool_instrument": unit.instruments.spool.id,
         "sleeve_instrument": unit.instruments.sleeve.id,
         "assumptions": dict(unit.assumptions.settings),
-        **named(unit, "coverage", "guard_factor", "draws", "seed"),
+        **named_record(unit, "coverage", "guard_factor", "draws", "seed"),
     }
 
 
 def limits_record(limits: Limits) -> dict[str, Any]:
     """Return a limit set with every limit and its origin."""
     return {
-        **named(limits, "id", "name", "source"),
+        **named_record(limits, "id", "name", "source"),
         "sha256": limits.origin.sha256,
         "rules": {kind: _steps(kind, steps) for kind, steps in limits.rules.items()},
     }
@@ -224,7 +224,7 @@ def land_record(row: MatrixRow) -> dict[str, Any]:
     return {
         **of_land(land.key),
         "measured": state.status,
-        **named(state, "spool_readings", "sleeve_readings"),
+        **named_record(state, "spool_readings", "sleeve_readings"),
         "spool_diameter_mm": state.spool_diameter * MM,
         "sleeve_diameter_mm": state.sleeve_diameter * MM,
         "radial_clearance_um": state.radial_clearance * UM,
@@ -243,12 +243,12 @@ def land_record(row: MatrixRow) -> dict[str, Any]:
         "effective_clearance_um": land.effective_clearance * UM,
         "leakage_dm3_min": land.leakage * DM3_MIN,
         "drawn_from_pump_dm3_min": land.drawn_from_pump * DM3_MIN,
-        **ends("leakage_{}_dm3_min", uncertainty.leakage_interval if uncertainty else None, DM3_MIN),
+        **interval_ends("leakage_{}_dm3_min", uncertainty.leakage_interval if uncertainty else None, DM3_MIN),
         "share_percent": finite(land.share * PERCENT),
-        **named(land, "verdict", "decision", "suspect", "probability_over_limit"),
+        **named_record(land, "verdict", "decision", "suspect", "probability_over_limit"),
         "advice": uncertainty.advice if uncertainty else None,
         "replace_mileage_km": at.value if at and math.isfinite(at.high) else None,
-        **ends("replace_mileage_{}_km", (at.low, at.high) if at else None),
+        **interval_ends("replace_mileage_{}_km", (at.low, at.high) if at else None),
         "representative": list(nominal.representative),
         "conditions": [_at_condition(cell) for cell in row.cells],
         "rules": [_rule(rule, uncertainty) for rule in land.rules],
@@ -259,7 +259,7 @@ def land_record(row: MatrixRow) -> dict[str, Any]:
 def _at_condition(cell: LandAtCondition) -> dict[str, Any]:
     condition = cell.projection.condition
     return {
-        **named(condition, "name", "label"),
+        **named_record(condition, "name", "label"),
         "leakage_dm3_min": cell.leakage * DM3_MIN,
         "drawn_from_pump_dm3_min": cell.drawn_from_pump * DM3_MIN,
         "share_percent": finite(cell.share * PERCENT),
@@ -287,7 +287,7 @@ def _rule(rule: Rule, uncertainty: LandUncertainty | None) -> dict[str, Any]:
 def _gap(leak: GapLeakage) -> dict[str, Any]:
     gap = leak.gap
     return {
-        **named(gap, "component", "land", "section"),
+        **named_record(gap, "component", "land", "section"),
         "from": str(gap.high),
         "to": str(gap.low),
         "pressure_drop_kpa": leak.pressure_drop * KPA,
@@ -317,7 +317,7 @@ def _repair_step(step: RepairStep) -> dict[str, Any]:
         "share_after_percent": finite(step.at.after.share * PERCENT),
         "conditions": [
             {
-                **named(each.condition, "name", "label"),
+                **named_record(each.condition, "name", "label"),
                 "share_before_percent": finite(each.before.share * PERCENT),
                 "share_after_percent": finite(each.after.share * PERCENT),
                 "band_after": each.after.band,
@@ -354,7 +354,7 @@ def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
 def _end(total: Total, *, judged: bool) -> dict[str, Any]:
     """Return a total at the end of the plan; one of a unit that was not measured has no band."""
     return {
-        **named(total.condition, "name", "label"),
+        **named_record(total.condition, "name", "label"),
         "share_percent": finite(total.share * PERCENT),
         "band": total.band if judged else None,
         **_held(total),

@@ -51,7 +51,7 @@ def write_pdf(
     paper
         one of `atleak.common.style.PAPERS`.
     sections
-        names of `atleak.report.pdf.body.SECTIONS`; all of them unless given, or of a road test alone those that are not
+        names of `atleak.report.pdf.body.PDF_SECTIONS`; all of them unless given, or of a road test alone those not
         about lands.
     units
         one of `atleak.common.unit_systems.SYSTEMS`.

@@ -21,7 +21,7 @@ from atleak.diagnosis.uncertainty.results import MOST_BUDGETS, BudgetLine, budge
 from atleak.equations.statistics import normal_cdf, normal_quantile
 from atleak.measurements.readings import LandClearance, Reading
 from atleak.report.pdf.blocks import Block, joined, listed, named_facts, text
-from atleak.report.pdf.printed_names import Part
+from atleak.report.pdf.printed_names import PrintedPart
 from atleak.report.tables.names import component_words, has_number, land_number
 from atleak.report.tables.table import VERDICT, Column
 
@@ -46,7 +46,7 @@ class _Row:
     left_out: frozenset[int]  # by the places of the readings in the sheet
 
 
-class Annex(Part):
+class Annex(PrintedPart):
     """The parts of a report by which somebody else can judge its measurements."""
 
     @cached_property
@@ -280,7 +280,7 @@ def _deciding(land: LandDiagnosis) -> RuleDecision | None:
 _OF_SHARE = 6  # of the sources of a share that are named
 
 
-class Budget(Part):
+class Budget(PrintedPart):
     """The budgets of one report."""
 
     def blocks(self) -> Iterable[Block]:

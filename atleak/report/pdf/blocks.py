@@ -11,7 +11,7 @@ from typing import Any
 
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import Wording, begun, isolated
-from atleak.report.tables.section import Facts, Part, Picture, Points, Section, Text
+from atleak.report.tables.section import Facts, Picture, Points, Section, SectionPart, Text
 from atleak.report.tables.table import VERDICT, Column, Table
 
 Block = dict[str, Any]
@@ -160,7 +160,7 @@ def section_blocks(section: Section, draw: Callable[[Picture], str], say: Wordin
     return {"title": section.title, "level": section.level, "blocks": [*with_notes(made)]}
 
 
-def _block(part: Part, draw: Callable[[Picture], str], say: Wording) -> Block:
+def _block(part: SectionPart, draw: Callable[[Picture], str], say: Wording) -> Block:
     if isinstance(part, Table):
         return printed(part)
     if isinstance(part, Text):

@@ -31,7 +31,7 @@ from atleak.engine.profile import UNKNOWN
 from atleak.measurements.job_card import RepairDecision, Scratch
 from atleak.report.charts.chart import LayerOf, RowChart, layers_of
 from atleak.report.charts.drawing import controller_svg, shortened
-from atleak.report.charts.paper import drawn as printed_chart
+from atleak.report.charts.paper import drawn_on_paper as printed_chart
 from atleak.report.json.diagnosis import head_record
 from atleak.report.pdf.annex import Annex, Budget
 from atleak.report.pdf.blocks import (
@@ -47,7 +47,7 @@ from atleak.report.pdf.blocks import (
     with_notes,
 )
 from atleak.report.pdf.conditions import Conditions, Pressures, RoadTestSection
-from atleak.report.pdf.printed_names import Part, PrintedNames
+from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.estimate import open_words
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.names import component_words
@@ -113,12 +113,12 @@ _OF_LANDS = (
     "picture", "flagged", "matrix", "pressures", "repair_order", "all", "shares", "again", "decisions", "readings",
     "budget",
 )  # fmt: skip
-SECTIONS = (
+PDF_SECTIONS = (
     *_OF_LANDS[:8], "gauges", "road_test", "repair", "estimate", "condition", "photos", "notes", "conditions", "limits",
     "decisions", "assumptions", "messages", "method", "readings", "budget", "provenance", "signatures",
 )  # fmt: skip
 CATALOGUE_LANGUAGE = "en"  # of the sources that the catalogue's files name
-BARS = 16  # largest number of bars in the chart of shares
+_BARS = 16  # largest number of bars in the chart of shares
 
 
 def chosen_sections(sections: Iterable[str] | None, *, without_sheet: bool = False) -> tuple[str, ...]:
@@ -132,15 +132,15 @@ def chosen_sections(sections: Iterable[str] | None, *, without_sheet: bool = Fal
         if no report has such a section.
     """
     if sections is None:
-        return tuple(name for name in SECTIONS if not (without_sheet and name in _OF_LANDS))
+        return tuple(name for name in PDF_SECTIONS if not (without_sheet and name in _OF_LANDS))
     wanted = list(sections)
     for name in wanted:
-        if name not in SECTIONS:
-            raise unknown(Sentence("no such section"), name, SECTIONS)
-    return tuple(name for name in SECTIONS if name in wanted)
+        if name not in PDF_SECTIONS:
+            raise unknown(Sentence("no such section"), name, PDF_SECTIONS)
+    return tuple(name for name in PDF_SECTIONS if name in wanted)
 
 
-class Body(Part):
+class Body(PrintedPart):
     """The sections of one report.
 
     ``series`` is the thinned road test; ``pictures`` holds the printable pictures by their names in the job.
@@ -239,7 +239,7 @@ class Body(Part):
         say, names, at = self.say, self.names, self.diagnosis.projection
         if at.leakage <= 0.0 or at.pump_capacity <= 0.0:
             return
-        top, condition = self.diagnosis.drawing_most[:BARS], names.say.condition(at.condition)
+        top, condition = self.diagnosis.drawing_most[:_BARS], names.say.condition(at.condition)
         lands = joined(f"{names.land_name(land)} {say.percent(land.share, 2)}" for land in top)
         drawn = printed_chart(self._share_chart(top, say("charts.share_of_pump", condition=condition)), say)
         yield picture(drawn, say("charts.shares_alt", lands=lands), say("charts.caption_shares", condition=condition))

@@ -13,7 +13,7 @@ from typing import Any
 
 from atleak.analysis.comparison import Comparison, ConditionComparison, LandComparison
 from atleak.analysis.comparison.results import SIDES
-from atleak.common.style import DEFAULT_PAPER, STATED, find_paper, look_of
+from atleak.common.style import DEFAULT_PAPER, STATED_INKS, find_paper, look_of
 from atleak.common.unit_systems import KPA, PERCENT, UM
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import Wording, isolated, wording
@@ -22,7 +22,7 @@ from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.measurements.job_card import Job
 from atleak.report.charts.chart import LayerOf, RowChart, layers_of
-from atleak.report.charts.paper import drawn as printed_chart
+from atleak.report.charts.paper import drawn_on_paper as printed_chart
 from atleak.report.pdf.blocks import Block, bullets, joined, listed, named_facts, picture, signatures, text
 from atleak.report.pdf.fonts import OwnFont
 from atleak.report.pdf.typesetting import common_data, compile_pdf, write_pictures
@@ -32,7 +32,7 @@ from atleak.report.tables.table import VERDICT, Column, span
 
 PAIRS = range(12, 2, -1)  # how many pairs the page lists, as many as fit; the report of each job has them all
 LEFT = 6  # most pairs that it names as still to be repaired
-BARS = 2  # most conditions in the picture
+_BARS = 2  # most conditions in the picture
 _MOVED = 5e3  # [Pa] that a pressure must have moved to be named to a customer: choice of this project
 
 
@@ -98,7 +98,7 @@ class _Page:
         self.lengths = sorted({min(length, flagged) for length in PAIRS}, reverse=True)
         reported = [at.condition.name for at in (*comparison.before.reported, *comparison.after.reported)]
         self.shown = [each for each in comparison.on_both_sides if each is comparison.leading or each.name in reported][
-            :BARS
+            :_BARS
         ]
 
     def facts(self) -> list[list[str]]:
@@ -359,7 +359,7 @@ class _Page:
             values = [None if each is None or each * PERCENT >= right else each * PERCENT for each in limits]
             return say.level(band), look_of(band), values, {"lift": -0.5}
 
-        layers = layers_of((*map(bar, Band), (say("comparison.new"), STATED, new, {}), *map(begins, Band)))
+        layers = layers_of((*map(bar, Band), (say("comparison.new"), STATED_INKS, new, {}), *map(begins, Band)))
         names = [
             f"{say.condition(each.projection.condition)}, {say(f'comparison.{side}').lower()}"
             for each, side, *_ in rows

@@ -21,10 +21,10 @@ from atleak.diagnosis.road_findings import RoadFindings
 from atleak.diagnosis.uncertainty import RuleDecision
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.charts.flows import FlowDiagram, flow_diagram, flow_svg, flow_words
-from atleak.report.charts.paper import drawn
+from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.charts.paper_curves import pump_chart, road_chart
 from atleak.report.pdf.blocks import Block, bullets, ends, joined, listed, named_facts, picture, printed, text
-from atleak.report.pdf.printed_names import Part, PrintedNames
+from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.first_sentence import pump_sentence
 from atleak.report.tables.gauges import permissible_text
@@ -32,17 +32,17 @@ from atleak.report.tables.lands import MatrixRow, leaking_worst_first
 from atleak.report.tables.names import land_number
 from atleak.report.tables.pressures import held_table, pressure_chart
 from atleak.report.tables.pump_speed import PumpOverSpeed, pump_over_speed
-from atleak.report.tables.repairs import OptionRow, no_help, option_rows, plan_ends
+from atleak.report.tables.repairs import RepairOptionRow, no_help, option_rows, plan_ends
 from atleak.report.tables.road_test import RoadInstant, RoadSeries, event_table, instant_table, place_table
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
 from atleak.report.tables.sentences import circuit_sentence, replace_at, shares_add_up
 from atleak.report.tables.table import VERDICT, Column, Judged, Table
 
 ABREAST = 5  # conditions beside one another in a table
-MEASURE_FIRST = 6  # lands named for a complaint
+_MEASURE_FIRST = 6  # lands named for a complaint
 
 
-class Conditions(Part):
+class Conditions(PrintedPart):
     """What a report says about each condition."""
 
     # --- complaint
@@ -54,9 +54,9 @@ class Conditions(Part):
             return None
         at = joined((self.say.condition(each.condition) for each in diagnosis.complained), "; ")
         ranked = measure_first(diagnosis)
-        items = [f"{self.names.land_name(each.land)}: {reason(each, say)}" for each in ranked[:MEASURE_FIRST]]
-        if len(ranked) > MEASURE_FIRST:
-            items.append(say("complaint.more", count=len(ranked) - MEASURE_FIRST))
+        items = [f"{self.names.land_name(each.land)}: {reason(each, say)}" for each in ranked[:_MEASURE_FIRST]]
+        if len(ranked) > _MEASURE_FIRST:
+            items.append(say("complaint.more", count=len(ranked) - _MEASURE_FIRST))
         shows = say("complaint.shows", label=say.name(diagnosis.complaint.label), conditions=at)
         return {"sentence": f"{shows} {finding(diagnosis, say)}", "items": items}
 
@@ -132,7 +132,7 @@ class Conditions(Part):
         if not rows:
             return
 
-        def lands(row: OptionRow) -> str:
+        def lands(row: RepairOptionRow) -> str:
             return f"{say('printed.land')} {joined(land_number(controller, key, say) for key in row.option.lands)}"
 
         columns = (
@@ -176,7 +176,7 @@ _LANDS = 4  # named as causes of one circuit's loss
 _SHOWS = 0.5  # [kPa] that a whole number shows
 
 
-class Pressures(Part):
+class Pressures(PrintedPart):
     """What a report says of the pressures held."""
 
     def blocks(self) -> Iterable[Block]:
@@ -200,7 +200,9 @@ class Pressures(Part):
         if diagnosis.controller.circuits:
             yield text(say("texts.circuits"), small=True)
             held = (circuit_sentence(diagnosis, each, say) for each in lowest.applied)
-            yield self._drawing("pressures", drawn(pressure_chart(lowest, say), say), f"{joined(held, '. ')}.", lowest)
+            yield self._drawing(
+                "pressures", drawn_on_paper(pressure_chart(lowest, say), say), f"{joined(held, '. ')}.", lowest
+            )
             flows = flow_diagram(diagnosis, first, leaks_only=True, lands=_DRAWN, say=say)
             words = self._flows(flows)
             yield self._drawing("flows", flow_svg(flows, words, say), words, lowest)
@@ -304,7 +306,7 @@ class Pressures(Part):
 EVENTS = 40  # that are listed one by one; the others stand in the workbook and in the JSON
 
 
-class RoadTestSection(Part):
+class RoadTestSection(PrintedPart):
     """The section on the road test; ``series`` is the thinned leakage over it, None where there is none."""
 
     def __init__(self, names: PrintedNames, series: RoadSeries | None) -> None:

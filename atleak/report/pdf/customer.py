@@ -22,14 +22,14 @@ from atleak.common.wording import begun, isolated
 from atleak.engine.operation import LINE
 from atleak.report.charts.drawing import controller_svg, shortened
 from atleak.report.pdf.blocks import Block, joined, listed, signatures
-from atleak.report.pdf.printed_names import Part, PrintedNames
+from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.complaint import explanations, most_lost
 from atleak.report.tables.first_sentence import impossible_part, may_parts, measured_sentence, shown_verdict, worn_pump
 from atleak.report.tables.names import has_number
 from atleak.report.tables.table import VERDICT, Column, Judged, Table
 from atleak.report.tables.worn_valves import End, WornValve, worn_valves
 
-NAMED = 4  # valves that a sentence names
+_NAMED = 4  # valves that a sentence names
 FELT = 2  # complaints, and ways of the oil, that are named for one valve
 _ROW = 6  # valves that are drawn, beside one another
 _ABREAST = 4  # for which there is room beside one another at the least, so that few are not drawn larger
@@ -38,7 +38,7 @@ _DIGITS = 3  # decimals of a share at the most
 
 
 @dataclass(frozen=True)
-class Length:
+class _Length:
     """How much of everything that can be long stands on the page."""
 
     valves: int
@@ -47,12 +47,12 @@ class Length:
     sentences: int = 99  # of the finding, and of what to do
 
 
-LENGTHS = (
+_LENGTHS = (
     *starmap(
-        Length,
+        _Length,
         ((8, 700, 10), (6, 480, 8), (5, 320, 6), (4, 240, 5), (4, 180, 4), (3, 150, 3), (2, 120, 3), (2, 100, 2)),
     ),
-    *starmap(Length, ((2, 100, 2, 3), (1, 100, 1, 3), (1, 60, 1, 2), (0, 60, 1, 2), (0, 60, 0, 2))),
+    *starmap(_Length, ((2, 100, 2, 3), (1, 100, 1, 3), (1, 60, 1, 2), (0, 60, 1, 2), (0, 60, 0, 2))),
 )
 
 
@@ -67,7 +67,7 @@ def digits_apart(totals: Iterable[Total]) -> int:
     return next(filter(apart, range(1, _DIGITS)), _DIGITS)
 
 
-class CustomerPage(Part):
+class CustomerPage(PrintedPart):
     """The first page of one report; ``signed`` puts the signatures on it."""
 
     def __init__(self, names: PrintedNames, *, signed: bool) -> None:
@@ -90,16 +90,16 @@ class CustomerPage(Part):
             "headline": say(f"customer.{self._case or self._told_as}"),
             "urgency": [say("customer.urgency"), say(f"customer.urgent_{self._urgency}")],
             "caveats": [say(f"customer.{name}") for name in ("provisional", "upper_bound") if getattr(diagnosis, name)],
-            "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in LENGTHS]},
-            "found": {"title": say("customer.found"), "texts": [found[: each.sentences] for each in LENGTHS]},
+            "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in _LENGTHS]},
+            "found": {"title": say("customer.found"), "texts": [found[: each.sentences] for each in _LENGTHS]},
             "valves": self._valves(),
             "drawing": self._drawing(),
-            "do": {"title": say("customer.do"), "texts": [" ".join(do[: each.sentences]) for each in LENGTHS]},
+            "do": {"title": say("customer.do"), "texts": [" ".join(do[: each.sentences]) for each in _LENGTHS]},
             "cost": self._cost(),
             "signatures": self._signatures() if self.signed else None,
             "annex": say("customer.annex"),
             "annex_follows": say("customer.annex_follows"),
-            "lengths": len(LENGTHS),
+            "lengths": len(_LENGTHS),
         }
 
     @cached_property
@@ -292,8 +292,8 @@ class CustomerPage(Part):
         )
 
     def _named(self, components: Sequence[str]) -> str:
-        named = joined(map(self._valve, components[:NAMED]))
-        more = len(components) - NAMED
+        named = joined(map(self._valve, components[:_NAMED]))
+        more = len(components) - _NAMED
         return named if more <= 0 else self.say("diagnosis.and_more", named=named, count=more)
 
     def _valves(self) -> Block | None:
@@ -308,7 +308,7 @@ class CustomerPage(Part):
             Column("customer.alone", width=350, of=self._alone),
         )
         filled = Table("", columns, self.valves, say).filled.columns
-        shortened_to = [self.valves[: each.valves] for each in LENGTHS]
+        shortened_to = [self.valves[: each.valves] for each in _LENGTHS]
         note = say("customer.alone_means") if any(each.helped for each in self.valves) else ""
         return {
             "title": say("customer.valves"),
@@ -460,8 +460,8 @@ class CustomerPage(Part):
         )
         lines = sorted(filter(_shown, words.estimate.lines), key=lambda line: line.part is None and line.work is None)
         unpriced = [line for line in words.estimate.lines if not _shown(line)]
-        tables = [listed(say, lines[: each.lines], *columns) for each in LENGTHS]
-        more = [max(len(lines) - each.lines, 0) for each in LENGTHS]
+        tables = [listed(say, lines[: each.lines], *columns) for each in _LENGTHS]
+        more = [max(len(lines) - each.lines, 0) for each in _LENGTHS]
         due = words.estimate.total
         sums, values = "", {"amount": words.summed(due.gross, due.complete), "currency": words.estimate.currency}
         if due.gross is not None and due.tax is None:

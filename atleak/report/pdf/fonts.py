@@ -21,7 +21,7 @@ from fontTools.pens.ttGlyphPen import TTGlyphPen
 from fontTools.ttLib import TTFont, TTLibError
 
 from atleak.common.errors import InputError, OutputError, Place, reason_of
-from atleak.common.files import home, made, replace_file
+from atleak.common.files import home, made_folder, replace_file
 from atleak.common.sentences import Sentence
 
 FONTS = Path(__file__).parents[1] / "fonts"
@@ -146,7 +146,7 @@ def keep_font(content: bytes, name: str) -> OwnFont:
         the file is no font; it cannot be written.
     """
     font = read_font(content, Path(name).name)
-    folder, earlier = made(home() / _FOLDER), kept_file()
+    folder, earlier = made_folder(home() / _FOLDER), kept_file()
     replace_file(folder / font.name, content)
     if earlier is not None and earlier.name != font.name:
         _remove(earlier)

@@ -12,7 +12,7 @@ from atleak.common.verdicts import Verdict
 from atleak.engine.projection import Projection
 from atleak.report.pdf.blocks import Block, ends, joined, listed, named_facts
 from atleak.report.pdf.conditions import Conditions
-from atleak.report.pdf.printed_names import Part
+from atleak.report.pdf.printed_names import PrintedPart
 from atleak.report.tables.first_sentence import first_sentence, measured_sentence, pump_sentence
 from atleak.report.tables.sentences import (
     caveat_marks,
@@ -29,7 +29,7 @@ from atleak.report.tables.table import Column, Judged
 _ROOM = 7  # conditions for whose totals the page has room
 
 
-class Front(Part):
+class Front(PrintedPart):
     """What stands at the head of the annex, behind the customer's page."""
 
     def facts(self) -> list[list[str]]:

@@ -220,7 +220,7 @@ class PrintedNames:
         return rule_name(rule, self.say, brief=True)
 
 
-class Part:
+class PrintedPart:
     """A part of a report, with the words of its diagnosis and its job at hand."""
 
     def __init__(self, names: PrintedNames) -> None:

@@ -26,7 +26,7 @@ from atleak.common.damage import own_errors_only
 from atleak.common.errors import InputError
 from atleak.common.seals import KEYWORD
 from atleak.common.sentences import Sentence
-from atleak.common.style import LOOKS, PAPER, SHEET_OF_PAPER, Paper
+from atleak.common.style import LOOKS, PAPER_INKS, SHEET_OF_PAPER, Paper
 from atleak.common.verdicts import VERDICTS, Verdict
 from atleak.common.wording import Wording
 from atleak.measurements.job_card import Job, clean_text
@@ -159,7 +159,7 @@ def common_data(
         "note": None,
         "more-fonts": [],
         "head": _letterhead(job, pictures, say),
-        "inks": {"ink": PAPER.ink, "soft": PAPER.soft, "rule": PAPER.rule},
+        "inks": {"ink": PAPER_INKS.ink, "soft": PAPER_INKS.soft, "rule": PAPER_INKS.rule},
         "looks": {verdict: _look(verdict) for verdict in VERDICTS},
     }
 

@@ -18,8 +18,8 @@ from xlsxwriter.format import Format
 from xlsxwriter.utility import xl_col_to_name, xl_rowcol_to_cell
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.catalogue.workbook.cells import Choice, Gear, Kind, Measure, Number, Units, Whole, Wholes, YesNo
-from atleak.catalogue.workbook.shapes import Column, Sheet
+from atleak.catalogue.workbook.cells import CellForm, ChoiceCell, Gear, Measure, Number, Units, Whole, Wholes, YesNo
+from atleak.catalogue.workbook.shapes import Sheet, SheetColumn
 from atleak.catalogue.workbook.sheets import (
     EXAMPLE_MARK,
     FORM_HEADINGS,
@@ -192,7 +192,7 @@ class SheetWriter:
         page.fit_to_pages(1, 0)
 
     def _write_cell(
-        self, page: Worksheet, row: int, column: int, declared: Column, value: Any, style: str = ""
+        self, page: Worksheet, row: int, column: int, declared: SheetColumn, value: Any, style: str = ""
     ) -> None:
         form = self.styles[style or _style(declared.kind)]
         cell = None if value is None else declared.kind.cell(value, self.units)
@@ -207,7 +207,7 @@ class SheetWriter:
         else:
             page.write_number(row, column, cell, form)
 
-    def _write_unit(self, page: Worksheet, row: int, column: int, kind: Kind) -> None:
+    def _write_unit(self, page: Worksheet, row: int, column: int, kind: CellForm) -> None:
         """Write a unit, as a formula where it follows the choice on the first sheet."""
         label = kind.label(self.units)
         formula = _unit_formula(kind.measure) if isinstance(kind, Number) else ""
@@ -217,10 +217,10 @@ class SheetWriter:
             page.write_string(row, column, label, self.styles["unit"])
 
 
-def _style(kind: Kind) -> str:
+def _style(kind: CellForm) -> str:
     if isinstance(kind, Number | Whole):
         return "dimension" if isinstance(kind, Number) and kind.measure.quantity else "number"
-    if isinstance(kind, Choice | YesNo):
+    if isinstance(kind, ChoiceCell | YesNo):
         return "choice"
     return "mark" if isinstance(kind, Gear | Wholes) else "text"
 
@@ -239,11 +239,11 @@ def _unit_formula(measure: Measure) -> str:
     return f'={unit}&", "&{cells["clearance"]}' if measure.of_clearance else f"={unit}"
 
 
-def _offer(page: Worksheet, first: int, last: int, column: int, declared: Column) -> None:
+def _offer(page: Worksheet, first: int, last: int, column: int, declared: SheetColumn) -> None:
     """Add the drop-down of a column; where other names are possible too, it only advises."""
     kind = declared.kind
     offer: dict[str, Any]
-    if isinstance(kind, Choice):
+    if isinstance(kind, ChoiceCell):
         offer = {"source": list(kind.shown)}
     elif isinstance(kind, YesNo):
         offer = {"source": ["yes", "no"]}
@@ -314,7 +314,7 @@ _HOW_TO = (
 )
 
 
-def write_instructions(page: Worksheet, styles: Styles) -> None:
+def _write_instructions(page: Worksheet, styles: Styles) -> None:
     """Write the sheet.
 
     Parameters
@@ -371,7 +371,7 @@ def write_controller_workbook(data: Mapping[str, Any] | None = None, units: Unit
 
     def write_sheets(book: xlsxwriter.Workbook) -> None:
         styles = formats(book)
-        write_instructions(book.add_worksheet(INSTRUCTIONS), styles)
+        _write_instructions(book.add_worksheet(INSTRUCTIONS), styles)
         writer = SheetWriter(book, styles, data, units or Units())
         for sheet in SHEETS:
             write = writer.form if sheet.is_form else writer.table

@@ -12,10 +12,10 @@ import xlsxwriter
 from atleak.common.style import SHEET_COLOURS
 from atleak.common.wording import Wording, wording
 from atleak.measurements.gauge_study import FEWEST
-from atleak.readers.gauges.gauge_study import KEYS
+from atleak.readers.gauges.gauge_study import STUDY_KEYS
 
-SHEET = "Gauge study"
-HEADER = 5  # row of the headings, from 0
+_SHEET = "Gauge study"
+STUDY_HEADER = 5  # row of the headings, from 0
 _MOST = 60  # parts, operators or trials of a form
 _WIDTHS = (10, 14, 10, 16)
 
@@ -42,7 +42,7 @@ def write_study_form(parts: int = 10, operators: int = 3, trials: int = 3, say: 
     say = say or wording("en")
     target = io.BytesIO()
     with xlsxwriter.Workbook(target, {"in_memory": True}) as book:
-        sheet = book.add_worksheet(SHEET)
+        sheet = book.add_worksheet(_SHEET)
         title = book.add_format({"bold": True, "font_size": 14})
         edge = {"border": 1, "border_color": SHEET_COLOURS["border"]}
         heading = book.add_format(
@@ -53,9 +53,12 @@ def write_study_form(parts: int = 10, operators: int = 3, trials: int = 3, say: 
         sheet.write_string(0, 0, say("gauge_study.title"), title)
         for row, key in enumerate(("form_order", "form_names", "form_unit"), start=1):
             sheet.write_string(row, 0, say(f"gauge_study.{key}"))
-        headings = [*(say(f"gauge_study_names.{key}") for key in KEYS), f"{say('gauge_study_names.reading')} [mm]"]
+        headings = [
+            *(say(f"gauge_study_names.{key}") for key in STUDY_KEYS),
+            f"{say('gauge_study_names.reading')} [mm]",
+        ]
         for column, (text, width) in enumerate(zip(headings, _WIDTHS, strict=True)):
-            sheet.write_string(HEADER, column, text, heading)
+            sheet.write_string(STUDY_HEADER, column, text, heading)
             sheet.set_column(column, column, width)
         order = [
             (part, chr(ord("A") + operator) if operators <= 26 else str(operator + 1), trial)
@@ -63,13 +66,13 @@ def write_study_form(parts: int = 10, operators: int = 3, trials: int = 3, say: 
             for operator in range(operators)
             for part in range(1, parts + 1)
         ]
-        for row, (part, operator, trial) in enumerate(order, start=HEADER + 1):
+        for row, (part, operator, trial) in enumerate(order, start=STUDY_HEADER + 1):
             sheet.write_number(row, 0, part, given)
             sheet.write_string(row, 1, operator, given)
             sheet.write_number(row, 2, trial, given)
             sheet.write_blank(row, 3, None, entry)
-        sheet.freeze_panes(HEADER + 1, 3)
+        sheet.freeze_panes(STUDY_HEADER + 1, 3)
         sheet.set_paper(9)  # A4
         sheet.fit_to_pages(1, 0)
-        sheet.repeat_rows(HEADER)
+        sheet.repeat_rows(STUDY_HEADER)
     return target.getvalue()

@@ -15,7 +15,7 @@ from atleak.common.sentences import Name, Sentence
 from atleak.common.unit_systems import MM, Quantity
 from atleak.common.wording import Wording
 from atleak.measurements.own_lands import OwnLands
-from atleak.report.sheets.paging import HEADER, Tab, Table, only, put, width_for
+from atleak.report.sheets.paging import HEADER, PagedTable, Tab, only, put, width_for
 
 LANDS = Sentence("Lands")
 _LENGTH_REPRESENTATIVE = Sentence("stated length representative")
@@ -71,7 +71,7 @@ def write_lands(tab: Tab, controller: Controller, own: OwnLands) -> None:
     for column in columns:
         texts = [str(cells.get(column) or "") for _, cells in rows] if column.unbroken else []
         widths.append(width_for(texts, column.width))
-    table = Table(tab, headings, widths)
+    table = PagedTable(tab, headings, widths)
     title = Sentence("Lands of this unit: {name}", name=Name(controller.name))
     how_to = (*_HOW_TO, _HOW_TO_REPAIR) if controller.repairs else _HOW_TO
     table.write((title, *how_to), HEADER + len(rows), columns.index(_CONTACT))

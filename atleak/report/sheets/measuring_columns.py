@@ -23,10 +23,10 @@ from atleak.common.style import SHEET_COLOURS
 from atleak.common.wording import Wording
 from atleak.measurements.measuring_plan import DIRECTIONS, PARTS, REPEATS
 from atleak.measurements.readings import NOMINAL_HEADING, Reading
-from atleak.report.sheets.paging import Block
+from atleak.report.sheets.paging import RowBlock
 
 
-class Column(IntEnum):
+class FormColumn(IntEnum):
     """A column, by its number from 0: heading, kind of quantity that its unit is of, least width in characters."""
 
     COMPONENT = Sentence("No."), None, 5
@@ -48,7 +48,7 @@ class Column(IntEnum):
     kind: str | None
     least_width: int
 
-    def __new__(cls, heading: Sentence, kind: str | None, least_width: int) -> Column:
+    def __new__(cls, heading: Sentence, kind: str | None, least_width: int) -> FormColumn:
         """Number the columns as they stand here."""
         column = int.__new__(cls, len(cls.__members__))
         column._value_ = len(cls.__members__)
@@ -73,7 +73,7 @@ SHEET = Sentence("Measurements")
 UNWORN_END = Sentence("unworn end")  # what marks a reading there; the reader's vocabulary knows it in every language
 PUMP_SIDE, PUMP_TIP = Sentence("Pump side clearance"), Sentence("Pump tip clearance")  # the reader knows them
 REPRESENTATIVE, AS_STATED = Sentence("representative"), Sentence("as stated")
-PART_NAMES: Mapping[str, Sentence] = {
+FORM_PART_NAMES: Mapping[str, Sentence] = {
     "spool": Sentence("spool"),
     "piston": Sentence("piston"),
     "end plug": Sentence("end plug"),
@@ -133,7 +133,7 @@ class Row:
         return self.land.nominal_of(self.part)
 
 
-Key = Callable[[Row], tuple[Any, ...]]
+_Key = Callable[[Row], tuple[Any, ...]]
 
 
 def of_component(row: Row) -> tuple[Any, ...]:
@@ -161,7 +161,7 @@ def of_direction(row: Row) -> tuple[Any, ...]:
     return *of_plane(row), row.direction
 
 
-def rows_of(controller: Controller, readings: Iterable[Reading], blank_rows: bool) -> list[Row]:
+def rows_of_form(controller: Controller, readings: Iterable[Reading], blank_rows: bool) -> list[Row]:
     """Return the rows in the order of measuring that the sheet states, `how_to_measure.order` of the texts."""
     given: dict[tuple[Any, ...], dict[int, Reading]] = defaultdict(dict)
     directions: dict[tuple[str, Part, str], list[float | None]] = defaultdict(list)
@@ -187,14 +187,18 @@ def rows_of(controller: Controller, readings: Iterable[Reading], blank_rows: boo
     return [row for rows in parts for row in sorted(rows, key=lambda row: row.repeat)]
 
 
-def runs(numbered: Sequence[tuple[int, Row]], pages: Sequence[int], key: Key) -> Iterator[tuple[int, int, Row]]:
+def runs_of_cells(
+    numbered: Sequence[tuple[int, Row]], pages: Sequence[int], key: _Key
+) -> Iterator[tuple[int, int, Row]]:
     """Return first number, last number and first row of every run of rows with the same key on the same page."""
     for _, block in groupby(zip(numbered, pages, strict=True), key=lambda each: (each[1], key(each[0][1]))):
         inside = [entry for entry, _ in block]
         yield inside[0][0], inside[-1][0], inside[0][1]
 
 
-def blocks_of(rows: Sequence[Row], keys: Sequence[Key] = (of_component, of_part, of_round, of_plane)) -> list[Block]:
+def blocks_of(
+    rows: Sequence[Row], keys: Sequence[_Key] = (of_component, of_part, of_round, of_plane)
+) -> list[RowBlock]:
     """Return the numbers of rows of components, within them of parts, of the rounds of measuring, of planes."""
     key, *finer = keys
     groups = [list(block) for _, block in groupby(rows, key=key)]

@@ -24,42 +24,42 @@ from atleak.common.wording import Wording
 from atleak.measurements.measuring_plan import DIRECTIONS, PARTS
 from atleak.report.charts.drawing import directions_svg, upright_svg
 from atleak.report.pdf.typesetting import Drawing, pngs_of
-from atleak.report.sheets.measuring_columns import PUMP_SIDE, PUMP_TIP, Column
+from atleak.report.sheets.measuring_columns import PUMP_SIDE, PUMP_TIP, FormColumn
 from atleak.report.sheets.paging import height_of
 
 if TYPE_CHECKING:
     from atleak.measurements.job_card import Job
 
 JOB, VEHICLE, DATE = Sentence("Job"), Sentence("Vehicle"), Sentence("Date")
-MILEAGE, MEASURED_BY, VIN = Sentence("Mileage"), Sentence("Measured by"), Sentence("VIN")
-SERIAL, TEMPERATURE = Sentence("Serial number"), Sentence("Measuring temperature")
-INSTRUMENTS: Mapping[Part, Sentence] = {
+_MILEAGE, MEASURED_BY, VIN = Sentence("Mileage"), Sentence("Measured by"), Sentence("VIN")
+SERIAL, _TEMPERATURE = Sentence("Serial number"), Sentence("Measuring temperature")
+INSTRUMENT_ROWS: Mapping[Part, Sentence] = {
     "spool": Sentence("Instrument for spools"),
     "sleeve": Sentence("Instrument for bores"),
 }
-KINDS = {  # of what stands without a unit: the label states it
-    MILEAGE: "distance",
-    TEMPERATURE: "temperature",
+_KINDS = {  # of what stands without a unit: the label states it
+    _MILEAGE: "distance",
+    _TEMPERATURE: "temperature",
     PUMP_SIDE: "clearance",
     PUMP_TIP: "clearance",
 }
 TITLE_HEIGHTS = (21.0, 42.0, 45.0)  # [pt] of the rows above: the valve body, what to do, what of it is representative
 _ROWS = (
     (JOB, VEHICLE, DATE, PUMP_SIDE),
-    (MILEAGE, MEASURED_BY, VIN, PUMP_TIP),
-    (SERIAL, INSTRUMENTS["spool"], INSTRUMENTS["sleeve"], TEMPERATURE),
+    (_MILEAGE, MEASURED_BY, VIN, PUMP_TIP),
+    (SERIAL, INSTRUMENT_ROWS["spool"], INSTRUMENT_ROWS["sleeve"], _TEMPERATURE),
 )
 _BLOCKS = (  # of fields below each other: where their labels begin, where the fields begin and end
-    (Column.COMPONENT, Column.PART, Column.PLANE),
-    (Column.DIRECTION, Column.X1, Column.X2),
-    (Column.DIAMETER, Column.NOMINAL, Column.CLEARANCE),
-    (Column.ORIGIN, Column.TAKEN_AT, Column.TAKEN_AT),
+    (FormColumn.COMPONENT, FormColumn.PART, FormColumn.PLANE),
+    (FormColumn.DIRECTION, FormColumn.X1, FormColumn.X2),
+    (FormColumn.DIAMETER, FormColumn.NOMINAL, FormColumn.CLEARANCE),
+    (FormColumn.ORIGIN, FormColumn.TAKEN_AT, FormColumn.TAKEN_AT),
 )
 PICTURES = _BLOCKS[-1][0]  # the head's pictures stand above the last block
-HEADER = len(TITLE_HEIGHTS) + len(_ROWS)  # row of the table's headings, from 0
+MEASURING_HEADER = len(TITLE_HEIGHTS) + len(_ROWS)  # row of the table's headings, from 0
 
 
-class Place(NamedTuple):
+class _Place(NamedTuple):
     """Where a field stands: its row, the column of its label, its own first and last column; from 0."""
 
     row: int
@@ -68,8 +68,8 @@ class Place(NamedTuple):
     last: int
 
 
-PLACES: Mapping[Sentence, Place] = {
-    field: Place(row, *block)
+PLACES: Mapping[Sentence, _Place] = {
+    field: _Place(row, *block)
     for row, fields in enumerate(_ROWS, start=len(TITLE_HEIGHTS))
     for field, block in zip(fields, _BLOCKS, strict=True)
 }
@@ -82,7 +82,7 @@ _MODULE = 4  # dots of the code's smallest square
 
 def label_of(field: Sentence, say: Wording) -> str:
     """Return the label of a field, with its unit."""
-    return say.sentence(field) + (f" [{_unit_of(KINDS[field], say.system).name}]" if field in KINDS else "")
+    return say.sentence(field) + (f" [{_unit_of(_KINDS[field], say.system).name}]" if field in _KINDS else "")
 
 
 def fields_of(job: Job, units: str = "metric") -> dict[str, str]:
@@ -95,8 +95,8 @@ def fields_of(job: Job, units: str = "metric") -> dict[str, str]:
     vehicle, system = job.vehicle, unit_system(units)
     car = " ".join(filter(None, (vehicle.make, vehicle.model, vehicle.year)))
     numbers = (
-        (MILEAGE, vehicle.mileage_km),
-        (TEMPERATURE, job.measuring_temperature_c),
+        (_MILEAGE, vehicle.mileage_km),
+        (_TEMPERATURE, job.measuring_temperature_c),
         (PUMP_SIDE, job.pump_side_clearance_um),
         (PUMP_TIP, job.pump_tip_clearance_um),
     )
@@ -107,8 +107,10 @@ def fields_of(job: Job, units: str = "metric") -> dict[str, str]:
         MEASURED_BY: job.technician,
         VIN: vehicle.vin,
         SERIAL: job.transmission.serial,
-        **{INSTRUMENTS[part]: name for part, name in _instruments_of(job).items()},
-        **{field: "" if value is None else _written(value, _unit_of(KINDS[field], system)) for field, value in numbers},
+        **{INSTRUMENT_ROWS[part]: name for part, name in _instruments_of(job).items()},
+        **{
+            field: "" if value is None else _written(value, _unit_of(_KINDS[field], system)) for field, value in numbers
+        },
     }
     return {label: text for label, text in fields.items() if text}
 
@@ -223,7 +225,7 @@ def draw_spools(
             component=block.component,
             name=Name(controller.components[block.component]),
         )
-        _insert(sheet, (block.row, Column.NAME), (_EDGE, above), pictures[drawing], 1.0, say.sentence(title))
+        _insert(sheet, (block.row, FormColumn.NAME), (_EDGE, above), pictures[drawing], 1.0, say.sentence(title))
     return [block for block, _, _ in placed]
 
 

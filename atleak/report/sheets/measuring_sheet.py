@@ -26,13 +26,13 @@ from atleak.measurements.readings import Reading
 from atleak.report.sheets.lands_sheet import LANDS, write_lands
 from atleak.report.sheets.measuring_columns import (
     AS_STATED,
-    PART_NAMES,
+    FORM_PART_NAMES,
     PUMP_SIDE,
     PUMP_TIP,
     REPRESENTATIVE,
     SHEET,
     UNWORN_END,
-    Column,
+    FormColumn,
     Row,
     blocks_of,
     formats_of,
@@ -40,14 +40,14 @@ from atleak.report.sheets.measuring_columns import (
     of_direction,
     of_part,
     of_plane,
-    rows_of,
-    runs,
+    rows_of_form,
+    runs_of_cells,
 )
 from atleak.report.sheets.measuring_head import (
     FIELDS,
-    HEADER,
-    INSTRUMENTS,
+    INSTRUMENT_ROWS,
     JOB,
+    MEASURING_HEADER,
     PICTURES,
     PLACES,
     TITLE_HEIGHTS,
@@ -59,9 +59,9 @@ from atleak.report.sheets.measuring_head import (
     label_of,
 )
 from atleak.report.sheets.paging import Paging, Tab, only, put, row_height, workbook
-from atleak.report.sheets.pressure_sheet import PRESSURES, write_pressures
+from atleak.report.sheets.pressure_sheet import PRESSURES_TITLE, write_pressures
 
-INSTRUCTIONS = Sentence("How to measure")
+MEASURING_INSTRUCTIONS = Sentence("How to measure")
 _WIDTHS = (24, 96)
 _BETWEEN = 6.0  # [pt] height of the row below a topic, which also keeps words of several from being read as headings
 _TOPICS = (
@@ -70,7 +70,7 @@ _TOPICS = (
 )  # fmt: skip
 
 
-def write_instructions(tab: Tab, controller: Controller, far: float) -> None:
+def _write_instructions(tab: Tab, controller: Controller, far: float) -> None:
     """Write a row for every topic, as high as its text is long.
 
     Parameters
@@ -94,9 +94,9 @@ def write_instructions(tab: Tab, controller: Controller, far: float) -> None:
         "choice": repr(say.sentence(UNWORN_END)),
         "representative": say.name(controller.representative),
     }
-    tabs = {"lands": LANDS, "pressures": PRESSURES}
+    tabs = {"lands": LANDS, "pressures": PRESSURES_TITLE}
     Paging(_WIDTHS).set_up(sheet)
-    sheet.write_string(0, 0, say.sentence(INSTRUCTIONS), formats["title"])
+    sheet.write_string(0, 0, say.sentence(MEASURING_INSTRUCTIONS), formats["title"])
     for number, topic in enumerate(_TOPICS if controller.representative else _TOPICS[:-1]):
         row, title = 2 * number + 2, say(f"how_to_measure.{topic}_title")
         key = "in_inches" if topic == "what_to_write" and say.unit("length") != "mm" else topic
@@ -107,14 +107,23 @@ def write_instructions(tab: Tab, controller: Controller, far: float) -> None:
         sheet.set_row(row + 1, _BETWEEN)
 
 
-__all__ = ["FIELDS", "INSTRUCTIONS", "PUMP_SIDE", "PUMP_TIP", "SHEET", "UNWORN_END", "write_readings", "write_template"]
+__all__ = [
+    "FIELDS",
+    "MEASURING_INSTRUCTIONS",
+    "PUMP_SIDE",
+    "PUMP_TIP",
+    "SHEET",
+    "UNWORN_END",
+    "write_readings",
+    "write_template",
+]
 
 _HEADINGS_ROW = 54.0  # [pt]
 _CHOICES = 255  # characters that a spreadsheet program takes as the choices of a cell
 _ANGLES = (0, 45, 90, 135)  # [°] to choose from; another may be typed
 _NUMBER = 5  # characters of a component's number; an id of more is written upright
 _FAR = 500  # [µm] from the nominal diameter: from here on the cell is coloured
-_MEASURED = (Column.X1, Column.X2, Column.DIAMETER)
+_MEASURED = (FormColumn.X1, FormColumn.X2, FormColumn.DIAMETER)
 
 
 def write_template(
@@ -185,7 +194,7 @@ def write_readings(
     """
     readings, say = list(readings), wording(language, units)
     empty = not readings and not fields and pressures is None and own_lands == OwnLands()
-    rows = rows_of(controller, readings, blank_rows)
+    rows = rows_of_form(controller, readings, blank_rows)
 
     def write(book: xlsxwriter.Workbook) -> None:
         formats = formats_of(book, say)
@@ -194,11 +203,12 @@ def write_readings(
         sheet.body(rows, drawn=blank_rows)
         sheet.set_up(len(rows), (fields or {}).get(JOB, ""))
         lands, gauges, instructions = (
-            Tab(book.add_worksheet(say.sentence(name)), formats, say) for name in (LANDS, PRESSURES, INSTRUCTIONS)
+            Tab(book.add_worksheet(say.sentence(name)), formats, say)
+            for name in (LANDS, PRESSURES_TITLE, MEASURING_INSTRUCTIONS)
         )
         write_lands(lands, controller, own_lands)
         write_pressures(gauges, controller, pressures)
-        write_instructions(instructions, controller, _FAR)
+        _write_instructions(instructions, controller, _FAR)
 
     font = {"default_format_properties": {"font_name": "Arial", "font_size": 10}}  # as wide in every program
     return workbook(write, _title(controller, say), mark="measuring sheet" if empty else None, options=font)
@@ -213,8 +223,8 @@ class _Sheet:
 
     def __init__(self, sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, say: Wording) -> None:
         self.sheet, self.formats, self.controller, self.say = sheet, formats, controller, say
-        paging = Paging(tuple(column.width(say) for column in Column))
-        fields = (paging.row_height,) * (HEADER - len(TITLE_HEIGHTS))  # for a pencil too
+        paging = Paging(tuple(column.width(say) for column in FormColumn))
+        fields = (paging.row_height,) * (MEASURING_HEADER - len(TITLE_HEIGHTS))  # for a pencil too
         self.paging, self.breaks = replace(paging, above=(*TITLE_HEIGHTS, *fields, _HEADINGS_ROW)), list[int]()
 
     def head(self, fields: Mapping[str, str]) -> None:
@@ -241,8 +251,8 @@ class _Sheet:
                 if end > start:
                     sheet.merge_range(row, start, row, end, "", formats[form])
                 sheet.write_string(row, start, text, formats[form])
-        for column in Column:
-            sheet.write_string(HEADER, column, column.said(say), formats["heading"])
+        for column in FormColumn:
+            sheet.write_string(MEASURING_HEADER, column, column.said(say), formats["heading"])
         for row, height in enumerate(self.paging.above):
             sheet.set_row(row, height)
         draw_head(sheet, code_text(controller, fields), say)
@@ -251,42 +261,46 @@ class _Sheet:
         """Write a row for every reading; what several rows share is merged, on each page anew, with its spool drawn."""
         self.breaks = self.paging.breaks(blocks_of(rows))  # none cuts a component, or a part or plane of a large one
         for row in range(len(rows)):
-            self.sheet.set_row(HEADER + 1 + row, self.paging.row_height)
+            self.sheet.set_row(MEASURING_HEADER + 1 + row, self.paging.row_height)
         pages = [bisect_right(self.breaks, row) for row in range(len(rows))]
-        numbered = list(enumerate(rows, start=HEADER + 1))
-        on_pages = {first: (last, entry.land.component) for first, last, entry in runs(numbered, pages, of_component)}
+        numbered = list(enumerate(rows, start=MEASURING_HEADER + 1))
+        on_pages = {
+            first: (last, entry.land.component) for first, last, entry in runs_of_cells(numbered, pages, of_component)
+        }
         blocks = [
             ComponentRows(component, first, (last - first + 1) * self.paging.row_height)
             for first, (last, component) in on_pages.items()
         ]
-        width = self.paging.widths[Column.NAME]
+        width = self.paging.widths[FormColumn.NAME]
         with_spool = draw_spools(self.sheet, self.controller, blocks if drawn else (), width, self.say)
         on_top = {block.row for block in with_spool}
         for first, (last, component) in on_pages.items():
             name = self.say.name(self.controller.components[component])
-            self._label(first, last, Column.COMPONENT, component, "text" if len(component) <= _NUMBER else "upright")
-            self._label(first, last, Column.NAME, name, "on top" if first in on_top else "text")
-        for first, last, entry in runs(numbered, pages, of_part):
-            self._label(first, last, Column.PART, self._part_name(entry), "text")
-        for first, last, entry in runs(numbered, pages, of_plane):
-            self._label(first, last, Column.PLANE, entry.plane, "number")
-            self._label(first, last, Column.NOMINAL, self._shown(entry.nominal), "nominal")
+            self._label(
+                first, last, FormColumn.COMPONENT, component, "text" if len(component) <= _NUMBER else "upright"
+            )
+            self._label(first, last, FormColumn.NAME, name, "on top" if first in on_top else "text")
+        for first, last, entry in runs_of_cells(numbered, pages, of_part):
+            self._label(first, last, FormColumn.PART, self._part_name(entry), "text")
+        for first, last, entry in runs_of_cells(numbered, pages, of_plane):
+            self._label(first, last, FormColumn.PLANE, entry.plane, "number")
+            self._label(first, last, FormColumn.NOMINAL, self._shown(entry.nominal), "nominal")
             clearance = round(float(self.say.convert(entry.land.mounting_high * UM, "clearance")), 6)
-            self._label(first, last, Column.CLEARANCE, clearance, "clearance")
-            self._label(first, last, Column.ORIGIN, self.say.sentence(_origin(entry.land)), "origin")
+            self._label(first, last, FormColumn.CLEARANCE, clearance, "clearance")
+            self._label(first, last, FormColumn.ORIGIN, self.say.sentence(_origin(entry.land)), "origin")
             for row in range(first, last + 1):
-                self._deviation(row, first, rows[row - HEADER - 1])
-        for first, last, entry in runs(numbered, pages, of_direction):
-            self._label(first, last, Column.DIRECTION, entry.direction, "angle")
+                self._deviation(row, first, rows[row - MEASURING_HEADER - 1])
+        for first, last, entry in runs_of_cells(numbered, pages, of_direction):
+            self._label(first, last, FormColumn.DIRECTION, entry.direction, "angle")
         for row, entry in numbered:
-            self.sheet.write_number(row, Column.REPEAT, entry.repeat, self.formats["number"])
-            self.sheet.write_blank(row, Column.TAKEN_AT, None, self.formats["choice"])
+            self.sheet.write_number(row, FormColumn.REPEAT, entry.repeat, self.formats["number"])
+            self.sheet.write_blank(row, FormColumn.TAKEN_AT, None, self.formats["choice"])
             for column, metres in zip(_MEASURED, _values(entry.reading), strict=True):
                 shown = None if metres is None else self._shown(metres)
                 put(self.sheet, row, column, shown, self.formats["input"])
 
     def _part_name(self, entry: Row) -> str:
-        return self.say.sentence(PART_NAMES[entry.land.part_name if entry.part == "spool" else "sleeve"])
+        return self.say.sentence(FORM_PART_NAMES[entry.land.part_name if entry.part == "spool" else "sleeve"])
 
     def _label(self, first: int, last: int, column: int, value: str | float | None, name: str) -> None:
         """Write one value over several rows, merged as in Table 1."""
@@ -301,7 +315,7 @@ class _Sheet:
 
     def _deviation(self, row: int, first: int, entry: Row) -> None:
         one, other, size = (f"{column.letter}{row + 1}" for column in _MEASURED)
-        given = f"${Column.NOMINAL.letter}${first + 1}"
+        given = f"${FormColumn.NOMINAL.letter}${first + 1}"
         nominal = given if self.say.unit("length") == "mm" else _in_mm(given)
         measured = f"IF(ISNUMBER({size}),{_in_mm(size)},ABS({_in_mm(one)}-{_in_mm(other)}))"
         factor = round(float(self.say.convert(UM / MM, "clearance")), 6)
@@ -310,7 +324,7 @@ class _Sheet:
         known = "" if off is None else round(float(self.say.convert(off, "clearance")), 6)
         self.sheet.write_formula(
             row,
-            Column.DEVIATION,
+            FormColumn.DEVIATION,
             f'=IF({filled},{factor:.10g}*({measured}-{nominal}),"")',
             self.formats["deviation"],
             known,
@@ -327,45 +341,49 @@ class _Sheet:
 
     def set_up(self, rows: int, job: str) -> None:
         """Add what a person needs who fills it in on a screen or on paper."""
-        sheet, say, first, last = self.sheet, self.say, HEADER + 1, HEADER + max(rows, 1)
+        sheet, say, first, last = self.sheet, self.say, MEASURING_HEADER + 1, MEASURING_HEADER + max(rows, 1)
         far = float(say.convert(_FAR, "clearance"))
-        sheet.freeze_panes(first, Column.PLANE)
+        sheet.freeze_panes(first, FormColumn.PLANE)
         told = Sentence(
             "A number in the unit of the heading, larger than 0, such as {example}. Leave empty what was not measured.",
             example=Quantity(9.939, "length", 3),
         )
         sizes = only("decimal", Sentence("Not a dimension"), told, say, criteria=">", value=0)
         sheet.data_validation(first, _MEASURED[0], last, _MEASURED[-1], sizes)
-        self._choose((first, last), Column.TAKEN_AT, [say.sentence(UNWORN_END)])
+        self._choose((first, last), FormColumn.TAKEN_AT, [say.sentence(UNWORN_END)])
         parts = [
             self._part_name(Row(land, part, "", None, 1, None)) for land in self.controller.lands for part in PARTS
         ]
-        self._choose((first, last), Column.PART, dict.fromkeys(parts))
-        self._choose((first, last), Column.DIRECTION, map(str, _ANGLES), others=True)
-        for part, field in INSTRUMENTS.items():
+        self._choose((first, last), FormColumn.PART, dict.fromkeys(parts))
+        self._choose((first, last), FormColumn.DIRECTION, map(str, _ANGLES), others=True)
+        for part, field in INSTRUMENT_ROWS.items():
             place = PLACES[field]
             names = [say.name(name) for name in instruments_for(part)]
             self._choose((place.row, place.row), place.first, names, others=True)
-        deviation = Column.DEVIATION
+        deviation = FormColumn.DEVIATION
         alarm = {"type": "cell", "criteria": "not between", "minimum": -far, "maximum": far}
         empty = {"type": "formula", "criteria": f"=NOT(ISNUMBER(${deviation.letter}{first + 1}))", "stop_if_true": True}
         sheet.conditional_format(first, deviation, last, deviation, empty)
         sheet.conditional_format(first, deviation, last, deviation, {**alarm, "format": self.formats["alarm"]})
         self.paging.set_up(sheet)
         sheet.set_h_pagebreaks([first + row for row in self.breaks])
-        sheet.repeat_rows(HEADER)
-        sheet.print_area(0, 0, last, max(Column))
+        sheet.repeat_rows(MEASURING_HEADER)
+        sheet.print_area(0, 0, last, max(FormColumn))
         page = say("title.page", page="&P", pages="&N")
         name = " · ".join(filter(None, (job, say.name(self.controller.name))))
         sheet.set_footer(f"&L{name.replace('&', '&&')[:120]}&R{page}")
         sheet.ignore_errors(
-            {"number_stored_as_text": f"{Column.COMPONENT.letter}{first + 1}:{Column.DIRECTION.letter}{last + 1}"}
+            {
+                "number_stored_as_text": (
+                    f"{FormColumn.COMPONENT.letter}{first + 1}:{FormColumn.DIRECTION.letter}{last + 1}"
+                )
+            }
         )
 
 
 def _in_mm(cell: str) -> str:
     """Return the formula of a cell's length in mm, whether its heading says [mm] or [inch]."""
-    return f'{cell}*IF(ISNUMBER(FIND("[in",LOWER({cell.lstrip("$")[0]}${HEADER + 1}))),25.4,1)'
+    return f'{cell}*IF(ISNUMBER(FIND("[in",LOWER({cell.lstrip("$")[0]}${MEASURING_HEADER + 1}))),25.4,1)'
 
 
 def _values(reading: Reading | None) -> tuple[float | None, float | None, float | None]:

@@ -17,7 +17,7 @@ import xlsxwriter
 from xlsxwriter.format import Format
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.common.seals import PROPERTY, Kind, sealed, unsealed
+from atleak.common.seals import PROPERTY, SealedKind, sealed, unsealed
 from atleak.common.sentences import Sentence
 from atleak.common.wording import Wording
 
@@ -36,7 +36,7 @@ HEADER = 5
 """Row of the headings of a table on a tab, from 0."""
 _BOLD_BESIDE = 2  # characters beside the longest word of a heading
 
-Block = Sequence["Block"] | int  # blocks within a block; at the end a number of rows
+RowBlock = Sequence["RowBlock"] | int  # blocks within a block; at the end a number of rows
 
 
 UNDATED = dt.datetime(2000, 1, 1)  # the creation of a workbook without a date: the same content gives the same bytes
@@ -46,7 +46,7 @@ def workbook(
     write: Callable[[xlsxwriter.Workbook], None],
     title: str,
     *,
-    mark: Kind | None = None,
+    mark: SealedKind | None = None,
     created: dt.datetime = UNDATED,
     properties: Mapping[str, str] | None = None,
     options: Mapping[str, Any] | None = None,
@@ -123,7 +123,7 @@ class Paging:
         sheet.set_print_scale(self.scale)
         sheet.set_margins(left=_LEFT, right=_RIGHT, top=_TOP, bottom=_BOTTOM)
 
-    def breaks(self, blocks: Sequence[Block]) -> list[int]:
+    def breaks(self, blocks: Sequence[RowBlock]) -> list[int]:
         """Return the rows before which a page begins, counted from the first row to fill in.
 
         A block that fits on a page stands on one; of a larger one its own blocks do. The first page has the head, so
@@ -142,7 +142,7 @@ class Paging:
             used += height
         return found
 
-    def _pieces(self, blocks: Sequence[Block]) -> Iterator[tuple[int, int]]:
+    def _pieces(self, blocks: Sequence[RowBlock]) -> Iterator[tuple[int, int]]:
         """Yield first row and number of rows of what must not be cut."""
         row = 0
         for block in blocks:
@@ -154,7 +154,7 @@ class Paging:
                 yield from ((row + first, many) for first, many in self._pieces(block))
             row += rows
 
-    def _height(self, block: Block) -> float:
+    def _height(self, block: RowBlock) -> float:
         return self._printed(_rows_of(block) * self.row_height)
 
     def _printed(self, points: float) -> float:
@@ -176,7 +176,7 @@ class Tab:
     say: Wording
 
 
-class Table:
+class PagedTable:
     """A table on a tab, below a title and what to do; its headings stand in row `HEADER`.
 
     Parameters
@@ -230,7 +230,7 @@ class Table:
         self._tab.sheet.set_row(row, max(self.row_height, needed))
 
 
-def _rows_of(block: Block) -> int:
+def _rows_of(block: RowBlock) -> int:
     return block if isinstance(block, int) else sum(map(_rows_of, block))
 
 

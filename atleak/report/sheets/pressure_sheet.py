@@ -12,11 +12,11 @@ from atleak.catalogue.controller import Controller
 from atleak.common.sentences import Name, Sentence
 from atleak.common.unit_systems import KPA, Quantity
 from atleak.common.wording import Wording
-from atleak.measurements.gauge_readings import Cell, Engine, PressureTable, applied, permitted, ranges_of, taps_of
-from atleak.report.sheets.paging import HEADER, Tab, Table, only, put
+from atleak.measurements.gauge_readings import Engine, GaugeCell, PressureTable, applied, permitted, ranges_of, taps_of
+from atleak.report.sheets.paging import HEADER, PagedTable, Tab, only, put
 from atleak.report.tables.gauges import permissible_text, tap_text
 
-PRESSURES = Sentence("Pressures")
+PRESSURES_TITLE = Sentence("Pressures")
 _ENGINES = {
     Engine.SLOW_IDLE: Sentence("slow idle"),
     Engine.FAST_IDLE: Sentence("fast idle"),
@@ -44,7 +44,7 @@ def write_pressures(tab: Tab, controller: Controller, readings: PressureTable | 
     sheet, formats, say = tab.sheet, tab.formats, tab.say
     rows = list(_rows(controller))
     last = HEADER + len(rows)
-    table = Table(tab, _headings(say), _WIDTHS)
+    table = PagedTable(tab, _headings(say), _WIDTHS)
     title = Sentence("Pressures of a standing vehicle: {name}", name=Name(controller.name))
     table.write((title, *_HOW_TO), last, _READ)
     label = f"{say.sentence(Sentence('ATF temperature'))} [{say.unit('temperature')}]"
@@ -53,7 +53,7 @@ def write_pressures(tab: Tab, controller: Controller, readings: PressureTable | 
     sheet.write_blank(*_TEMPERATURE, None, formats["field"])
     for row, (selected, tap) in enumerate(rows, start=HEADER + 1):
         permissible = [
-            permissible_text(permitted(controller, Cell(selected, engine, tap)), say) or "" for engine in Engine
+            permissible_text(permitted(controller, GaugeCell(selected, engine, tap)), say) or "" for engine in Engine
         ]
         texts = {_TAP: tap_text(controller, tap, say), **dict(enumerate(permissible, start=_PERMISSIBLE))}
         table.fit(row, texts)
@@ -61,7 +61,7 @@ def write_pressures(tab: Tab, controller: Controller, readings: PressureTable | 
         for column, text in texts.items():
             sheet.write_string(row, column, text, formats["text" if column == _TAP else "origin"])
         for column, engine in enumerate(Engine, start=_READ):
-            given = readings.at(Cell(selected, engine, tap)) if readings is not None else ()
+            given = readings.at(GaugeCell(selected, engine, tap)) if readings is not None else ()
             shown = round(float(say.convert(given[0].pressure * KPA, "pressure")), 9) if given else None
             put(sheet, row, column, shown, formats["pressure"])
     message = Sentence(
@@ -84,5 +84,5 @@ def _rows(controller: Controller) -> Iterator[tuple[SelectorRange, str]]:
     """Yield range and tap of every row: all ranges at the line, at a circuit those in which it is applied."""
     for tap in taps_of(controller):
         for selected in ranges_of(controller):
-            if applied(controller, Cell(selected, Engine.SLOW_IDLE, tap)):
+            if applied(controller, GaugeCell(selected, Engine.SLOW_IDLE, tap)):
                 yield selected, tap

@@ -10,8 +10,8 @@ from typing import Any
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Level, Limits, RuleKind, Steps
-from atleak.catalogue.workbook.cells import Choice, Number, Units, YesNo
-from atleak.catalogue.workbook.shapes import Column as Declared
+from atleak.catalogue.workbook.cells import ChoiceCell, Number, Units, YesNo
+from atleak.catalogue.workbook.shapes import SheetColumn as Declared
 from atleak.catalogue.workbook.sheets import SHEETS
 from atleak.common.unit_systems import G_CM3, MM2_S, PERCENT, UM
 from atleak.common.wording import Wording
@@ -110,7 +110,7 @@ def _text(declared: Declared, value: Any, say: Wording) -> str | None:
         return say.plain(cell)
     return (
         _word(cell, say)
-        if isinstance(declared.kind, Choice | YesNo)
+        if isinstance(declared.kind, ChoiceCell | YesNo)
         else say.get("catalogue_materials", say.name(cell))
     )
 

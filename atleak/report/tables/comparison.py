@@ -192,7 +192,7 @@ def differing_sentence(comparison: Comparison, say: Wording) -> str | None:
     return say("comparison.differing", choices=", ".join(say(f"choices.{name}") for name in names))
 
 
-def land_name(comparison: Comparison, land: LandComparison, say: Wording) -> str:
+def _land_name(comparison: Comparison, land: LandComparison, say: Wording) -> str:
     """Name a land: ``25/1 main pressure valve``."""
     after = comparison.after.controller
     return land_words(after if land.key[0] in after.components else comparison.before.controller, land.key, say)
@@ -214,7 +214,7 @@ def signed_number(value: float, digits: int, say: Wording) -> str:
     return f"+{text}" if value > 0.0 and float(f"{value:.{digits}f}") != 0.0 else text
 
 
-def event_name(pair: EventPair, say: Wording) -> str:
+def compared_event_name(pair: EventPair, say: Wording) -> str:
     """Name a matched event: ``shift 1 → 2``; of several alike with its place among them."""
     event = pair.event
     gears = "" if event.to_gear is None else f" {event.from_gear} → {event.to_gear}"
@@ -240,7 +240,7 @@ def land_table(comparison: Comparison, lands: Sequence[LandComparison], say: Wor
     shown = (
         Column("verdict", VERDICT, width=92, of=lambda land: land.after and land.after.verdict),
         Column("was", of=lambda land: land.before and say.signed(land.before.verdict)),
-        Column("pair", width=176, of=lambda land: land_name(comparison, land, say)),
+        Column("pair", width=176, of=lambda land: _land_name(comparison, land, say)),
         *both("clearance", lambda land: land.state.radial_clearance if land.state.measured else None, *_UM, times=UM),
         Column("change", words_of="clearance", of=lambda land: land.change and with_uncertainty(land.change, say)),
         Column("changed", of=lambda land: land.change and land.significant),
@@ -251,7 +251,7 @@ def land_table(comparison: Comparison, lands: Sequence[LandComparison], say: Wor
     return Table("lands", shown, lands, say).filled
 
 
-def condition_table(comparison: Comparison, say: Wording, *, brief: bool = False) -> Table:
+def compared_condition_table(comparison: Comparison, say: Wording, *, brief: bool = False) -> Table:
     """Return one row for every total, reserve and pressure of every condition that both jobs were judged at.
 
     In brief a pressure that did not change by as much as is shown is left out, and so is the flow behind a share; a
@@ -303,7 +303,7 @@ def _interval(ends: tuple[float, float], scale: float, places: int, say: Wording
     return say("written.to", low=low, high=high)
 
 
-def event_table(logs: LogComparison, say: Wording) -> Table:
+def compared_event_table(logs: LogComparison, say: Wording) -> Table:
     """Return one row for every event of either log, before → after: start, duration, mean pressure and fluid."""
 
     def means(pair: EventPair, quantity: str, factor: float) -> list[float | None]:
@@ -320,7 +320,7 @@ def event_table(logs: LogComparison, say: Wording) -> Table:
         return Column(key, words_of=kind, of=lambda pair: " → ".join(say.value(at, kind, digits) for at in of(pair)))
 
     shown = (
-        Column("event", of=lambda pair: event_name(pair, say)),
+        Column("event", of=lambda pair: compared_event_name(pair, say)),
         arrow("starts", "time", 1, lambda pair: both(pair, "start")),
         arrow("lasts", "time", 1, lambda pair: both(pair, "duration")),
         arrow("mean_pressure", "pressure", 0, lambda pair: means(pair, "main_pressure", KPA)),

@@ -128,7 +128,7 @@ class EstimateWords:
         past = estimate.past
         yield say("estimate.past", rules="; ".join(map(self.past, past))) if past else say("estimate.green")
         if estimate.lands_past:
-            lands = numbers_of(estimate.lands_past, estimate.diagnosis.controller, say)
+            lands = _numbers_of(estimate.lands_past, estimate.diagnosis.controller, say)
             yield say("estimate.lands_past", lands=lands)
 
     def missing(self) -> Iterator[str]:
@@ -170,7 +170,7 @@ class EstimateWords:
         return target.getvalue().encode("utf-8-sig")
 
 
-def numbers_of(lands: Iterable[LandDiagnosis], controller: Controller, say: Wording) -> str:
+def _numbers_of(lands: Iterable[LandDiagnosis], controller: Controller, say: Wording) -> str:
     """Name lands in short: ``8/1, 8/2``, or ``manual valve/3`` where components have no numbers."""
     return ", ".join(land_number(controller, land.key, say) for land in lands)
 
@@ -179,7 +179,7 @@ def open_words(diagnosis: Diagnosis, job: Job, say: Wording, *, closing: bool) -
     """Say which lands are to be replaced without anything being decided, and what was declined without a reason."""
     lands = undecided(diagnosis, job, closing=closing)
     if lands:
-        yield say("estimate.undecided", lands=numbers_of(lands, diagnosis.controller, say))
+        yield say("estimate.undecided", lands=_numbers_of(lands, diagnosis.controller, say))
     declined = without_reason(job)
     if declined:
         yield say(

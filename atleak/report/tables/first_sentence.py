@@ -141,7 +141,7 @@ def _clearances(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
             yield f"{said} ({', '.join(beside)})" if beside else said
 
 
-NAMED = 4  # lands that the sentence names one by one: choice of this project
+_NAMED = 4  # lands that the sentence names one by one: choice of this project
 
 
 def shown_verdict(diagnosis: Diagnosis) -> Verdict:
@@ -237,8 +237,8 @@ def _open(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
 
 def _named(diagnosis: Diagnosis, lands: Iterable[LandDiagnosis], say: Wording) -> str:
     names = [land_number(diagnosis.controller, land.key, say) for land in lands]
-    more = len(names) - NAMED
-    said = ", ".join(names[:NAMED])
+    more = len(names) - _NAMED
+    said = ", ".join(names[:_NAMED])
     return said if more <= 0 else say("diagnosis.and_more", named=said, count=more)
 
 

@@ -11,12 +11,12 @@ from atleak.common.wording import Wording, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.gauge_check import CheckedReading, PressureCheck
 from atleak.diagnosis.gauge_patterns import Pattern
-from atleak.measurements.gauge_readings import LINE, Cell, tap_name
+from atleak.measurements.gauge_readings import LINE_TAP, GaugeCell, tap_name
 from atleak.report.json.conditions import finite, scaled, unit_rule_record
 from atleak.report.tables.names import land_words
 from atleak.report.tables.table import VERDICT, Column, Table
 
-WORTH_NAMING, LEAST_OF_A_LAND, MOST_LANDS = 0.05, 0.005, 4  # parts of a loss that causes explain, to be named
+_WORTH_NAMING, LEAST_OF_A_LAND, MOST_LANDS = 0.05, 0.005, 4  # parts of a loss that causes explain, to be named
 MOST_TYPED = 3  # decimal places of a gauge reading [kPa]; more are those of a converted unit
 
 
@@ -41,7 +41,7 @@ def gauge_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
 
 def _reading(diagnosis: Diagnosis, checked: CheckedReading) -> dict[str, Any]:
     reading, permissible, deciding = checked.reading, checked.permissible, checked.deciding
-    line = reading.cell.tap == LINE
+    line = reading.cell.tap == LINE_TAP
     return {
         **_cell(checked.cell),
         "label": checked.label,
@@ -114,7 +114,7 @@ def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
     others = [
         part(say(f"patterns.cause_{what}"), share)
         for (what, *_), share in pattern.causes.items()
-        if what != "land" and share >= WORTH_NAMING
+        if what != "land" and share >= _WORTH_NAMING
     ]
     named = [say(f"patterns.lands_first{assumed}", lands=", ".join(lands))] if lands else []
     beside = [say(f"patterns.besides{assumed}", causes=", ".join(others))] if others else []
@@ -122,7 +122,7 @@ def pattern_text(pattern: Pattern, controller: Controller, say: Wording) -> str:
     return " ".join([sentence, *(named + beside if by_a_land else beside + named)])
 
 
-def _cell(cell: Cell) -> dict[str, Any]:
+def _cell(cell: GaugeCell) -> dict[str, Any]:
     return {"range": cell.range, "state": cell.engine, "tap": cell.tap}
 
 
@@ -146,16 +146,16 @@ def _kpa(pressure: float, say: Wording) -> str:
 
 def tap_text(controller: Controller, tap: str, say: Wording) -> str:
     """Return the name of a tap in a language."""
-    return say("permissible.line") if tap == LINE else say.name(tap_name(controller, tap))
+    return say("permissible.line") if tap == LINE_TAP else say.name(tap_name(controller, tap))
 
 
 def gauge_table(check: PressureCheck, say: Wording) -> Table:
     """Return a row for every reading: what was shown, permitted, expected, and the verdict; no column is empty."""
     repeated = any(each.reading.repeat > 1 for each in check.readings)
-    circuits = any(each.cell.tap != LINE for each in check.readings)
+    circuits = any(each.cell.tap != LINE_TAP for each in check.readings)
 
     def tap(each: CheckedReading) -> str:
-        return say("permissible.line") if each.cell.tap == LINE else say.name(each.tap_name)
+        return say("permissible.line") if each.cell.tap == LINE_TAP else say.name(each.tap_name)
 
     shown = (
         Column("verdict", VERDICT, width=92, of=lambda each: each.verdict or say("texts.not_judged")),

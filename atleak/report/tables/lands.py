@@ -209,10 +209,10 @@ def why(land: LandDiagnosis, say: Wording) -> Iterable[str]:
         yield say("diagnosis.sleeve_unmeasured")
     elif land.state.status == "sleeve_only":
         yield say("diagnosis.spool_unmeasured")
-    yield from doubts(land, say)
+    yield from _doubts(land, say)
 
 
-def doubts(land: LandDiagnosis, say: Wording) -> Iterable[str]:
+def _doubts(land: LandDiagnosis, say: Wording) -> Iterable[str]:
     """Say what in a land's readings contradicts itself, and what was made of it."""
     for doubt in land.state.doubts:
         first = doubt.repeats[0]

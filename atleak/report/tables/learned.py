@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.analysis.learning.learned_clearances import Learned, LearnedLand
-from atleak.analysis.learning.learned_words import messages, summary, why
+from atleak.analysis.learning.learned_words import learned_messages, summary, why_left_out
 from atleak.common.unit_systems import UM
 from atleak.common.wording import Wording
 from atleak.report.json.conditions import message_record
@@ -13,7 +13,7 @@ from atleak.report.tables.names import land_number
 from atleak.report.tables.table import Column, Table, span
 from atleak.version import __version__
 
-FORMAT = 1
+_FORMAT = 1
 
 
 def learned_lands(learned: Learned, say: Wording) -> Table:
@@ -54,7 +54,7 @@ def learned_units(learned: Learned, say: Wording) -> Table:
         Column("lands", digits=0),
         Column("learned_unit", of=lambda unit: say("learning.used" if unit.of_used_unit else "learning.new")),
         Column("all_wider_by", "clearance", 2, of="shift", times=UM),
-        Column("left_out", of=lambda unit: say.sentence(why(unit, learned.left_out)) or None),
+        Column("left_out", of=lambda unit: say.sentence(why_left_out(unit, learned.left_out)) or None),
     )
     return Table("sheets", shown, learned.units, say)
 
@@ -63,7 +63,7 @@ def learned_record(learned: Learned) -> dict[str, Any]:
     """Return all of it under stable keys: lengths in µm, nothing rounded, unknown as None."""
     controller = learned.controller
     return {
-        "format": FORMAT,
+        "format": _FORMAT,
         "atleak": __version__,
         "controller": {"id": controller.id, "name": controller.name, "sha256": controller.sha256},
         "summary": summary(learned),
@@ -93,7 +93,7 @@ def learned_record(learned: Learned) -> dict[str, Any]:
             }
             for pair in learned.left_out
         ],
-        "messages": [message_record(message) for message in messages(learned)],
+        "messages": [message_record(message) for message in learned_messages(learned)],
     }
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from atleak.analysis.pressures import HeldPressure, PressuresAt
 from atleak.catalogue.limits import Level
-from atleak.common.style import AS_NEW, LEAST, MOST, NOT_JUDGED, REPAIRED, STATED, Look, look_of
+from atleak.common.style import AS_NEW, LEAST, MOST, NOT_JUDGED, REPAIRED, STATED_INKS, Look, look_of
 from atleak.common.unit_systems import KPA, RPM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, isolated
@@ -123,7 +123,7 @@ def pressure_chart(at: PressuresAt, say: Wording) -> RowChart:
             *map(now, (*Verdict, None)),
             layer(say("figures.after_repair"), REPAIRED, lambda each: each.repaired, -0.26),
             *map(limit, dict.fromkeys(level for each in held for level, _ in each.limits)),
-            layer(say("figures.set_or_required"), STATED, lambda each: each.set_pressure),
+            layer(say("figures.set_or_required"), STATED_INKS, lambda each: each.set_pressure),
             layer(say("figures.permissible"), LEAST, permitted("low")),
             layer(say("figures.permissible"), MOST, permitted("high")),
         )

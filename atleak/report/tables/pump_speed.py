@@ -11,7 +11,7 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.projection import Projection, project
 
-FEWEST = 4  # temperatures that are drawn, where there are two to draw between: choice of this project
+_FEWEST = 4  # temperatures that are drawn, where there are two to draw between: choice of this project
 _POINTS = 61  # of the speeds
 _BEYOND = 1.25  # part of the speeds that is drawn beyond the last one that matters
 
@@ -91,7 +91,7 @@ def _temperatures(stated: Sequence[float]) -> list[float]:
     [80.0, 87.0, 93.0, 100.0]
     """
     known = sorted(set(stated))
-    missing = FEWEST - len(known)
+    missing = _FEWEST - len(known)
     if len(known) < 2 or missing <= 0:
         return known
     between = np.linspace(known[0], known[-1], missing + 2)[1:-1].round()

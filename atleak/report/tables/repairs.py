@@ -33,14 +33,14 @@ from atleak.common.unit_systems import KPA, MM, MM2_S, UM
 from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.operation import LINE
-from atleak.report.json.conditions import named, of_land, scaled
+from atleak.report.json.conditions import named_record, of_land, scaled
 from atleak.report.tables.names import land_number
 from atleak.report.tables.sentences import land_in_words, rule_reached
 from atleak.report.tables.table import Column, Judged, Table, span
 
 
 @dataclass(frozen=True)
-class OptionRow:
+class RepairOptionRow:
     """One repair that the file names for the land of one step; the number counts the steps from 1."""
 
     number: int
@@ -102,16 +102,16 @@ def repair_name(repair: Repair, say: Wording) -> str:
     return f"{name} ({repair.part_number})" if repair.part_number else name
 
 
-def option_rows(plan: RepairPlan) -> list[OptionRow]:
+def option_rows(plan: RepairPlan) -> list[RepairOptionRow]:
     """Return every option of every step of a plan, those of the file's order, the planned one first."""
     return [
-        OptionRow(number, step, option)
+        RepairOptionRow(number, step, option)
         for number, step in enumerate(plan.steps, start=1)
         for option in sorted(step.options, key=lambda option: option is not step.chosen)
     ]
 
 
-def planned(row: OptionRow, say: Wording) -> str:
+def planned(row: RepairOptionRow, say: Wording) -> str:
     """Say one option in a line: what it is, what it leaves, and what it costs."""
     hours = row.option.repair.hours
     said = [
@@ -150,7 +150,7 @@ def option_record(option: Option, key: LandKey) -> dict[str, Any]:
     """Return an option as plain values: what it is, what it costs, and what it leaves of a land."""
     repair, land = option.repair, option.states[key].land
     return {
-        **named(repair, "id", "kind", "name", "part_number", "price", "currency", "hours", "tool"),
+        **named_record(repair, "id", "kind", "name", "part_number", "price", "currency", "hours", "tool"),
         "lands": [of_land(changed) for changed in option.lands],
         "nominal_diameter_mm": land.nominal_diameter * MM,
         "clearance_after_um": option.states[key].radial_clearance * UM,
@@ -158,7 +158,7 @@ def option_record(option: Option, key: LandKey) -> dict[str, Any]:
         "mounting_clearance_um": None if repair.keeps_clearance else land.mounting_high * UM,
         "mounting_tolerance_um": None if repair.keeps_clearance else scaled(land.mounting_tolerance, UM),
         "mends": option.mends(key),
-        **named(repair, "evidence", "source"),
+        **named_record(repair, "evidence", "source"),
     }
 
 
@@ -168,7 +168,7 @@ def cost_record(cost: Cost | None) -> dict[str, Any] | None:
         return None
     return {
         "prices": [{"price": price, "currency": currency} for currency, price in cost.prices.items()],
-        **named(cost, "hours", "repairs", "without_price", "without_hours", "without_option"),
+        **named_record(cost, "hours", "repairs", "without_price", "without_hours", "without_option"),
     }
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from atleak.report.charts.chart import Chart
-from atleak.report.tables.table import Level, Table
+from atleak.report.tables.table import Table, VerdictOrBand
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Picture:
     chart: Chart
     alt: str  # what it shows, for those who do not see it
     caption: str = ""
-    legend: Sequence[Level] = ()  # on paper: levels whose shades it has
+    legend: Sequence[VerdictOrBand] = ()  # on paper: levels whose shades it has
     numbers: Table | None = None  # those that it shows, where nothing can be drawn
 
 
@@ -47,7 +47,7 @@ class Facts:
     rows: Sequence[tuple[str, str]]
 
 
-Part = Text | Points | Facts | Table | Picture
+SectionPart = Text | Points | Facts | Table | Picture
 
 
 @dataclass(frozen=True)
@@ -56,5 +56,5 @@ class Section:
 
     name: str  # the same in every language
     title: str
-    parts: Sequence[Part] = ()
+    parts: Sequence[SectionPart] = ()
     level: int = 2

@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     import pandas as pd
 
 VERDICT = "verdict"
-Level = Verdict | Band
+VerdictOrBand = Verdict | Band
 
 
 class Judged(NamedTuple):
     """A cell's value, and the verdict in whose colour it stands."""
 
     value: Any
-    level: Level | None = None
+    level: VerdictOrBand | None = None
 
 
 @dataclass(frozen=True)
@@ -248,7 +248,7 @@ def _parted(columns: Iterable[Column]) -> Iterator[Column]:
         yield from _parted(column.parts) if column.parts else (column,)
 
 
-def leveled(text: str, level: Level | None) -> str:
+def leveled(text: str, level: VerdictOrBand | None) -> str:
     """Return a text as HTML in the colours of a verdict, with its sign; as it is without one."""
     if level is None:
         return escape(text)

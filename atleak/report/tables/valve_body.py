@@ -6,14 +6,14 @@ from collections import Counter
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import Evidence
-from atleak.catalogue.known_values import KnownValue, counted, known_values
+from atleak.catalogue.known_values import KnownValue, counted_values, known_values
 from atleak.common.wording import Wording
 from atleak.report.tables.table import Column, Table, columns
 
 
 def evidence_counts(controller: Controller) -> dict[str, int]:
     """Count the values by what they are known from; ``not_stated`` are those of which the file says nothing."""
-    counts = counted(_values(controller))
+    counts = counted_values(_values(controller))
     return {evidence or "not_stated": count for evidence, count in counts.items()}
 
 
@@ -22,7 +22,7 @@ def evidence_table(controller: Controller, say: Wording) -> Table:
     values = _values(controller)
     rows = []
     for kind in dict.fromkeys(each[:2] for each in values):
-        counts = counted([each for each in values if each[:2] == kind])
+        counts = counted_values([each for each in values if each[:2] == kind])
         known = {each.value: counts[each] for each in Evidence}
         rows.append({"values": _kind_words(kind, say), **known, "not_stated": counts[None]})
     counted_columns = (Column(name, digits=0) for name in (*Evidence, "not_stated"))

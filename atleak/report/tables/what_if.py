@@ -39,7 +39,7 @@ def tried_words(tried: Tried, say: Wording) -> str:
     return ", ".join(parts)
 
 
-def total_table(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Table:
+def tried_total_table(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Table:
     """Return a row for the job and one for what is tried; nothing is judged of a unit that nobody measured."""
 
     def band(at: Projection) -> Verdict | Band | None:
@@ -64,7 +64,7 @@ def total_table(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Table:
     return Table("totals", columns, (tried.job, tried.projection), say)
 
 
-def circuit_table(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Table:
+def tried_circuit_table(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Table:
     """Return a row for every circuit that is applied as it is tried; none where no pressure is solved."""
     rules = {
         rule.circuit.id: rule

@@ -19,19 +19,19 @@ from atleak.measurements.job_card import Job
 from atleak.report.json.diagnosis import FORMAT, head_record
 from atleak.report.sheets.paging import UNDATED, workbook
 from atleak.report.tables.road_test import event_table
-from atleak.report.xlsx.book import Book
+from atleak.report.xlsx.book import ReportBook
 from atleak.report.xlsx.circuits import CIRCUITS
 from atleak.report.xlsx.conditions import CONDITIONS
 from atleak.report.xlsx.constants import CONSTANTS
-from atleak.report.xlsx.estimate import SHEET as ESTIMATE
+from atleak.report.xlsx.estimate import ESTIMATE_SHEET as ESTIMATE
 from atleak.report.xlsx.estimate import write_estimate
-from atleak.report.xlsx.lands import LANDS, LiveSheets
-from atleak.report.xlsx.readings import DIRECTIONS, READINGS
+from atleak.report.xlsx.lands import LANDS_SHEET, LiveSheets
+from atleak.report.xlsx.readings import DIRECTIONS_SHEET, READINGS
 from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets, write_gauges
-from atleak.report.xlsx.road_sheet import SHEET as GAUGES
-from atleak.report.xlsx.rules import LIMITS, RULES
+from atleak.report.xlsx.road_sheet import ROAD_SHEET as GAUGES
+from atleak.report.xlsx.rules import LIMITS_SHEET, RULES
 from atleak.report.xlsx.sheets import Sheets
-from atleak.report.xlsx.uncertainty import BUDGET, INSTRUMENTS
+from atleak.report.xlsx.uncertainty import BUDGET, INSTRUMENTS_SHEET
 from atleak.version import __version__
 
 __all__ = ["report_workbook", "write_workbook"]
@@ -69,7 +69,7 @@ def write_workbook(
     filled, size, say = job or Job(), find_paper(paper), wording(language, units)
     created = dt.datetime.combine(filled.date, dt.time()) if filled.date else UNDATED
     return report_workbook(
-        lambda book: _write(Book(book, size, say), diagnosis, filled),
+        lambda book: _write(ReportBook(book, size, say), diagnosis, filled),
         say.sentence(Sentence("Valve body leakage")),
         created,
     )
@@ -81,7 +81,7 @@ def report_workbook(write: Callable[[xlsxwriter.Workbook], None], title: str, cr
     return workbook(write, title, mark="report workbook", created=created, properties=made_by)
 
 
-def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
+def _write(book: ReportBook, diagnosis: Diagnosis, job: Job) -> None:
     record = {"format": FORMAT, "atleak": __version__, **head_record(diagnosis)}
     live = LiveSheets(diagnosis, book.say)
     rest = Sheets(book, diagnosis, record, job, live)
@@ -101,7 +101,7 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
             book.put(events, 0, 0, book.say("findings.no_events"))
     if not diagnosis.without_sheet:
         live.totals.write(book, book.sheet(CONDITIONS, frozen=(1, 2)))
-        live.limits.write(book, book.sheet(LIMITS, frozen=(1, 1)))
+        live.limits.write(book, book.sheet(LIMITS_SHEET, frozen=(1, 1)))
         live.constants.write(book, book.sheet(CONSTANTS, frozen=(1, 1)))
     if job.estimated and not diagnosis.without_sheet:
         write_estimate(book, book.sheet(ESTIMATE, frozen=(1, 1)), diagnosis, job)
@@ -112,9 +112,9 @@ def _write(book: Book, diagnosis: Diagnosis, job: Job) -> None:
     summary.activate()
 
 
-def _write_unit(book: Book, diagnosis: Diagnosis, live: LiveSheets, rest: Sheets) -> None:
+def _write_unit(book: ReportBook, diagnosis: Diagnosis, live: LiveSheets, rest: Sheets) -> None:
     """Write the sheets on the lands: a road test alone has none."""
-    live.write_lands(book, book.sheet(LANDS, frozen=(1, 3)))
+    live.write_lands(book, book.sheet(LANDS_SHEET, frozen=(1, 3)))
     rest.write_matrix(book.sheet(Sentence("Land by condition"), frozen=(1, 3)))
     for at in live.conditions:
         live.gaps.at[at.prefix].write(book, book.sheet(at.sheet, frozen=(1, 2)), lines=4)
@@ -124,7 +124,7 @@ def _write_unit(book: Book, diagnosis: Diagnosis, live: LiveSheets, rest: Sheets
     if diagnosis.readings:
         live.readings.write(book, book.sheet(READINGS, frozen=(1, 2)))
     if live.directions.sheet.items:
-        live.directions.sheet.write(book, book.sheet(DIRECTIONS, frozen=(1, 2)), lines=3)
+        live.directions.sheet.write(book, book.sheet(DIRECTIONS_SHEET, frozen=(1, 2)), lines=3)
     if live.instruments is not None and live.budget is not None:
-        live.instruments.write(book, book.sheet(INSTRUMENTS, frozen=(1, 1)))
+        live.instruments.write(book, book.sheet(INSTRUMENTS_SHEET, frozen=(1, 1)))
         live.budget.write(book, book.sheet(BUDGET))

@@ -55,7 +55,7 @@ class _Sheet(Worksheet):
         return formula.removeprefix("=")
 
 
-class Book:
+class ReportBook:
     """The workbook with its formats, in a reader's language; text is always written as text."""
 
     def __init__(self, workbook: xlsxwriter.Workbook, paper: Paper, say: Wording) -> None:
@@ -225,17 +225,17 @@ def formula(sheet: Worksheet, row: int, column: int, text: str, value: float | s
 def cell(row: int, column: int, sheet: str | None = None) -> str:
     """Return the address of a cell, fixed in row and column: ``Lands!$D$3``."""
     address = xl_rowcol_to_cell(row, column, row_abs=True, col_abs=True)
-    return address if sheet is None else f"{quoted(sheet)}!{address}"
+    return address if sheet is None else f"{_quoted(sheet)}!{address}"
 
 
-def span(first: int, last: int, column: int, sheet: str | None = None) -> str:
+def cell_span(first: int, last: int, column: int, sheet: str | None = None) -> str:
     """Return the address of several cells of one column."""
     name = xl_col_to_name(column)
     address = f"${name}${first + 1}:${name}${last + 1}"
-    return address if sheet is None else f"{quoted(sheet)}!{address}"
+    return address if sheet is None else f"{_quoted(sheet)}!{address}"
 
 
-def quoted(sheet: str) -> str:
+def _quoted(sheet: str) -> str:
     return f"'{sheet}'" if not (sheet.isascii() and sheet.isidentifier()) else sheet
 
 

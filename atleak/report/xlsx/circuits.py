@@ -16,8 +16,8 @@ from atleak.catalogue.circuits import Circuit
 from atleak.common.sentences import Name, Sentence
 from atleak.common.unit_systems import DM3_MIN, KPA
 from atleak.common.wording import Wording
-from atleak.report.xlsx.book import Book
-from atleak.report.xlsx.live_sheet import AFTER_A_NUMBER, Cells, LiveColumn, LiveSheet, SheetCondition
+from atleak.report.xlsx.book import ReportBook
+from atleak.report.xlsx.live_sheet import AFTER_A_NUMBER, LiveCells, LiveColumn, LiveSheet, SheetCondition
 from atleak.report.xlsx.rules import RuleCells
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class CircuitCells:
         row = next(row for row, line in rows if line.at is at and line.held.circuit == circuit)
         return self.sheet.cell(row, column)
 
-    def write(self, book: Book, sheet: Worksheet) -> None:
+    def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write one row per condition and circuit, the line before its circuits."""
         self.sheet.write(book, sheet, lines=5)
         for row, line in enumerate(self.sheet.items, start=1):
@@ -87,7 +87,7 @@ def _columns(rules: RuleCells, say: Wording) -> Sequence[LiveColumn]:
             return _VENTED
         return None if held.rule is None or held.verdict is None else say.signed(held.verdict)
 
-    def verdict_formula(line: _Line, _: Cells) -> str | None:
+    def verdict_formula(line: _Line, _: LiveCells) -> str | None:
         held = line.held
         return None if held.vented or held.rule is None or held.verdict is None else rules.of_unit(held.rule)
 

@@ -20,11 +20,11 @@ from atleak.engine.projection import LeakFlow, Projection
 from atleak.report.tables.names import spools_taken
 from atleak.report.tables.sentences import counted_in_speed, fluid_in_state
 from atleak.report.xlsx import live_sheet as names
-from atleak.report.xlsx.book import Book, cell
+from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.constants import ORDERED_BELOW, fluid_formulas
 from atleak.report.xlsx.live_sheet import (
     RANKED,
-    Quantity,
+    NamedQuantity,
     SheetCondition,
     band_of_rank,
     drop_between,
@@ -69,20 +69,22 @@ _POSITIONS = {"concentric": _CONCENTRIC, "touching": _TOUCHING}
 
 def _pressure(
     name: str, label: Sentence, value: float | None, formula: str | None = None, *, fixed: bool = False
-) -> Quantity:
-    return Quantity(name, label, "kPa", "kpa", None if value is None else value * KPA, formula, fixed)
+) -> NamedQuantity:
+    return NamedQuantity(name, label, "kPa", "kpa", None if value is None else value * KPA, formula, fixed)
 
 
-def _flow(name: str, label: Sentence, value: float, formula: str | None = None, *, fixed: bool = False) -> Quantity:
-    return Quantity(name, label, "dm³/min", "flow", value * DM3_MIN, formula, fixed)
+def _flow(
+    name: str, label: Sentence, value: float, formula: str | None = None, *, fixed: bool = False
+) -> NamedQuantity:
+    return NamedQuantity(name, label, "dm³/min", "flow", value * DM3_MIN, formula, fixed)
 
 
-def _share(name: str, label: Sentence, value: float, formula: str) -> Quantity:
-    return Quantity(name, label, "%", "share", value * PERCENT, formula)
+def _share(name: str, label: Sentence, value: float, formula: str) -> NamedQuantity:
+    return NamedQuantity(name, label, "%", "share", value * PERCENT, formula)
 
 
-def _plain(name: str, label: Sentence, value: Any, formula: str | None, kind: str = "plain") -> Quantity:
-    return Quantity(name, label, "", kind, value, formula)
+def _plain(name: str, label: Sentence, value: Any, formula: str | None, kind: str = "plain") -> NamedQuantity:
+    return NamedQuantity(name, label, "", kind, value, formula)
 
 
 class ConditionsSheet:
@@ -92,7 +94,7 @@ class ConditionsSheet:
         self.diagnosis, self.conditions, self.say = live.diagnosis, live.conditions, live.say
         self.gaps, self.rules, self.sheet = live.gaps, live.rules, live.say.sentence(CONDITIONS)
 
-    def write(self, book: Book, sheet: Worksheet) -> None:
+    def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write every quantity of every condition; the gaps use each by its name."""
         fluid = self.diagnosis.fluid
         book.headings(sheet, 0, [Sentence("quantity"), Sentence("unit"), *(at.label for at in self.conditions)])
@@ -144,7 +146,7 @@ class ConditionsSheet:
         ends = cell(row, 2, self.sheet), cell(row, 1 + len(self.conditions))
         return ":".join(ends)
 
-    def quantities(self, at: SheetCondition) -> dict[str, Quantity]:
+    def quantities(self, at: SheetCondition) -> dict[str, NamedQuantity]:
         """Return every quantity of one condition by its name."""
         return {each.name: each for each in self._condition(at)}
 
@@ -158,12 +160,12 @@ class ConditionsSheet:
         }[model]
         return Sentence("{model}; answers from {low:g} to {high:g} °C", model=sentence, low=low, high=high)
 
-    def _condition(self, at: SheetCondition) -> Iterable[Quantity]:
+    def _condition(self, at: SheetCondition) -> Iterable[NamedQuantity]:
         """Return the quantities of one condition, in their order."""
         point = at.projection.condition
-        yield Quantity("gear", Sentence("gear"), "", "count", point.gear, fixed=True)
-        yield Quantity("T", Sentence("temperature"), "°C", "temperature", point.temperature)
-        yield Quantity("n", Sentence("engine speed"), "1/min", "rpm", point.engine_speed * RPM)
+        yield NamedQuantity("gear", Sentence("gear"), "", "count", point.gear, fixed=True)
+        yield NamedQuantity("T", Sentence("temperature"), "°C", "temperature", point.temperature)
+        yield NamedQuantity("n", Sentence("engine speed"), "1/min", "rpm", point.engine_speed * RPM)
         yield _pressure("p_g", Sentence("main pressure p_g, required"), point.main_pressure)
         for section, label in _SET_BY_RELATIONS:
             relation = self.diagnosis.controller.relations[section]
@@ -179,7 +181,7 @@ class ConditionsSheet:
         yield from self._totals(at)
         yield from self._reserve(at)
 
-    def _held(self, at: SheetCondition) -> Iterable[Quantity]:
+    def _held(self, at: SheetCondition) -> Iterable[NamedQuantity]:
         """Return the main pressure that holds, which no formula gives, and between which it is permissible."""
         permissible, held = at.projection.permissible, at.projection.main_pressure_held
         low, high = self._interval(at, lambda total: total.main_pressure_interval)
@@ -198,19 +200,19 @@ class ConditionsSheet:
         total = uncertainty.total(at.projection.condition.name) if uncertainty else None
         return (None, None) if total is None else interval(total)
 
-    def _fluid(self, at: SheetCondition) -> Iterable[Quantity]:
+    def _fluid(self, at: SheetCondition) -> Iterable[NamedQuantity]:
         fluid, model = self.diagnosis.fluid, self.diagnosis.profile.viscosity
         temperature = at.projection.condition.temperature
         viscosity = fluid.kinematic_viscosity(temperature, model) * MM2_S
         density = fluid.density(temperature, model) * G_CM3
         of_viscosity, of_density = fluid_formulas(model, at("T"))
-        yield Quantity("nu", Sentence("kinematic viscosity ν"), "mm²/s", "nu", viscosity, of_viscosity)
-        yield Quantity("rho", Sentence("density ρ"), "g/cm³", "rho", density, of_density)
+        yield NamedQuantity("nu", Sentence("kinematic viscosity ν"), "mm²/s", "nu", viscosity, of_viscosity)
+        yield NamedQuantity("rho", Sentence("density ρ"), "g/cm³", "rho", density, of_density)
 
-    def _pump(self, at: SheetCondition) -> Iterable[Quantity]:
+    def _pump(self, at: SheetCondition) -> Iterable[NamedQuantity]:
         engine, projection = self.diagnosis.model, at.projection
         pump = engine.controller.pump
-        yield Quantity("q_p", Sentence("pump displacement"), "mm³/rev", "mm3", pump.displacement * MM3_S)
+        yield NamedQuantity("q_p", Sentence("pump displacement"), "mm³/rev", "mm3", pump.displacement * MM3_S)
         if engine.uses_slip:
             yield from self._slip(at, "", pump, projection.slip)
             if pump.as_new is not None:
@@ -222,7 +224,7 @@ class ConditionsSheet:
         capacity = f"MAX({at('supply')}-{at('slip')},0)" if engine.uses_slip else at("supply")
         yield _flow("capacity", Sentence("pump capacity"), projection.pump_capacity, capacity)
 
-    def _slip(self, at: SheetCondition, end: str, pump: Pump, slip: float) -> Iterable[Quantity]:
+    def _slip(self, at: SheetCondition, end: str, pump: Pump, slip: float) -> Iterable[NamedQuantity]:
         """Return a slip coefficient and the slip that follows from it and from the tips that it leaves out."""
         coefficient, label = _SLIP_NEW if end else _SLIP
         yield _plain(f"C_s{end}", coefficient, pump.slip_coefficient, None, "scientific")
@@ -239,7 +241,7 @@ class ConditionsSheet:
         displaced = f"{at('q_p')}*1E-6"
         return displaced if self.diagnosis.model.uses_slip else f"{displaced}*{at('eta_v')}"
 
-    def _beside_lands(self, at: SheetCondition) -> Iterable[Quantity]:
+    def _beside_lands(self, at: SheetCondition) -> Iterable[NamedQuantity]:
         """Return what leaves the line beside the lands: consumers, leaks of rings and check balls, what is relieved."""
         controller, condition = self.diagnosis.controller, at.projection.condition
         for number, each in enumerate(controller.consumers, start=1):
@@ -291,7 +293,7 @@ class ConditionsSheet:
         terms += [at(f"{prefix}relieved")] if self.diagnosis.controller.circuits else []
         return "+".join(terms) or "0"
 
-    def _totals(self, at: SheetCondition) -> Iterable[Quantity]:
+    def _totals(self, at: SheetCondition) -> Iterable[NamedQuantity]:
         now, new, rule = at.projection, at.new, self.diagnosis.total_rule(at.projection)
         spools = spools_taken(self.diagnosis.profile)
         leakage = Sentence("leakage drawn from the pump, {spools}", spools=spools)
@@ -304,12 +306,12 @@ class ConditionsSheet:
         growth = f"({at('leakage')}/{at('leakage_new')}-1)*100"
         growth = f'IF({at("capacity")}*{at("leakage_new")}>0,{growth},"{NO_GROWTH}")'
         grown = NO_GROWTH if rule.growth is None else rule.growth * PERCENT
-        yield Quantity("growth", Sentence("growth over that new unit"), "%", "percent", grown, growth)
+        yield NamedQuantity("growth", Sentence("growth over that new unit"), "%", "percent", grown, growth)
         share, share_new = (share_of(at(name), at("capacity")) for name in ("leakage", "leakage_new"))
         yield _share("share", Sentence("share of pump capacity"), now.share, share)
         yield _share("share_new", Sentence("share of that new unit"), new.share, share_new)
         yield from self._positions(at)
-        yield Quantity("n_min", SPEED, "1/min", "rpm", now.minimum_speed * RPM, self._covers(at))
+        yield NamedQuantity("n_min", SPEED, "1/min", "rpm", now.minimum_speed * RPM, self._covers(at))
         limits, rank = self.rules.limits_and_rank(rule)
         for level, limit in rule.steps.levels:
             label = Sentence("{level} from a share of", level=self.say.level(level))
@@ -324,7 +326,7 @@ class ConditionsSheet:
         label = Sentence("order of the totals, the worst largest: rank of the band, then the share")
         yield _plain("order", label, worst, order)
 
-    def _positions(self, at: SheetCondition) -> Iterable[Quantity]:
+    def _positions(self, at: SheetCondition) -> Iterable[NamedQuantity]:
         """Return the leakages and shares between which the total may lie as the spools do."""
         now = at.projection
         for (key, labels), flow in zip(_POSITIONS.items(), (now.concentric_leakage, now.touching_leakage), strict=True):
@@ -340,7 +342,7 @@ class ConditionsSheet:
         slip = [at(slip_name)] if self.diagnosis.model.uses_slip else []
         return "+".join([at(leakage), *slip, at("consumers")])
 
-    def _reserve(self, at: SheetCondition) -> Iterable[Quantity]:
+    def _reserve(self, at: SheetCondition) -> Iterable[NamedQuantity]:
         """Return the pump's reserve at the required main pressure, as measured and new, and who goes short."""
         now, rule = at.projection, self.diagnosis.pressure_rule(at.projection, RuleKind.RESERVE)
         first, behind = (self._consumers(at, after_line=after_line) for after_line in (False, True))
@@ -354,8 +356,8 @@ class ConditionsSheet:
         text = self._supplied(at, "leakage_new", new_slip)
         yield _plain("reserve_new", Sentence("reserve of the same unit new"), at.new.reserve, text, "reserve")
         low, high = self._interval(at, lambda total: total.reserve_interval)
-        yield Quantity("reserve_low", Sentence("reserve, low as issued"), "", "reserve", low, fixed=True)
-        yield Quantity("reserve_high", Sentence("reserve, high as issued"), "", "reserve", high, fixed=True)
+        yield NamedQuantity("reserve_low", Sentence("reserve, low as issued"), "", "reserve", low, fixed=True)
+        yield NamedQuantity("reserve_high", Sentence("reserve, high as issued"), "", "reserve", high, fixed=True)
         if rule is not None:
             limits, rank = self.rules.limits_and_rank(rule)
             for level, limit in rule.steps.levels:

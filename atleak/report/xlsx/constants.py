@@ -27,10 +27,10 @@ from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY
 from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, FULLY_ECCENTRIC, MEAN_ECCENTRIC
 from atleak.measurements.readings import REPEAT_TOLERANCE
 from atleak.report.xlsx import live_sheet as names
-from atleak.report.xlsx.book import NO_DELIVERY, Book
+from atleak.report.xlsx.book import NO_DELIVERY, ReportBook
 from atleak.report.xlsx.live_sheet import (
     AFTER_A_NUMBER,
-    Quantity,
+    NamedQuantity,
     constant_pressure,
     of_leak,
     of_relation,
@@ -46,8 +46,10 @@ _WHITE = "White F. M., Fluid Mechanics, 7th ed., McGraw-Hill 2011, section 6.9"
 _PROGRAM = Sentence("a mark of this workbook, not a quantity")
 
 
-def _constant(name: str, label: Sentence, unit: str, value: float, source: str, formula: str | None = None) -> Quantity:
-    return Quantity(name, label, unit, "plain", value, formula, source=source)
+def _constant(
+    name: str, label: Sentence, unit: str, value: float, source: str, formula: str | None = None
+) -> NamedQuantity:
+    return NamedQuantity(name, label, unit, "plain", value, formula, source=source)
 
 
 class ConstantCells:
@@ -56,7 +58,7 @@ class ConstantCells:
     def __init__(self, diagnosis: Diagnosis) -> None:
         self.lines = list({each.name: each for each in _constants(diagnosis)}.values())
 
-    def write(self, book: Book, sheet: Worksheet) -> None:
+    def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write a row for every constant and give its cell the name by which formulas ask for it."""
         headings = (Sentence("name"), Sentence("constant"), Sentence("value"), Sentence("unit"), Sentence("source"))
         book.headings(sheet, 0, headings, lines=1)
@@ -70,7 +72,7 @@ class ConstantCells:
             sheet.set_column(column, column, width)
 
 
-def _constants(diagnosis: Diagnosis) -> Iterable[Quantity]:
+def _constants(diagnosis: Diagnosis) -> Iterable[NamedQuantity]:
     controller, law = diagnosis.controller, diagnosis.model.law
     reference = Sentence("reference temperature of diameters and clearances")
     yield _constant(names.REFERENCE, reference, "°C", REFERENCE_TEMPERATURE, "ISO 1:2022")
@@ -90,14 +92,14 @@ def _constants(diagnosis: Diagnosis) -> Iterable[Quantity]:
         yield _constant(names.MEASURED_AT, measured, "°C", at.value, origin)
         yield from _of_uncertainty(diagnosis.uncertainty)
     rounded = Sentence("relative: a value that equals its limit but for floating point has reached it")
-    yield Quantity(names.ROUNDED, rounded, "", "scientific", ROUNDING, fixed=True, source=_CHOICE)
+    yield NamedQuantity(names.ROUNDING_NAME, rounded, "", "scientific", ROUNDING, fixed=True, source=_CHOICE)
     never = Sentence("stands for an infinite share, of a pump that delivers nothing")
-    yield Quantity(names.NOTHING_DELIVERED, never, "%", "scientific", NO_DELIVERY, fixed=True, source=_PROGRAM)
+    yield NamedQuantity(names.NOTHING_DELIVERED, never, "%", "scientific", NO_DELIVERY, fixed=True, source=_PROGRAM)
     largest = Sentence("largest share that still tells two totals of a band apart")
-    yield Quantity(names.LARGEST_SHARE, largest, "%", "plain", ORDERED_BELOW, fixed=True, source=_PROGRAM)
+    yield NamedQuantity(names.LARGEST_SHARE, largest, "%", "plain", ORDERED_BELOW, fixed=True, source=_PROGRAM)
 
 
-def _of_gaps(diagnosis: Diagnosis, law: GapLaw) -> Iterable[Quantity]:
+def _of_gaps(diagnosis: Diagnosis, law: GapLaw) -> Iterable[NamedQuantity]:
     gain = Sentence("what the square of the relative eccentricity e/c adds to the flow")
     yield _constant(names.GAIN, gain, "", ECCENTRIC_GAIN, _PAPER)
     eccentricity = diagnosis.profile.eccentricity
@@ -114,7 +116,7 @@ def _of_gaps(diagnosis: Diagnosis, law: GapLaw) -> Iterable[Quantity]:
         yield _constant(names.ENTRY_LOSS, loss, "", ENTRY_AND_EXIT_LOSS, _WHITE)
 
 
-def _of_fluid(fluid: Fluid, model: str) -> Iterable[Quantity]:
+def _of_fluid(fluid: Fluid, model: str) -> Iterable[NamedQuantity]:
     if model == "d341":
         a, b = fluid.d341
         points = Sentence("through two points of {source}", source=fluid.source)
@@ -128,9 +130,11 @@ def _of_fluid(fluid: Fluid, model: str) -> Iterable[Quantity]:
         yield _constant(
             names.DENSITY_AT, Sentence("temperature at which the density is stated"), "°C", at, fluid.source
         )
-        yield _constant(names.DENSITY, Sentence("density at that temperature"), "g/cm³", density * G_CM3, fluid.source)
+        yield _constant(
+            names.DENSITY_NAME, Sentence("density at that temperature"), "g/cm³", density * G_CM3, fluid.source
+        )
         slope = Sentence("change of the density with temperature")
-        yield _constant(names.DENSITY_SLOPE, slope, "g/(cm³·K)", fluid.density_slope * G_CM3, fluid.source)
+        yield _constant(names.DENSITY_SLOPE_NAME, slope, "g/(cm³·K)", fluid.density_slope * G_CM3, fluid.source)
     elif model == "regression":
         labels = (
             (Sentence("kinematic viscosity of the study's regression at 0 °C"), "mm²/s", STUDY_VISCOSITY[0]),
@@ -147,14 +151,14 @@ def fluid_formulas(model: str, temperature: str) -> tuple[str | None, str | None
     """Return the formulas of kinematic viscosity and density by the constants of their model; none of a table."""
     if model == "d341":
         viscosity = f"10^(10^({names.D341_A}-{names.D341_B}*LOG10({temperature}+{names.ABSOLUTE})))-{names.D341_SHIFT}"
-        return viscosity, f"{names.DENSITY}+{names.DENSITY_SLOPE}*({temperature}-{names.DENSITY_AT})"
+        return viscosity, f"{names.DENSITY_NAME}+{names.DENSITY_SLOPE_NAME}*({temperature}-{names.DENSITY_AT})"
     if model == "regression":
         nu, exponent, rho, per_kelvin = names.STUDY_NAMES
         return f"{nu}*EXP({exponent}*{temperature})", f"{per_kelvin}*{temperature}+{rho}"
     return None, None
 
 
-def _of_pressures(controller: Controller) -> Iterable[Quantity]:
+def _of_pressures(controller: Controller) -> Iterable[NamedQuantity]:
     """Return what pressures follow from others by, and the shares of them and steady pressures that gaps see."""
     file = Sentence("the valve body's file: {source}", source=controller.source)
     for section in ("p_s", "p_m"):
@@ -173,7 +177,7 @@ def _of_pressures(controller: Controller) -> Iterable[Quantity]:
         yield from _of_pressure(pressure, file)
 
 
-def _of_pressure(pressure: Pressure, file: str) -> Iterable[Quantity]:
+def _of_pressure(pressure: Pressure, file: str) -> Iterable[NamedQuantity]:
     if pressure.section is None:
         if pressure.constant:
             steady = Sentence("pressure that stays the same")
@@ -183,7 +187,7 @@ def _of_pressure(pressure: Pressure, file: str) -> Iterable[Quantity]:
         yield _constant(share_of_pressure(pressure), share, "", pressure.coefficient, file)
 
 
-def _of_leak(number: int, leak: Leak) -> Iterable[Quantity]:
+def _of_leak(number: int, leak: Leak) -> Iterable[NamedQuantity]:
     of: dict[str, Any] = {"name": Name(leak.name)}
     flow, at = Sentence("leak {name}: flow", **of), Sentence("leak {name}: pressure drop at that flow", **of)
     yield _constant(of_leak(number, "flow"), flow, "dm³/min", leak.flow * DM3_MIN, leak.source)
@@ -196,11 +200,11 @@ def _of_leak(number: int, leak: Leak) -> Iterable[Quantity]:
         yield _constant(of_leak(number, "density"), density, "g/cm³", leak.density * G_CM3, leak.source)
 
 
-def _of_tips(pump: Pump, end: str, controller: Controller) -> Iterable[Quantity]:
+def _of_tips(pump: Pump, end: str, controller: Controller) -> Iterable[NamedQuantity]:
     file = Sentence("the valve body's file: {source}", source=controller.source)
     for number, (_, size) in enumerate(pump.tips if pump.gaps.tips is not None else (), start=1):
         assert pump.gaps.tips is not None
-        conductance, bend = tip_slip(pump.gaps.tips, size)
+        conductance, bend = _tip_slip(pump.gaps.tips, size)
         of = {"size": size * UM}
         slips = Sentence("slip over the pump's tips at {size:g} µm, for each kPa at 1 mPa·s", **of)
         yield _constant(of_tips(end, number, "conductance"), slips, "dm³/min/kPa", conductance, file)
@@ -208,20 +212,20 @@ def _of_tips(pump: Pump, end: str, controller: Controller) -> Iterable[Quantity]
         yield _constant(of_tips(end, number, "bend"), bends, "mPa²·s²/kPa", bend, _WHITE)
 
 
-def tip_slip(tips: TipGaps, clearance: float) -> tuple[float, float]:
+def _tip_slip(tips: TipGaps, clearance: float) -> tuple[float, float]:
     """Return what slips over a pump's tips [dm³/min] for each kPa at 1 mPa·s, and how the entry loss bends that."""
     per_viscous = clearance**2 / (12.0 * tips.land * 1e-3)  # of one mPa·s
     conductance = tips.rims * tips.width * clearance * per_viscous / tips.in_a_row * 1e3 * DM3_MIN  # per kPa
     return conductance, 2.0 * ENTRY_AND_EXIT_LOSS * TIP_DENSITY * per_viscous**2 / tips.in_a_row * 1e3
 
 
-def _of_uncertainty(uncertainty: UnitUncertainty) -> Iterable[Quantity]:
+def _of_uncertainty(uncertainty: UnitUncertainty) -> Iterable[NamedQuantity]:
     """Return what the budgets rest on besides instruments and readings."""
     assumed: Assumptions = uncertainty.assumptions
     settable = Sentence("default of this project, or set by the workshop")
     # fmt: off
     rows: tuple[tuple[str, Sentence, str, float, str], ...] = (
-        (names.COVERAGE, Sentence("coverage of the expanded uncertainty U"), "", uncertainty.coverage, settable),
+        (names.COVERAGE_NAME, Sentence("coverage of the expanded uncertainty U"), "", uncertainty.coverage, settable),
         (names.ROOM_TEMPERATURE, Sentence("half width of the temperature of measuring"), "K",
          assumed.room_temperature, settable),
         (names.FORM_RESIDUAL, Sentence("part of ovality and taper that is kept as uncertain"), "",

@@ -12,13 +12,13 @@ from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
 from atleak.report.tables.estimate import EstimateWords
-from atleak.report.xlsx.book import Book
+from atleak.report.xlsx.book import ReportBook
 
-SHEET = Sentence("Estimate")
+ESTIMATE_SHEET = Sentence("Estimate")
 _WIDTHS = (30, 34, 18, 12, 10, 12, 12, 14, 30, 60)
 
 
-def write_estimate(book: Book, sheet: Worksheet, diagnosis: Diagnosis, job: Job) -> None:
+def write_estimate(book: ReportBook, sheet: Worksheet, diagnosis: Diagnosis, job: Job) -> None:
     """Write lines and sums as numbers, rounded as in the printed estimate."""
     words = EstimateWords(estimate(diagnosis, job), book.say)
     for column, width in enumerate(_WIDTHS):

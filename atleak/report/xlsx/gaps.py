@@ -23,8 +23,8 @@ from atleak.report.xlsx import live_sheet as names
 from atleak.report.xlsx.live_sheet import (
     AFTER_A_NUMBER,
     CHANGEABLE,
-    Cells,
     ColumnKey,
+    LiveCells,
     LiveColumn,
     LiveSheet,
     SheetCondition,
@@ -63,13 +63,13 @@ def _diameter(gap: SheetGap, mean_clearance: str) -> str:
     return f"{spool}+{mean_clearance}*0.001" if gap.law.profile.diameter == "mean" else spool
 
 
-def _clearance(gap: SheetGap, _: Cells) -> str:
+def _clearance(gap: SheetGap, _: LiveCells) -> str:
     if not gap.law.counts_form:
         return gap.warm
     return f"({gap.warm}^3+MAX(3*{gap.warm}*{gap.of_land('m2')}+{gap.of_land('m3')},0))^(1/3)"
 
 
-def _new_clearance(gap: SheetGap, _: Cells) -> str:
+def _new_clearance(gap: SheetGap, _: LiveCells) -> str:
     """Return the clearance of the same gap when new: no form, the same spool, the same growth with temperature."""
     spool, cold = gap.of_land("spool"), gap.of_land("c_u")
     expansions = gap.of_land("beta_k"), gap.of_land("beta_s")
@@ -84,7 +84,7 @@ def _taken(gap: SheetGap) -> str:
     return f"(1+{names.GAIN}*{names.ECCENTRICITY}^2)" if eccentricity else CONCENTRIC
 
 
-def _flow(gap: SheetGap, here: Cells, factor: str, prefix: str = "") -> str:
+def _flow(gap: SheetGap, here: LiveCells, factor: str, prefix: str = "") -> str:
     """Return the formula of the gap law in workshop units: mm, µm, kPa, mm²/s and g/cm³ give mm³/s.
 
     ``factor`` is the formula of what the spool's position takes off the friction; ``prefix`` is that of the columns of
@@ -109,7 +109,7 @@ def _drawn(gap: SheetGap) -> bool | Sentence:
     return Sentence("no, it leaks into {section}", section=gap.leak.gap.low.section or ANOTHER_CIRCUIT)
 
 
-def _reynolds(gap: SheetGap, here: Cells) -> str:
+def _reynolds(gap: SheetGap, here: LiveCells) -> str:
     flow = f"ABS({here['q']})" if gap.leak.leaks_back else here["q"]
     return f"2*{flow}/(PI()*{here['diameter']}*{here['nu']})"
 
@@ -124,7 +124,7 @@ def _number(
     kind: str,
     value: Callable[[SheetGap], float],
     times: float | None,
-    formula: Callable[[SheetGap, Cells], str] | None,
+    formula: Callable[[SheetGap, LiveCells], str] | None,
 ) -> LiveColumn:
     return LiveColumn(key, heading, kind, value, formula, times, 13, {} if formula else CHANGEABLE)
 

@@ -25,7 +25,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.report.tables.names import spools_taken
 from atleak.report.tables.sentences import replace_at
-from atleak.report.xlsx.book import Book, cell
+from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.circuits import CircuitCells
 from atleak.report.xlsx.conditions import ConditionsSheet
 from atleak.report.xlsx.constants import ConstantCells
@@ -35,9 +35,9 @@ from atleak.report.xlsx.live_sheet import (
     CHANGEABLE,
     EXPANSIONS,
     PER_KELVIN,
-    Cell,
-    Cells,
     ColumnKey,
+    LiveCell,
+    LiveCells,
     LiveColumn,
     LiveSheet,
     SheetCondition,
@@ -73,7 +73,7 @@ def _also_flagged(live: LiveSheets) -> LiveColumn:
     """Return the order in which the summary lists the lands that are flagged by now and were not as issued."""
     first = cell(1, 0)
 
-    def order(land: LandDiagnosis, here: Cells) -> str:
+    def order(land: LandDiagnosis, here: LiveCells) -> str:
         ranks = None if land.verdict.flagged else live.rules.ranks_of(land.key)
         rank = f"MAX({ranks})"
         return f"IF({rank}>1,{rank}-ROWS({first}:{here['component']})*1E-6,0)" if ranks else "0"
@@ -86,7 +86,7 @@ def _names(live: LiveSheets) -> Iterable[LiveColumn]:
     say, bold = live.say, {"bold": True}
     components = {key: say.name(name) for key, name in live.diagnosis.controller.components.items()}
 
-    def verdict(land: LandDiagnosis, _: Cells) -> str | None:
+    def verdict(land: LandDiagnosis, _: LiveCells) -> str | None:
         ranks = live.rules.ranks_of(land.key)
         return None if ranks is None else verdict_of_rank(f"MAX({ranks})", say, fine_of(land))
 
@@ -104,10 +104,10 @@ def _names(live: LiveSheets) -> Iterable[LiveColumn]:
 def _clearances(live: LiveSheets, *, uncertain: bool) -> Iterable[LiveColumn]:
     readings, lands = live.readings, live.lands
 
-    def spool(land: LandDiagnosis, here: Cells) -> str | None:
+    def spool(land: LandDiagnosis, here: LiveCells) -> str | None:
         return readings.mean(land.key, "spool", here[EXPANSIONS["spool"]])
 
-    def sleeve(land: LandDiagnosis, here: Cells) -> str:
+    def sleeve(land: LandDiagnosis, here: LiveCells) -> str:
         as_new = f"{here['nominal']}+2*{here['c_n']}*0.001" if "nominal" in here else ""
         return readings.mean(land.key, "sleeve", here[EXPANSIONS["sleeve"]]) or as_new
 
@@ -117,7 +117,7 @@ def _clearances(live: LiveSheets, *, uncertain: bool) -> Iterable[LiveColumn]:
     def form(power: int, land: LandDiagnosis) -> float:
         return land.state.form_moments[power - 2]
 
-    def moment(power: int, land: LandDiagnosis, _: Cells) -> str | None:
+    def moment(power: int, land: LandDiagnosis, _: LiveCells) -> str | None:
         return live.directions.moment(land.key, power)
 
     # fmt: off
@@ -156,7 +156,7 @@ def _when_new(lands: Iterable[LandDiagnosis]) -> Iterable[LiveColumn]:
         low, *more = land.state.land.mounting_ends
         return low if more else None
 
-    def equal_flow(land: LandDiagnosis, here: Cells) -> str:
+    def equal_flow(land: LandDiagnosis, here: LiveCells) -> str:
         high = here["c_m"]
         if len(land.state.land.mounting_ends) == 1:
             return high
@@ -167,7 +167,7 @@ def _when_new(lands: Iterable[LandDiagnosis]) -> Iterable[LiveColumn]:
         state, nominal = land.state, land.state.land
         return float(nominal.unworn(state.radial_clearance)) if state.measured else nominal.new_clearance
 
-    def unworn_formula(land: LandDiagnosis, here: Cells) -> str:
+    def unworn_formula(land: LandDiagnosis, here: LiveCells) -> str:
         if not land.state.measured:
             return here["c_n"]
         tolerance = "" if land.state.land.mounting_tolerance is None else f"+{here['tolerance']}"
@@ -197,14 +197,14 @@ def _at_condition(live: LiveSheets, condition: SheetCondition) -> Iterable[LiveC
     now, new, prefix, gaps = condition.projection, condition.new, condition.prefix, live.gaps
     at, spools = {"condition": condition.title}, spools_taken(live.diagnosis.profile)
 
-    def warm(land: LandDiagnosis, here: Cells) -> str:
+    def warm(land: LandDiagnosis, here: LiveCells) -> str:
         return warm_clearance(here["c_r"], here["spool"], here["sleeve"], (here["beta_k"], here["beta_s"]),
                               condition("T"))  # fmt: skip
 
-    def flow(key: str, land: LandDiagnosis, _: Cells, *, drawn: bool = True) -> str:
+    def flow(key: str, land: LandDiagnosis, _: LiveCells, *, drawn: bool = True) -> str:
         return gaps.sum_of(key, condition, land.key, drawn=drawn) or "0"
 
-    def share(key: str, _: LandDiagnosis, here: Cells) -> str:
+    def share(key: str, _: LandDiagnosis, here: LiveCells) -> str:
         return share_of(here[key, prefix], condition("capacity"))
 
     # fmt: off
@@ -262,7 +262,7 @@ def _as_issued(live: LiveSheets, *, uncertain: bool) -> Iterable[LiveColumn]:
     # fmt: on
 
 
-LANDS = Sentence("Lands")
+LANDS_SHEET = Sentence("Lands")
 
 
 class LiveSheets:
@@ -284,9 +284,9 @@ class LiveSheets:
         self.rules = RuleCells(self)
         self.circuits = CircuitCells(self)
         self.totals = ConditionsSheet(self)
-        self.sheet = LiveSheet(say.sentence(LANDS), land_columns(self), self.lands)
+        self.sheet = LiveSheet(say.sentence(LANDS_SHEET), land_columns(self), self.lands)
 
-    def land_cell(self, land: LandDiagnosis, key: ColumnKey) -> Cell:
+    def land_cell(self, land: LandDiagnosis, key: ColumnKey) -> LiveCell:
         """Return the content of one of a land's cells."""
         return self.sheet.columns[self.sheet.place[key]].cell(land, self.sheet.row(self.row_of[land.key]))
 
@@ -294,7 +294,7 @@ class LiveSheets:
         """Return the address of one of a land's cells, as other sheets ask for it."""
         return self.sheet.cell(self.row_of[key], column)
 
-    def write_lands(self, book: Book, sheet: Worksheet) -> None:
+    def write_lands(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write one row per land: D, d → c_r → c_re → q → share → verdict."""
         self.sheet.write(book, sheet, lines=6)
         sheet.repeat_columns(0, 3)

@@ -26,7 +26,7 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.projection import Projection
-from atleak.report.xlsx.book import Book, cell, formula, span
+from atleak.report.xlsx.book import ReportBook, cell, cell_span, formula
 
 RESERVED = frozenset({"const", "limit", "spool", "sleeve"})
 
@@ -38,12 +38,12 @@ MEAN_OF_POSITIONS = "const_mean_eccentric"
 FULLY = "const_fully_eccentric"
 ENTRY_LOSS = "const_entry_loss"
 D341_A, D341_B, D341_SHIFT, ABSOLUTE = "const_d341_A", "const_d341_B", "const_d341_shift", "const_zero_celsius"
-DENSITY_AT, DENSITY, DENSITY_SLOPE = "const_density_at", "const_density", "const_density_slope"
+DENSITY_AT, DENSITY_NAME, DENSITY_SLOPE_NAME = "const_density_at", "const_density", "const_density_slope"
 STUDY_NAMES = ("const_study_nu", "const_study_exponent", "const_study_rho", "const_study_slope")
-ROUNDED = "const_rounding"
+ROUNDING_NAME = "const_rounding"
 NOTHING_DELIVERED = "const_no_delivery"
 LARGEST_SHARE = "const_largest_share"
-COVERAGE = "const_coverage"
+COVERAGE_NAME = "const_coverage"
 ROOM_TEMPERATURE = "const_room_temperature"
 FORM_RESIDUAL = "const_form_residual"
 UNSEEN_OVALITY = "const_unseen_ovality"
@@ -90,7 +90,7 @@ def of_tips(end: str, number: int, what: str) -> str:
     return f"const_tips{end}_{number}_{what}"
 
 
-def of_part(part: Part, what: str) -> str:
+def cells_of_part(part: Part, what: str) -> str:
     """Return the name of a cell on the instrument of a part, or on what its repeats show."""
     return f"{part}_{what}"
 
@@ -116,7 +116,7 @@ EXPANSIONS: Mapping[Part, ColumnKey] = {"spool": "beta_s", "sleeve": "beta_k"}  
 
 
 @dataclass(frozen=True)
-class Cell:
+class LiveCell:
     """The content of a cell: a value and, where it follows from other cells, the formula that gives it."""
 
     kind: str  # of number, one of the workbook's formats
@@ -125,7 +125,7 @@ class Cell:
     look: Mapping[str, Any] = field(default_factory=dict)
 
 
-def write_cell(book: Book, sheet: Worksheet, row: int, column: int, content: Cell) -> None:
+def write_cell(book: ReportBook, sheet: Worksheet, row: int, column: int, content: LiveCell) -> None:
     """Write a cell; a formula that gives nothing known is left out."""
     form = book.form(content.kind, **content.look)
     if content.formula is None:
@@ -135,7 +135,7 @@ def write_cell(book: Book, sheet: Worksheet, row: int, column: int, content: Cel
         formula(sheet, row, column, content.formula, value, form)
 
 
-Cells = Mapping[Any, str]  # the addresses of a row's cells by the keys of their columns
+LiveCells = Mapping[Any, str]  # the addresses of a row's cells by the keys of their columns
 
 
 @dataclass(frozen=True)
@@ -156,13 +156,13 @@ class LiveColumn:
     heading: str
     kind: str = "plain"  # of number, one of the workbook's formats
     value: Callable[[Any], Any] | None = None
-    formula: str | Callable[[Any, Cells], str | None] | None = None
+    formula: str | Callable[[Any, LiveCells], str | None] | None = None
     times: float | None = None
     width: int = 12
     look: Mapping[str, Any] = field(default_factory=dict)
     blue: bool = False  # to be changed where no formula gives it
 
-    def cell(self, item: Any, here: Cells) -> Cell:
+    def cell(self, item: Any, here: LiveCells) -> LiveCell:
         """Return the content of an item's cell."""
         value = None if self.value is None else self.value(item)
         if value is not None and self.times is not None:
@@ -172,7 +172,7 @@ class LiveColumn:
             text = text.format_map(here)
         elif text is not None:
             text = text(item, here)
-        return Cell(self.kind, value, text, CHANGEABLE if self.blue and text is None else self.look)
+        return LiveCell(self.kind, value, text, CHANGEABLE if self.blue and text is None else self.look)
 
 
 class LiveSheet:
@@ -182,7 +182,7 @@ class LiveSheet:
         self.name, self.columns, self.items = name, list(columns), list(items)
         self.place: dict[Any, int] = {column.key: number for number, column in enumerate(self.columns)}
 
-    def row(self, number: int) -> Cells:
+    def row(self, number: int) -> LiveCells:
         """Return the addresses of the cells of one row, for formulas of that row."""
         return {key: address(number, column) for key, column in self.place.items()}
 
@@ -192,7 +192,7 @@ class LiveSheet:
 
     def span(self, first: int, last: int, key: ColumnKey) -> str:
         """Return the address of a stretch of a column, for formulas of any sheet."""
-        return span(first, last, self.place[key], self.name)
+        return cell_span(first, last, self.place[key], self.name)
 
     def whole(self, key: ColumnKey) -> str:
         """Return the address of all cells of a column."""
@@ -200,10 +200,10 @@ class LiveSheet:
 
     def write(
         self,
-        book: Book,
+        book: ReportBook,
         sheet: Worksheet,
         lines: int,
-        cells: Callable[[int, Any], Mapping[Any, Cell]] | None = None,
+        cells: Callable[[int, Any], Mapping[Any, LiveCell]] | None = None,
     ) -> None:
         """Write headings of so many lines and a row per item, verdicts in their colours.
 
@@ -223,7 +223,7 @@ class LiveSheet:
 
 
 @dataclass(frozen=True)
-class Quantity:
+class NamedQuantity:
     """A number of a sheet that stands in a cell with a name, by which formulas ask for it."""
 
     name: str  # of the cell; of one among several of its kind, without their prefix
@@ -240,10 +240,10 @@ class Quantity:
         """Return the label with its unit."""
         return Sentence("{label} [{unit}]", label=self.label, unit=self.unit) if self.unit else self.label
 
-    def write(self, book: Book, sheet: Worksheet, row: int, column: int, name: str) -> None:
+    def write(self, book: ReportBook, sheet: Worksheet, row: int, column: int, name: str) -> None:
         """Write its cell, blue where it may be changed, and give it its name."""
         look = {"align": "right", **(CHANGEABLE if self.formula is None and not self.fixed else {})}
-        write_cell(book, sheet, row, column, Cell(self.kind, self.value, self.formula, look))
+        write_cell(book, sheet, row, column, LiveCell(self.kind, self.value, self.formula, look))
         book.workbook.define_name(name, f"={cell(row, column, sheet.get_name())}")
 
 

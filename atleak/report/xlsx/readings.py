@@ -27,20 +27,20 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.uncertainty.sources import PARTS
 from atleak.measurements.readings import REPEAT_TOLERANCE, Reading, Station, independent_repeats, repeats_that_count
-from atleak.report.xlsx.book import Book, span
+from atleak.report.xlsx.book import ReportBook, cell_span
 from atleak.report.xlsx.live_sheet import (
     CHANGEABLE,
     EXPANSIONS,
     MEASURED_AT,
     REFERENCE,
     REPEATS_APART,
-    Cell,
-    Cells,
+    LiveCell,
+    LiveCells,
     LiveColumn,
     LiveSheet,
     address,
+    cells_of_part,
     component_width,
-    of_part,
     quote,
 )
 
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from atleak.report.xlsx.lands import LiveSheets
 
 READINGS = Sentence("Readings")
-PART_NAMES: dict[Part, Sentence] = {"spool": Sentence("spool"), "sleeve": Sentence("sleeve")}
+READ_PART_NAMES: dict[Part, Sentence] = {"spool": Sentence("spool"), "sleeve": Sentence("sleeve")}
 _ENTERED = {
     "component": Sentence("component"),
     "land": Sentence("land"),
@@ -212,11 +212,11 @@ class ReadingCells:
     def _corrected(self, mean: str | None, part: Part, expansion: str) -> str | None:
         if mean is None:
             return None
-        return f"{mean}*(1-({expansion}-{of_part(part, 'expansion')})*1E-6*({MEASURED_AT}-{REFERENCE}))"
+        return f"{mean}*(1-({expansion}-{cells_of_part(part, 'expansion')})*1E-6*({MEASURED_AT}-{REFERENCE}))"
 
     # --- the sheet
 
-    def write(self, book: Book, sheet: Worksheet) -> None:
+    def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write every reading as entered, sorted by land, and at the first of each place what its repeats give."""
         self.sheet.write(book, sheet, 6, self._cells)
         sheet.repeat_columns(0, self._column["repeat"])
@@ -225,7 +225,7 @@ class ReadingCells:
         choice = {"validate": "list", "source": [self.say("estimate.yes"), self.say("estimate.no")]}
         sheet.data_validation(1, counts, last, counts, choice)
 
-    def _cells(self, row: int, line: tuple[Reading, _Place | None]) -> dict[str, Cell]:
+    def _cells(self, row: int, line: tuple[Reading, _Place | None]) -> dict[str, LiveCell]:
         reading, place = line
         cells = dict(self._entered(row, reading, place))
         if place is not None:
@@ -233,12 +233,12 @@ class ReadingCells:
             cells |= self._of_place(place) if row == place.first else ()
         return cells
 
-    def _entered(self, row: int, reading: Reading, place: _Place | None) -> Iterable[tuple[str, Cell]]:
+    def _entered(self, row: int, reading: Reading, place: _Place | None) -> Iterable[tuple[str, LiveCell]]:
         at = reading.place
         values = {
             "component": reading.component,
             "land": place.land.land if place else None,
-            "part": PART_NAMES[reading.part],
+            "part": READ_PART_NAMES[reading.part],
             "plane": reading.plane,
             "direction": reading.direction,
             "repeat": reading.repeat,
@@ -246,20 +246,20 @@ class ReadingCells:
             "row": at.row,
             "column": at.column,
         }
-        yield from ((key, Cell("plain", value, look={"align": "left"})) for key, value in values.items())
+        yield from ((key, LiveCell("plain", value, look={"align": "left"})) for key, value in values.items())
         if reading.coordinates is None:
-            yield "diameter", Cell("mm", reading.diameter * MM, look=CHANGEABLE)
+            yield "diameter", LiveCell("mm", reading.diameter * MM, look=CHANGEABLE)
             return
         for number, coordinate in enumerate(reading.coordinates, start=1):
-            yield f"coordinate_{number}", Cell("mm", coordinate * MM, look=CHANGEABLE)
+            yield f"coordinate_{number}", LiveCell("mm", coordinate * MM, look=CHANGEABLE)
         here = self._here(row)
         apart = f"ABS({here('coordinate_1')}-{here('coordinate_2')})"
-        yield "diameter", Cell("mm", reading.diameter * MM, apart)
+        yield "diameter", LiveCell("mm", reading.diameter * MM, apart)
 
-    def _of_repeat(self, row: int, reading: Reading, place: _Place) -> Iterable[tuple[str, Cell]]:
+    def _of_repeat(self, row: int, reading: Reading, place: _Place) -> Iterable[tuple[str, LiveCell]]:
         """Return what a reading is among the repeats of its place."""
         counts = any(each is reading for each in place.counted)
-        yield "counts", Cell("plain", counts, look={"align": "center", **(CHANGEABLE if place.several else {})})
+        yield "counts", LiveCell("plain", counts, look={"align": "center", **(CHANGEABLE if place.several else {})})
         if not place.several:
             return
         own = any(each is reading for each in place.own)
@@ -269,11 +269,14 @@ class ReadingCells:
             word, text = self.say("estimate.yes" if own else "estimate.no"), None
             if row > place.first:  # the first of a place repeats none
                 text = f"IF({self._same(row, place.first, row - 1)}>0,{self._no},{self._yes})"
-            yield "independent", Cell("plain", word, text, {"align": "center"})
-            yield "alike", Cell("count", place.alike(reading), self._same(row, place.first, place.last, counted=True))
+            yield "independent", LiveCell("plain", word, text, {"align": "center"})
+            yield (
+                "alike",
+                LiveCell("count", place.alike(reading), self._same(row, place.first, place.last, counted=True)),
+            )
             independent = here("independent")
         elif "independent" in self._column:
-            yield "independent", Cell("plain", True, look={"align": "center"})
+            yield "independent", LiveCell("plain", True, look={"align": "center"})
         mean = f"AVERAGE({rows('diameter')})"
         if any(each.coordinates is not None for each in place.repeats):
             mean = f"AVERAGEIF({rows('independent')},{self._yes},{rows('diameter')})"
@@ -281,19 +284,19 @@ class ReadingCells:
         if independent != self._yes:
             off = f'IF({independent}={self._yes},{off},"")'
         value: Any = (reading.diameter - fmean(each.diameter for each in place.own)) * UM if own else ""
-        yield "off", Cell("um", value, off)
+        yield "off", LiveCell("um", value, off)
 
     def _same(self, row: int, first: int, last: int, *, counted: bool = False) -> str:
         """Return the formula of how many readings of some rows have the coordinates of one, either way round."""
         columns = [self._column[f"coordinate_{number}"] for number in (1, 2)]
         low, high = (address(row, column) for column in columns)
-        ends = [span(first, last, column) for column in columns]
-        beside = f",{span(first, last, self._column['counts'])},{self._yes}" if counted else ""
+        ends = [cell_span(first, last, column) for column in columns]
+        beside = f",{cell_span(first, last, self._column['counts'])},{self._yes}" if counted else ""
         return "+".join(
             f"COUNTIFS({ends[0]},{one},{ends[1]},{other}{beside})" for one, other in ((low, high), (high, low))
         )
 
-    def _of_place(self, place: _Place) -> Iterable[tuple[str, Cell]]:
+    def _of_place(self, place: _Place) -> Iterable[tuple[str, LiveCell]]:
         """Return what the repeats of a place give; where none of them counts, all do."""
         rows, here = self._rows(place), self._here(place.first)
         count = f"COUNTIF({rows('counts')},{self._yes})"
@@ -305,38 +308,38 @@ class ReadingCells:
             if any(each.coordinates is not None for each in place.repeats):
                 weight = f"SUMIF({rows('counts')},{self._yes},{rows('alike')})/{count}^2"
             repeat_weight = f"IF({count}>0,{weight},1/ROWS({all_of_them}))"
-        yield "mean", Cell("mm", place.mean * MM, mean)
+        yield "mean", LiveCell("mm", place.mean * MM, mean)
         places = self._planes(place.land.key, place.part)
         of_plane = next(each for each in places if place in each)
-        yield "weight", Cell("plain", 1.0 / (len(places) * len(of_plane)))
+        yield "weight", LiveCell("plain", 1.0 / (len(places) * len(of_plane)))
         alike = sum(place.alike(each) for each in place.counted)
-        yield "repeat_weight", Cell("plain", alike / len(place.counted) ** 2, repeat_weight)
+        yield "repeat_weight", LiveCell("plain", alike / len(place.counted) ** 2, repeat_weight)
         if place.several:
             yield from self._spread(place)
         if place is places[0][0]:
             ovality = _ovality(self._states[place.land.key], place.part)
             if ovality is not None:
                 mean_cells = self._column["mean"]
-                terms = [span(each[0].first, each[-1].last, mean_cells) for each in places if len(each) > 1]
+                terms = [cell_span(each[0].first, each[-1].last, mean_cells) for each in places if len(each) > 1]
                 apart = _of("MAX", [f"MAX({each})-MIN({each})" for each in terms])
-                yield f"ovality_{place.part}", Cell("um", ovality * UM, f"({apart})*1000")
+                yield f"ovality_{place.part}", LiveCell("um", ovality * UM, f"({apart})*1000")
 
-    def _spread(self, place: _Place) -> Iterable[tuple[str, Cell]]:
+    def _spread(self, place: _Place) -> Iterable[tuple[str, LiveCell]]:
         """Return the degrees of freedom and the squares of a place with repeats; see `uncertainty.sources`."""
         off, diameters = self._rows(place)("off"), [each.diameter * UM for each in place.own]
         mean, apart = fmean(diameters), max(diameters) - min(diameters)
         limited = min(REPEAT_TOLERANCE * UM / apart, 1.0) if apart else 1.0
-        yield "degrees", Cell("count", len(diameters) - 1, f"MAX(COUNT({off})-1,0)")
+        yield "degrees", LiveCell("count", len(diameters) - 1, f"MAX(COUNT({off})-1,0)")
         squares = sum((each - mean) ** 2 for each in diameters) * limited**2
         far = f"MAX({off})-MIN({off})"
         text = f"SUMSQ({off})*IF({far}>{REPEATS_APART},({REPEATS_APART}/({far}))^2,1)"
-        yield "squares", Cell("um", squares, text)
+        yield "squares", LiveCell("um", squares, text)
 
     def _here(self, row: int) -> Callable[[str], str]:
         return lambda key: address(row, self._column[key])
 
     def _rows(self, place: _Place) -> Callable[[str], str]:
-        return lambda key: span(place.first, place.last, self._column[key])
+        return lambda key: cell_span(place.first, place.last, self._column[key])
 
 
 def _ovality(land: LandDiagnosis, part: Part) -> float | None:
@@ -360,7 +363,7 @@ def _of(function: str, terms: Sequence[str | None]) -> str:
     return known[0] if len(known) == 1 else f"{function}({','.join(known)})"
 
 
-DIRECTIONS = Sentence("Directions")
+DIRECTIONS_SHEET = Sentence("Directions")
 
 
 @dataclass(frozen=True)
@@ -385,17 +388,17 @@ class DirectionCells:
         for row, line in enumerate(lines, start=1):
             self.rows[line.land.key] = (self.rows.get(line.land.key, (row, row))[0], row)
 
-        def diameter(part: Part) -> Callable[[_Line, Cells], str]:
-            def formula(line: _Line, _: Cells) -> str:
+        def diameter(part: Part) -> Callable[[_Line, LiveCells], str]:
+            def formula(line: _Line, _: LiveCells) -> str:
                 key = line.land.key
                 there = live.readings.at(key, part, line.station, live.of_land(key, EXPANSIONS[part]))
                 return there or live.of_land(key, part)
 
             return formula
 
-        def off(line: _Line, here: Cells) -> str:
+        def off(line: _Line, here: LiveCells) -> str:
             rows, place = self.rows[line.land.key], self.sheet.place
-            clearances, weights = (span(*rows, place[key]) for key in ("c", "weight"))
+            clearances, weights = (cell_span(*rows, place[key]) for key in ("c", "weight"))
             return f"{here['c']}-SUMPRODUCT({clearances},{weights})"
 
         weight = Sentence("weight: directions of a plane alike, planes alike")
@@ -420,7 +423,7 @@ class DirectionCells:
                        "{weight}*{off}^3", width=14),
         )
         # fmt: on
-        self.sheet = LiveSheet(live.say.sentence(DIRECTIONS), columns, lines)
+        self.sheet = LiveSheet(live.say.sentence(DIRECTIONS_SHEET), columns, lines)
 
     def moment(self, key: LandKey, power: int) -> str | None:
         """Return the formula of a land's second or third moment [µm², µm³]; None where its form was not seen."""

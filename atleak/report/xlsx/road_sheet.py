@@ -11,14 +11,14 @@ from typing import Any
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.common.sentences import Name, Sentence
-from atleak.common.style import CHART_GRID, PAPER
+from atleak.common.style import CHART_GRID, PAPER_INKS
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.road_findings import RoadFindings
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.road_test import instant_table, place_table, road_series
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
-from atleak.report.xlsx.book import Book, span
+from atleak.report.xlsx.book import ReportBook, cell_span
 
 ROAD_TEST, ROAD_EVENTS = Sentence("Road test"), Sentence("Road test events")
 ROAD_ROWS = 2000  # rows of the thinned road test
@@ -30,7 +30,7 @@ _KINDS = {  # of numbers, by their unit
 class RoadSheets:
     """The sheets on the road test."""
 
-    def __init__(self, book: Book, diagnosis: Diagnosis, log: RoadFindings) -> None:
+    def __init__(self, book: ReportBook, diagnosis: Diagnosis, log: RoadFindings) -> None:
         self.book, self.diagnosis, self.log = book, diagnosis, log
 
     def write(self, sheet: Worksheet) -> None:
@@ -107,14 +107,14 @@ class RoadSheets:
         self, sheet: Worksheet, row: int, axis: str, series: Sequence[tuple[str, str, int]], first: int, last: int
     ) -> None:
         chart = self.book.workbook.add_chart({"type": "scatter", "subtype": "straight"})
-        dashes = {"pump_capacity_dm3_min": (PAPER.pump, "dash"), "leakage_dm3_min": (PAPER.leakage, "solid")}
+        dashes = {"pump_capacity_dm3_min": (PAPER_INKS.pump, "dash"), "leakage_dm3_min": (PAPER_INKS.leakage, "solid")}
         for name, label, column in series:
-            colour, dash = dashes.get(name, (PAPER.share, "solid"))
+            colour, dash = dashes.get(name, (PAPER_INKS.share, "solid"))
             chart.add_series(
                 {
                     "name": self.book.words(label),
-                    "categories": "=" + span(first, last, 0, self.book.words(ROAD_TEST)),
-                    "values": "=" + span(first, last, column, self.book.words(ROAD_TEST)),
+                    "categories": "=" + cell_span(first, last, 0, self.book.words(ROAD_TEST)),
+                    "values": "=" + cell_span(first, last, column, self.book.words(ROAD_TEST)),
                     "line": {"color": colour, "width": 1.25, "dash_type": dash},
                 }
             )
@@ -133,10 +133,10 @@ def _with_unit(label: Sentence, unit: str) -> Sentence:
     return Sentence("{label} [{unit}]", label=label, unit=unit) if unit else label
 
 
-SHEET = Sentence("Gauge readings")
+ROAD_SHEET = Sentence("Gauge readings")
 
 
-def write_gauges(book: Book, sheet: Worksheet, diagnosis: Diagnosis) -> None:
+def write_gauges(book: ReportBook, sheet: Worksheet, diagnosis: Diagnosis) -> None:
     """Write a row for every reading, in the order of the ranges, and the patterns below."""
     check, say = diagnosis.pressures, book.say
     if check is None:

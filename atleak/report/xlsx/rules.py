@@ -23,14 +23,14 @@ from atleak.common.verdicts import BANDS, FLAGGED, Band, Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
-from atleak.report.xlsx.book import Book, cell
+from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.live_sheet import (
     AFTER_A_NUMBER,
     CHANGEABLE,
     NOTHING_DELIVERED,
     RANKED,
-    ROUNDED,
-    Cell,
+    ROUNDING_NAME,
+    LiveCell,
     LiveColumn,
     LiveSheet,
     component_width,
@@ -44,10 +44,10 @@ from atleak.report.xlsx.live_sheet import (
 if TYPE_CHECKING:
     from atleak.report.xlsx.lands import LiveSheets
 
-Part = Literal["limit", "at_least", "growth", "added", "fall"]  # of a limit: each stands in a row of its own
-LIMITS = Sentence("Limits")
+_Part = Literal["limit", "at_least", "growth", "added", "fall"]  # of a limit: each stands in a row of its own
+LIMITS_SHEET = Sentence("Limits")
 _LIMIT, _ORIGIN, _SOURCE = Sentence("limit"), Sentence("origin"), Sentence("source")
-_LABELS: dict[RuleKind, dict[Part, Sentence]] = {
+_LABELS: dict[RuleKind, dict[_Part, Sentence]] = {
     RuleKind.WEAR: {
         "limit": Sentence("wear [%]"),
         "at_least": Sentence("and clearance over c_m and its tolerance [µm]"),
@@ -81,7 +81,7 @@ _NOTE = Sentence(
 @dataclass(frozen=True)
 class _Row:
     kind: RuleKind
-    part: Part
+    part: _Part
     values: Mapping[Level, float]  # in the unit that people read
 
 
@@ -90,7 +90,7 @@ class LimitCells:
 
     def __init__(self, limits: Limits, say: Wording) -> None:
         self.limits = limits
-        self._sheet = say.sentence(LIMITS)
+        self._sheet = say.sentence(LIMITS_SHEET)
         self.levels = list[Level](dict.fromkeys([*FLAGGED, *BANDS[1:]]))  # a column each
         self._rows = [row for kind, steps in limits.rules.items() for row in _rows(kind, steps)]
         self._names = {
@@ -131,7 +131,7 @@ class LimitCells:
         grown = largest_of([*terms, f"{new}*(1+{growth}/100)", f"{new}+{added}"])
         return f"MIN({grown},{NOTHING_DELIVERED})"
 
-    def write(self, book: Book, sheet: Worksheet) -> None:
+    def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write every limit with its origin; what is blue is followed."""
         origin = 1 + len(self.levels)
         book.headings(sheet, 0, [_LIMIT, *(book.say.level(level) for level in self.levels), _ORIGIN, _SOURCE])
@@ -165,7 +165,7 @@ def _rows(kind: RuleKind, steps: Steps) -> Iterable[_Row]:
     growth = {level: grown * PERCENT for level, (grown, _) in steps.growth.items()}
     added = {level: points * PERCENT for level, (_, points) in steps.growth.items()}
     fall = {} if steps.fall is None else {level: steps.fall * PERCENT for level, _ in steps.levels}
-    others: tuple[tuple[Part, dict[Level, float]], ...] = (
+    others: tuple[tuple[_Part, dict[Level, float]], ...] = (
         ("at_least", at_least), ("growth", growth), ("added", added), ("fall", fall),
     )  # fmt: skip
     for part, values in others:
@@ -258,7 +258,7 @@ class RuleCells:
         """Return the formula of what one rule says of the unit; one that nobody measured is never called ok."""
         return verdict_of_rank(self.rank(rule), self.say, self.diagnosis.within(rule))
 
-    def write(self, book: Book, sheet: Worksheet) -> None:
+    def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write what each rule says."""
         self.sheet.write(book, sheet, 2, self._cells)
         sheet.print_area(0, 0, len(self.sheet.items), len(self.sheet.columns) - 3)  # sources stand beside the limits
@@ -292,7 +292,7 @@ class RuleCells:
         capacity = f"MAX({at('supply')}-{at('slip_new')},0)"  # of a new pump: a worn one makes no land worn
         return _Asked(share_of(now, capacity), share_of(new, capacity))
 
-    def _cells(self, row: int, line: _Line) -> dict[Any, Cell]:
+    def _cells(self, row: int, line: _Line) -> dict[Any, LiveCell]:
         rule, factor, asked = line.rule, line.rule.kind.factor, self._asked(line, row)
         here = {key: cell(row, column) for key, column in self.sheet.place.items()}
         kind = _FORMATS.get(rule.kind, rule.kind.suffix)
@@ -301,25 +301,27 @@ class RuleCells:
         component, number = line.land.key if line.land else (OF_THE_UNIT, None)
         decided = None if line.land is not None else self.diagnosis.decided(rule)  # those of lands stand beside them
         given = {"component": component, "land": number, "rule": _named(rule), "unit": rule.kind.unit}
-        cells = {key: Cell("plain", value, look={"align": "left"}) for key, value in given.items()}
-        cells["value"] = Cell(kind, rule.value * factor, asked.value)
+        cells = {key: LiveCell("plain", value, look={"align": "left"}) for key, value in given.items()}
+        cells["value"] = LiveCell(kind, rule.value * factor, asked.value)
         if asked.new is not None and rule.new is not None:
-            cells["new"] = Cell(kind, rule.new * factor, asked.new)
+            cells["new"] = LiveCell(kind, rule.new * factor, asked.new)
         for level, limit in rule.steps.levels:
             text = self._limit(here, rule, asked, level)
             by_file = text is None
             cells[_verdict(level)] = (
-                Cell(rule.kind.suffix, limit * factor, look=CHANGEABLE) if by_file else Cell(kind, limit * factor, text)
+                LiveCell(rule.kind.suffix, limit * factor, look=CHANGEABLE)
+                if by_file
+                else LiveCell(kind, limit * factor, text)
             )
         if rule.probable and isfinite(rule.value):
-            cells["issued"] = Cell(kind, rule.value * factor)
-        cells["rank"] = Cell("plain", RANKED.index(rule.verdict) + 1, _rank(rule, here))
+            cells["issued"] = LiveCell(kind, rule.value * factor)
+        cells["rank"] = LiveCell("plain", RANKED.index(rule.verdict) + 1, _rank(rule, here))
         words = verdict_of_rank(here["rank"], self.say, fine)
         behind = {
-            "verdict": Cell("plain", self.say.signed(verdict), words, AFTER_A_NUMBER),
-            "decision": Cell("plain", decided and self.say.get("decisions", decided.decision), look=AFTER_A_NUMBER),
-            "origin": Cell("plain", self.say.get("origins", rule.origin), look=AFTER_A_NUMBER),
-            "source": Cell("plain", rule.source, look=AFTER_A_NUMBER),
+            "verdict": LiveCell("plain", self.say.signed(verdict), words, AFTER_A_NUMBER),
+            "decision": LiveCell("plain", decided and self.say.get("decisions", decided.decision), look=AFTER_A_NUMBER),
+            "origin": LiveCell("plain", self.say.get("origins", rule.origin), look=AFTER_A_NUMBER),
+            "source": LiveCell("plain", rule.source, look=AFTER_A_NUMBER),
         }
         return cells | behind
 
@@ -347,7 +349,7 @@ def _rank(rule: Rule, here: dict[Any, str]) -> str:
         return rank
     issued, by_value = (RANKED.index(each.verdict) + 1 for each in (rule, replace(rule, reached=None)))
     known = here["issued"] if isfinite(rule.value) else NOTHING_DELIVERED  # until it is another value, or a better one
-    same = f"ABS({known})*{ROUNDED}"
+    same = f"ABS({known})*{ROUNDING_NAME}"
     if issued <= by_value:
         return f"IF(ABS({value}-{known})<={same},{issued},{rank})"
     past = f"{value}<={known}+{same}" if rule.steps.falling else f"{value}>={known}-{same}"
@@ -362,9 +364,9 @@ def _named(rule: Rule) -> str:
 def _reached(rule: Rule, value: str, limit: str) -> str:
     """Return the formula of whether a value has reached a limit; see `atleak.catalogue.limits.reaches`."""
     if rule.steps.falling:
-        return f"{value}<{limit}*(1-{ROUNDED})"
+        return f"{value}<{limit}*(1-{ROUNDING_NAME})"
     factor = f"{rule.kind.factor:g}".replace("e+0", "E").replace("e-0", "E-")  # as a formula takes it: 1000, 1E6
-    return f"{value}>=MAX({limit}*(1-{ROUNDED}),{ROUNDED}*{factor})"
+    return f"{value}>=MAX({limit}*(1-{ROUNDING_NAME}),{ROUNDING_NAME}*{factor})"
 
 
 def _verdict(level: Level) -> Verdict:

@@ -21,14 +21,14 @@ from atleak.report.tables.lands import MatrixRow, condition_matrix
 from atleak.report.tables.names import spools_taken
 from atleak.report.tables.repairs import no_help, option_rows, plan_ends
 from atleak.report.tables.sentences import caveat_marks, caveats, fluid_in_state, measuring_temperature
-from atleak.report.xlsx.book import Book, cell
+from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.conditions import AS_SPOOLS_MAY_LIE, DEMAND, covers
 from atleak.report.xlsx.lands import LiveSheets
 from atleak.report.xlsx.live_sheet import (
     AFTER_A_NUMBER,
     RANKED,
-    Cell,
-    Cells,
+    LiveCell,
+    LiveCells,
     LiveColumn,
     LiveSheet,
     SheetCondition,
@@ -76,13 +76,15 @@ _HOW_TO_CHANGE = (
 _LEVELS: dict[MessageLevel, Sentence] = {"info": Sentence("info"), "warning": Sentence("warning")}
 _LEAST = 10  # columns of the summary: what stands alone is a long text
 _WORDED = ("name", "representative_note", "source")  # of an entry of the catalogue, in words
-MEASURE_FIRST = 6  # lands named for a complaint
+_MEASURE_FIRST = 6  # lands named for a complaint
 
 
 class Sheets:
     """The sheets around those that compute."""
 
-    def __init__(self, book: Book, diagnosis: Diagnosis, record: dict[str, Any], job: Job, live: LiveSheets) -> None:
+    def __init__(
+        self, book: ReportBook, diagnosis: Diagnosis, record: dict[str, Any], job: Job, live: LiveSheets
+    ) -> None:
         self.book, self.diagnosis, self.record, self.job, self.live = book, diagnosis, record, job, live
         self.say = book.say
         of_pump = (each.rule for each in diagnosis.pump.decisions)
@@ -151,7 +153,7 @@ class Sheets:
             return []
         ranked = measure_first(diagnosis)
         say = self.say
-        lands = [f"{each.land.key[0]}/{each.land.key[1]}: {reason(each, say)}" for each in ranked[:MEASURE_FIRST]]
+        lands = [f"{each.land.key[0]}/{each.land.key[1]}: {reason(each, say)}" for each in ranked[:_MEASURE_FIRST]]
         return [
             (Sentence("complaint"), say.name(diagnosis.complaint.label)),
             (Sentence("shows at"), "; ".join(say.condition(each.condition) for each in diagnosis.complained)),
@@ -196,9 +198,9 @@ class Sheets:
                 if column == 1:
                     page.text(line, 0, _ISSUED.get(name) or quantities[name].heading)
                 if name not in _ISSUED:
-                    page.put(line, column, Cell(quantities[name].kind, quantities[name].value, at(name)))
+                    page.put(line, column, LiveCell(quantities[name].kind, quantities[name].value, at(name)))
                 else:
-                    page.put(line, column, Cell("flow", issued.get(name)))
+                    page.put(line, column, LiveCell("flow", issued.get(name)))
         band = first + _TOTALS.index("band")
         self.book.colour_words(page.sheet, (band, 1), (band, len(live.conditions)), BANDS)
         flows = Sentence(
@@ -261,9 +263,9 @@ class Sheets:
             name,
             self.say.signed(step.land.verdict),
             land,
-            *(Cell("share", total.share * PERCENT if step.helps else None) for total in (at.before, at.after)),
+            *(LiveCell("share", total.share * PERCENT if step.helps else None) for total in (at.before, at.after)),
             self.say.level(at.after.band) if step.helps else None,
-            *(Cell("share", each.after.share * PERCENT) for each in step.conditions),
+            *(LiveCell("share", each.after.share * PERCENT) for each in step.conditions),
             self.say.condition(at.condition) if step.helps else no_help(step, self.say),
         ]
 
@@ -277,14 +279,14 @@ class Sheets:
         def share_value(number: int, row: MatrixRow) -> float:
             return row.cells[number].share
 
-        def share(at: SheetCondition, row: MatrixRow, _: Cells) -> str:
+        def share(at: SheetCondition, row: MatrixRow, _: LiveCells) -> str:
             return live.sheet.cell(live.row_of[row.land.key], ("share", at.prefix))
 
         def verdict(number: int, row: MatrixRow) -> str | None:
             judged = row.cells[number]
             return None if judged.rule is None or judged.verdict is None else say.signed(judged.verdict)
 
-        def verdict_formula(number: int, row: MatrixRow, _: Cells) -> str | None:
+        def verdict_formula(number: int, row: MatrixRow, _: LiveCells) -> str | None:
             rule = row.cells[number].rule
             return None if rule is None else live.rules.verdict(row.land, rule)
 

@@ -18,9 +18,9 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.report.tables.first_sentence import lands_part, total_part
-from atleak.report.xlsx.book import Book, formula, span
+from atleak.report.xlsx.book import ReportBook, cell_span, formula
 from atleak.report.xlsx.lands import LiveSheets
-from atleak.report.xlsx.live_sheet import NOTHING_DELIVERED, RANKED, Cell, ColumnKey, quote
+from atleak.report.xlsx.live_sheet import NOTHING_DELIVERED, RANKED, ColumnKey, LiveCell, quote
 from atleak.report.xlsx.summary_page import SummaryPage
 
 _PLACE = re.compile("\x01([^\x01]+)\x01")  # where a formula stands in a sentence
@@ -107,7 +107,7 @@ ALSO = 8  # rows for lands that are flagged since
 class FlaggedLands:
     """The flagged lands of one diagnosis."""
 
-    def __init__(self, book: Book, diagnosis: Diagnosis, live: LiveSheets, headline: Headline) -> None:
+    def __init__(self, book: ReportBook, diagnosis: Diagnosis, live: LiveSheets, headline: Headline) -> None:
         self.book, self.diagnosis, self.live, self.headline = book, diagnosis, live, headline
         shown = [at for at in live.conditions if any(at.projection is each for each in diagnosis.reported)]
         self._values: list[ColumnKey] = ["c_r", "c_m", "wear", *(("share", at.prefix) for at in shown)]
@@ -168,11 +168,11 @@ class FlaggedLands:
         values = {key: live.land_cell(flag, key) for key in self._values}
         origin = None if rule is None else self.book.say.get("origins", rule.origin)
         return [
-            Cell("plain", component, look=_BOLD),
+            LiveCell("plain", component, look=_BOLD),
             Name(self.diagnosis.controller.components[component]),
-            Cell("plain", self.book.say.signed(flag.verdict), live.sheet.cell(at, "verdict"), _BOLD),
+            LiveCell("plain", self.book.say.signed(flag.verdict), live.sheet.cell(at, "verdict"), _BOLD),
             number,
-            *(Cell(each.kind, each.value, live.sheet.cell(at, key)) for key, each in values.items()),
+            *(LiveCell(each.kind, each.value, live.sheet.cell(at, key)) for key, each in values.items()),
             None if rule is None else Sentence("{rule} ({origin})", rule=rule.label, origin=origin),
         ]
 
@@ -194,7 +194,7 @@ class FlaggedLands:
         """Write below their list how many more lands are flagged since than it has rows."""
         row, count = title + rows + 1, f'COUNTIF({self._column("also")},">0")'
         page.text(row, 0, Sentence("further lands flagged since, not listed here"), bold=True)
-        listed = span(title + 1, title + rows, 0)
+        listed = cell_span(title + 1, title + rows, 0)
         left = self.book.form("count", align="left")
         formula(page.sheet, row, 1, f"MAX({count}-ROWS({listed}),0)", 0, left)
 

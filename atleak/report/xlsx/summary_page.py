@@ -11,8 +11,8 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.report.sheets.paging import LINE_OF_A_BOOK, row_height
 from atleak.report.tables.section import Facts, Points, Section, Text
 from atleak.report.tables.table import Column, Table
-from atleak.report.xlsx.book import Book, formula
-from atleak.report.xlsx.live_sheet import Cell, write_cell
+from atleak.report.xlsx.book import ReportBook, formula
+from atleak.report.xlsx.live_sheet import LiveCell, write_cell
 
 _LABELS = 25, 42  # [characters] least and most width of the first column
 _NAMES, _VERDICTS, _OTHERS = 22, 15, 12  # width of the second, the third and any other
@@ -30,7 +30,7 @@ class SummaryPage:
         how many the widest of its tables has; a text that stands alone runs over all of them.
     """
 
-    def __init__(self, book: Book, sheet: Worksheet, columns: int) -> None:
+    def __init__(self, book: ReportBook, sheet: Worksheet, columns: int) -> None:
         self.book, self.sheet, self.last = book, sheet, columns - 1
         others = _NAMES, _VERDICTS, *[_OTHERS] * (columns - 3)
         least, most = _LABELS
@@ -47,10 +47,10 @@ class SummaryPage:
 
     def put(self, row: int, column: int, content: Any, last: int | None = None) -> None:
         """Write what a cell holds: words wrap, numbers grow smaller where words beside them need the room."""
-        known = content if isinstance(content, Cell) else Cell("plain", content)
+        known = content if isinstance(content, LiveCell) else LiveCell("plain", content)
         if not isinstance(known.value, str):
             look = {"align": "left", "shrink": True}
-            write_cell(self.book, self.sheet, row, column, Cell(known.kind, known.value, known.formula, look))
+            write_cell(self.book, self.sheet, row, column, LiveCell(known.kind, known.value, known.formula, look))
         elif known.formula is None:
             self.text(row, column, known.value, last, **known.look)
         else:
@@ -104,7 +104,7 @@ class SummaryPage:
             if not isinstance(value, float):
                 return column.text(item, content.say)
             places = column.places(content.say)
-            return Cell("#,##0" + ("." + "0" * places if places else ""), value)
+            return LiveCell("#,##0" + ("." + "0" * places if places else ""), value)
 
         rows = ([cell(column, item) for column in content.columns] for item in content.rows)
         return self.table(row, content.headings, rows)

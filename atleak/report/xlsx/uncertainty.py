@@ -29,7 +29,7 @@ from atleak.diagnosis.uncertainty.results import MOST_BUDGETS, BudgetLine, combi
 from atleak.diagnosis.uncertainty.sources import OF_A_DIAMETER, PARTS, SLOPES, LandSources, PooledRepeats, RepeatSpread
 from atleak.equations.statistics import normal_quantile, persistent_rounding_variance
 from atleak.report.xlsx import live_sheet as names
-from atleak.report.xlsx.book import Book, cell
+from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.live_sheet import (
     AFTER_A_NUMBER,
     AVERAGED,
@@ -37,19 +37,19 @@ from atleak.report.xlsx.live_sheet import (
     PER_KELVIN,
     TRUSTED_DEGREES,
     VISIBLE_STEP,
-    Cell,
-    Quantity,
+    LiveCell,
+    NamedQuantity,
     address,
-    of_part,
+    cells_of_part,
     quote,
     write_cell,
 )
-from atleak.report.xlsx.readings import PART_NAMES, ReadingCells
+from atleak.report.xlsx.readings import READ_PART_NAMES, ReadingCells
 
 if TYPE_CHECKING:
     from atleak.report.xlsx.lands import LiveSheets
 
-INSTRUMENTS = Sentence("Instruments")
+INSTRUMENTS_SHEET = Sentence("Instruments")
 INFINITE = "∞"  # degrees of freedom of what is no sample of readings
 _FIRST = 2  # column of the first part
 _STEPS = 10  # of Newton to the spread before rounding, and terms of the series
@@ -81,9 +81,9 @@ class InstrumentCells:
     def __init__(self, uncertainty: UnitUncertainty, readings: ReadingCells, say: Wording) -> None:
         self.uncertainty, self.readings, self.say = uncertainty, readings, say
 
-    def write(self, book: Book, sheet: Worksheet) -> None:
+    def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write a column for each part, every cell a name that budgets ask for."""
-        headings = (Sentence("quantity"), Sentence("unit"), *(PART_NAMES[part] for part in PARTS))
+        headings = (Sentence("quantity"), Sentence("unit"), *(READ_PART_NAMES[part] for part in PARTS))
         book.headings(sheet, 0, headings, lines=1)
         instruments = self.uncertainty.instruments
         book.put(sheet, 1, 0, Sentence("instrument"), book.bold)
@@ -94,7 +94,7 @@ class InstrumentCells:
             book.put(sheet, row, 0, rows[0].label, book.bold)
             book.put(sheet, row, 1, rows[0].unit)
             for column, (part, each) in enumerate(zip(PARTS, rows, strict=True), start=_FIRST):
-                each.write(book, sheet, row, column, of_part(part, each.name))
+                each.write(book, sheet, row, column, cells_of_part(part, each.name))
         last = 2 + len(columns[0])
         for row, note in enumerate((*(Name(each.source) for each in self._known()), *_NOTES), start=last + 1):
             book.put(sheet, row, 0, note)
@@ -107,13 +107,13 @@ class InstrumentCells:
         both = (self.uncertainty.instruments.of(part) for part in PARTS)
         return list({each.id: each for each in both}.values())
 
-    def _rows(self, part: Part) -> Iterable[Quantity]:
+    def _rows(self, part: Part) -> Iterable[NamedQuantity]:
         """Return what stands in a part's column: its instrument, then what its repeats show, each step a formula."""
         instruments, named = self.uncertainty.instruments, _Names(part)
         same = part == PARTS[1] and instruments.spool == instruments.sleeve  # then its numbers stand once
         known = instruments.of(part)
         for each in _of_instrument(known):
-            yield replace(each, formula=of_part(PARTS[0], each.name)) if same else each
+            yield replace(each, formula=cells_of_part(PARTS[0], each.name)) if same else each
         common, own = Sentence("u of the error that all its readings share"), Sentence("u of the calibration's rest")
         follow = (
             _row("common", common, known.common * UM, "{calibration}*SQRT({common_part})"),
@@ -122,7 +122,7 @@ class InstrumentCells:
         for each in (*follow, *self._of_repeats(part, self.uncertainty.repeats[part])):
             yield each if each.formula is None else replace(each, formula=each.formula.format_map(named))
 
-    def _of_repeats(self, part: Part, spread: RepeatSpread) -> Iterable[Quantity]:
+    def _of_repeats(self, part: Part, spread: RepeatSpread) -> Iterable[NamedQuantity]:
         """Return the steps from the repeats to the spread of one reading; formulas ask for others by ``{name}``."""
         found = _pooled(spread)
         squares, degrees = (self._summed(part, column) for column in ("squares", "degrees"))
@@ -136,7 +136,8 @@ class InstrumentCells:
         yield _row("step", Sentence("step in which the sheet is written, as issued"), found.step * UM)
         yield _row("q", Sentence("step q that counts, the coarser of both"), spread.resolution * UM,
                    "MAX({resolution},{step})")
-        yield Quantity("roundings", Sentence("roundings in one diameter"), "", "count", spread.roundings, fixed=True)
+        roundings = Sentence("roundings in one diameter")
+        yield NamedQuantity("roundings", roundings, "", "count", spread.roundings, fixed=True)
         yield _row("squares", Sentence("sum of squares of the repeats"), found.squares * _UM2, squares, "µm²")
         yield _row("degrees", Sentence("degrees of freedom of the repeats"), found.degrees_of_freedom, degrees,
                    "", "count")
@@ -163,11 +164,11 @@ class InstrumentCells:
     def _summed(self, part: Part, column: str) -> str:
         """Return the formula of the sum of a column of the readings over one part."""
         parts, values = self.readings.whole("part"), self.readings.whole(column)
-        return "0" if values is None else f"SUMIF({parts},{quote(self.say.sentence(PART_NAMES[part]))},{values})"
+        return "0" if values is None else f"SUMIF({parts},{quote(self.say.sentence(READ_PART_NAMES[part]))},{values})"
 
     # --- Newton's steps
 
-    def _newton(self, book: Book, sheet: Worksheet, row: int) -> None:
+    def _newton(self, book: ReportBook, sheet: Worksheet, row: int) -> None:
         """Write Newton's steps to the spread s₀ that gives the widened spread after rounding, for both parts."""
         book.put(sheet, row, 0, Sentence("Newton's steps to the spread before rounding"), book.bold)
         titles = [Sentence("s [µm]"), Sentence("excess of the variance [µm²]"), Sentence("slope [µm]")]
@@ -180,13 +181,13 @@ class InstrumentCells:
             book.put(sheet, first + number, 1, number + 1)
         for column, part in zip((_FIRST, _FIRST + 3), PARTS, strict=True):
             spread = self.uncertainty.repeats[part]
-            book.put(sheet, row, column, PART_NAMES[part], book.bold)
+            book.put(sheet, row, column, READ_PART_NAMES[part], book.bold)
             for at, step in enumerate(_newton(spread), start=first):
                 for offset, content in enumerate(self._step(part, step, at, column, first)):
                     write_cell(book, sheet, at, column + offset, content)
-            book.workbook.define_name(of_part(part, "newton"), f"={cell(first + _STEPS - 1, column, name)}")
+            book.workbook.define_name(cells_of_part(part, "newton"), f"={cell(first + _STEPS - 1, column, name)}")
 
-    def _step(self, part: Part, step: _Step, row: int, column: int, first: int) -> Iterable[Cell]:
+    def _step(self, part: Part, step: _Step, row: int, column: int, first: int) -> Iterable[LiveCell]:
         here, names = [address(row, column + offset) for offset in range(3)], _Names(part)
         before = [address(row - 1, column + offset) for offset in range(3)]
         spread = names["widened"] if row == first else f"MAX({before[0]}-{before[1]}/{before[2]},0)"
@@ -194,18 +195,18 @@ class InstrumentCells:
         persistent = _persistent(here[0], q, r)
         a = _a(here[0], q, r)
         slope = f"IF({a}<1/2,SQRT({r}/PI())*{q},2*{here[0]}*(1+2*SUMPRODUCT(EXP(-{a}*{_TERMS}^2))))"
-        yield Cell("nu", step.spread, spread)
-        yield Cell("scientific", step.excess, f"{here[0]}^2+{r}*{q}^2/12-{persistent}-{widened}^2")
-        yield Cell("nu", step.slope, slope)
+        yield LiveCell("nu", step.spread, spread)
+        yield LiveCell("scientific", step.excess, f"{here[0]}^2+{r}*{q}^2/12-{persistent}-{widened}^2")
+        yield LiveCell("nu", step.slope, slope)
 
 
 def _row(
     name: str, label: Sentence, value: float | str | None, text: str | None = None, unit: str = "µm", kind: str = "nu"
-) -> Quantity:
-    return Quantity(name, label, unit, kind, value, text)
+) -> NamedQuantity:
+    return NamedQuantity(name, label, unit, kind, value, text)
 
 
-def _of_instrument(known: Instrument) -> tuple[Quantity, ...]:
+def _of_instrument(known: Instrument) -> tuple[NamedQuantity, ...]:
     """Return what is known of an instrument, and what follows from it."""
     stated = None if known.repeatability is None else known.repeatability * UM
     # fmt: off
@@ -229,7 +230,7 @@ class _Names(dict[str, str]):
         self.part = part
 
     def __missing__(self, name: str) -> str:
-        return of_part(self.part, name)
+        return cells_of_part(self.part, name)
 
 
 def _a(s: str, q: str, roundings: str) -> str:
@@ -283,7 +284,7 @@ class BudgetCells:
         self.diagnosis, self.readings, self.of_land, self.say = live.diagnosis, live.readings, live.of_land, live.say
         self.flagged = [land for land in self.diagnosis.flagged if land.uncertainty and land.uncertainty.u_clearance]
 
-    def write(self, book: Book, sheet: Worksheet) -> None:
+    def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write a budget for every flagged land, the worst first."""
         for column, width in enumerate(_WIDTHS):
             sheet.set_column(column, column, width)
@@ -311,7 +312,7 @@ class _Budget:
 
     def __init__(
         self,
-        book: Book,
+        book: ReportBook,
         sheet: Worksheet,
         cells: BudgetCells,
         land: LandDiagnosis,
@@ -329,7 +330,7 @@ class _Budget:
         name = Name(self.cells.diagnosis.controller.components[component])
         book.put(sheet, row, 0, Sentence("{land} {name}", land=f"{component}/{number}", name=name), book.bold)
         book.put(sheet, row, _C, "c_r [µm]", book.form(align="right"))
-        clearance = Cell("um", self.land.state.radial_clearance * UM, self._of_land("c_r"), {"bold": True})
+        clearance = LiveCell("um", self.land.state.radial_clearance * UM, self._of_land("c_r"), {"bold": True})
         write_cell(book, sheet, row, _CU, clearance)
         book.headings(sheet, row + 1, [
             say("annex.source"), say("annex.distribution"), say("annex.degrees"), "u(x)", Sentence("unit"),
@@ -347,28 +348,32 @@ class _Budget:
 
     # --- the sources
 
-    def _line(self, line: BudgetLine, row: int, combined_cell: str) -> Iterable[Cell]:
+    def _line(self, line: BudgetLine, row: int, combined_cell: str) -> Iterable[LiveCell]:
         source, text, right = line.source, self._input(line), {"align": "right"}
         nu, u, c, contribution = (address(row, column) for column in (_NU, _U, _C, _CU))
         shape = self.say(f"annex.{source.shape}")
         kinds = [f"{shape}, {kind}" for kind in "AB"]
-        free: Cell
+        free: LiveCell
         if source.kind == "repeats" and source.part is not None:
             known = line.degrees_of_freedom if line.statistical else INFINITE
-            free = Cell("count", known, of_part(source.part, "nu"), right)
+            free = LiveCell("count", known, cells_of_part(source.part, "nu"), right)
             said = f"IF(ISNUMBER({nu}),{quote(kinds[0])},{quote(kinds[1])})"
         else:
-            free, said = Cell("plain", INFINITE, look=right), None
-        yield Cell("plain", self.say.get("uncertainty_sources", source.label))
-        yield Cell("plain", kinds[0 if line.statistical else 1], said)
+            free, said = LiveCell("plain", INFINITE, look=right), None
+        yield LiveCell("plain", self.say.get("uncertainty_sources", source.label))
+        yield LiveCell("plain", kinds[0 if line.statistical else 1], said)
         yield free
         warm = line.input_kind == "temperature"
-        yield Cell("nu", line.input_uncertainty * (1.0 if warm else UM), text)
-        yield Cell("plain", "K" if warm else "µm", look=AFTER_A_NUMBER)
-        yield Cell("nu", line.sensitivity * UM, self._of_temperature()) if warm else Cell("plain", self._slope(line))
-        yield Cell("nu", abs(line.contribution) * UM, f"ABS({c}*{u})")
+        yield LiveCell("nu", line.input_uncertainty * (1.0 if warm else UM), text)
+        yield LiveCell("plain", "K" if warm else "µm", look=AFTER_A_NUMBER)
+        yield (
+            LiveCell("nu", line.sensitivity * UM, self._of_temperature())
+            if warm
+            else LiveCell("plain", self._slope(line))
+        )
+        yield LiveCell("nu", abs(line.contribution) * UM, f"ABS({c}*{u})")
         share = f"IF({combined_cell}>0,({contribution}/{combined_cell})^2*100,0)"
-        yield Cell("percent", line.fraction * PERCENT, share)
+        yield LiveCell("percent", line.fraction * PERCENT, share)
 
     def _slope(self, line: BudgetLine) -> float:
         """Return the change of c_r = (D − d)/2 with what a source is about; none of an error that both parts share."""
@@ -383,13 +388,13 @@ class _Budget:
         source, part = line.source, line.source.part or PARTS[0]
         match source.kind:
             case "common calibration":
-                return of_part(part, "common")
+                return cells_of_part(part, "common")
             case "calibration":
-                return of_part(part, "own")
+                return cells_of_part(part, "own")
             case "resolution":
-                return f"SQRT({of_part(part, 'persistent')}*{self._beside[part, 'rounding']})"
+                return f"SQRT({cells_of_part(part, 'persistent')}*{self._beside[part, 'rounding']})"
             case "repeats":
-                return f"SQRT({of_part(part, 'averaged')}*{self._beside[part, 'repeats']})"
+                return f"SQRT({cells_of_part(part, 'averaged')}*{self._beside[part, 'repeats']})"
             case "form":
                 return self._form(part)
             case "measuring temperature":
@@ -417,7 +422,7 @@ class _Budget:
         """Return the formula of the change of c_r with the temperature of measuring [µm/K]."""
         signs: dict[Part, str] = {"sleeve": "", "spool": "-"}
         terms = [
-            f"{sign}({self._of_land(EXPANSIONS[part])}-{of_part(part, 'expansion')})*{self._of_land(part)}"
+            f"{sign}({self._of_land(EXPANSIONS[part])}-{cells_of_part(part, 'expansion')})*{self._of_land(part)}"
             for part, sign in signs.items()
             if part in self.sources.plans
         ]
@@ -429,7 +434,7 @@ class _Budget:
         """Write it beside the sources, a column for each part; return the last row."""
         book, sheet = self.book, self.sheet
         measured = [part for part in PARTS if part in self.sources.plans]
-        headings = [Sentence("what its readings give"), *(PART_NAMES[part] for part in measured)]
+        headings = [Sentence("what its readings give"), *(READ_PART_NAMES[part] for part in measured)]
         for column, name in enumerate(headings, start=_BESIDE):
             book.put(sheet, row, column, name, book.heading)
         below = row
@@ -440,33 +445,33 @@ class _Budget:
                 self._beside[part, key], below = address(at, column), at
         return below
 
-    def _of_part(self, part: Part) -> dict[str, tuple[Sentence, Cell]]:
+    def _of_part(self, part: Part) -> dict[str, tuple[Sentence, LiveCell]]:
         """Return what the readings of one part of the land give, each with its words."""
         sources, readings, key = self.sources, self.readings, self.land.key
         plan, places = sources.plans[part], readings.places_of(key, part)
         weight, means = readings.span("weight", places), readings.span("mean", places)
         of_one = readings.span("repeat_weight", places)
-        apart = f"(MAX({means})-MIN({means}))*1000>={of_part(part, 'q')}-{names.VISIBLE_STEP}"
+        apart = f"(MAX({means})-MIN({means}))*1000>={cells_of_part(part, 'q')}-{names.VISIBLE_STEP}"
         seen, state = self._seen(part), self.land.state
         taper = (state.spool_taper if part == "spool" else state.sleeve_taper) or 0.0
         shown = sources.spreads[part].ovality
         ovality = seen if seen is not None else shown if shown is not None else sources.assumptions.unseen_ovality
-        text = of_part(part, "ovality") if shown is not None else names.UNSEEN_OVALITY
+        text = cells_of_part(part, "ovality") if shown is not None else names.UNSEEN_OVALITY
         if seen is not None:
             text = readings.span(f"ovality_{part}", places[:1]).partition(":")[0]
         return {
             "repeats": (
                 Sentence("variance of its mean per variance of a reading"),
-                Cell("nu", plan.repeat_weight, f"SUMPRODUCT({weight},{weight},{of_one})"),
+                LiveCell("nu", plan.repeat_weight, f"SUMPRODUCT({weight},{weight},{of_one})"),
             ),
             "rounding": (
                 Sentence("the same of rounding; 1 where its places round alike"),
-                Cell("nu", plan.rounding_weight, f"IF({apart},SUMSQ({weight}),1)"),
+                LiveCell("nu", plan.rounding_weight, f"IF({apart},SUMSQ({weight}),1)"),
             ),
-            "ovality": (Sentence("ovality [µm]"), Cell("um", ovality * UM, text)),
-            "taper": (Sentence("taper [µm]"), Cell("um", taper * UM, readings.taper(key, part))),
-            "lobes": (Sentence("part of a two-lobe form that its directions leave"), Cell("nu", plan.two_lobe)),
-            "residual": (Sentence("the same of other forms, of two directions 1"), Cell("nu", plan.residual)),
+            "ovality": (Sentence("ovality [µm]"), LiveCell("um", ovality * UM, text)),
+            "taper": (Sentence("taper [µm]"), LiveCell("um", taper * UM, readings.taper(key, part))),
+            "lobes": (Sentence("part of a two-lobe form that its directions leave"), LiveCell("nu", plan.two_lobe)),
+            "residual": (Sentence("the same of other forms, of two directions 1"), LiveCell("nu", plan.residual)),
         }
 
     def _seen(self, part: Part) -> float | None:
@@ -489,7 +494,7 @@ class _Budget:
         degrees = f"IF({over_all}>0,{cells[0]}^4/({over_all}),{quote(INFINITE)})" if over else quote(INFINITE)
         known = INFINITE if math.isinf(nu) else nu
         bold = {"bold": True}
-        squares, factor = f"SQRT(SUMSQ({contributions}))", f"NORMSINV((1+{names.COVERAGE})/2)"
+        squares, factor = f"SQRT(SUMSQ({contributions}))", f"NORMSINV((1+{names.COVERAGE_NAME})/2)"
         whole: dict[Sentence, tuple[str, Any, str, dict[str, Any]]] = {
             Sentence("combined standard uncertainty u(c_r) [µm]"): ("nu", u * UM, squares, bold),
             Sentence("effective degrees of freedom (JCGM 100, G.4.1)"): ("degrees", known, degrees, {"align": "right"}),
@@ -498,4 +503,4 @@ class _Budget:
         }
         for at, (label, content) in enumerate(whole.items(), start=row):
             self.book.put(self.sheet, at, 0, label, self.book.bold)
-            write_cell(self.book, self.sheet, at, _CU, Cell(*content))
+            write_cell(self.book, self.sheet, at, _CU, LiveCell(*content))

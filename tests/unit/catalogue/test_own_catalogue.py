@@ -12,7 +12,7 @@ from atleak.catalogue.controller_file import controllers, load_controller
 from atleak.catalogue.entries import (
     KINDS,
     catalogue_files,
-    listed,
+    listed_entries,
     own_files,
     own_folder,
     remove_own,
@@ -23,7 +23,7 @@ from atleak.catalogue.entries import (
 )
 from atleak.catalogue.fluid import load_fluid
 from atleak.common.errors import CatalogueError, OutputError
-from atleak.common.files import made
+from atleak.common.files import made_folder
 from atleak.job.case import Case
 from atleak.job.zip_file import read_job_file, write_job_file
 
@@ -39,7 +39,7 @@ def put(own_home: Path) -> Put:
         for old, new in changes:
             assert old in text
             text = text.replace(old, new, 1)
-        path = made(own_folder(kind)) / file
+        path = made_folder(own_folder(kind)) / file
         path.write_text(text, encoding="utf-8")
         return path
 
@@ -67,7 +67,7 @@ def test_a_broken_own_file_is_named_and_the_others_work(put: Put) -> None:
     put("controllers", "minimal_example", "my_box.toml", OWN_ID)
     put("controllers", "minimal_example", "torn.toml", ("[pump]", "[pump"))
     put("controllers", "minimal_example", "nameless.toml", ('id = "minimal_example"', 'id = "other"'))
-    found = listed("controllers", load_controller)
+    found = listed_entries("controllers", load_controller)
     assert set(found.entries) == {*shipped_files("controllers"), "my_box"}
     named, torn = sorted(found.faults, key=lambda fault: fault.place.file or "")
     assert (named.place.file, named.place.key, named.value) == ("nameless.toml", "id", "other")
@@ -79,7 +79,7 @@ def test_a_broken_own_file_is_named_and_the_others_work(put: Put) -> None:
 def test_an_own_entry_does_not_take_a_shipped_ones_id(put: Put) -> None:
     put("controllers", "minimal_example", "minimal_example.toml", ("volumetric", "volumetrik"))
     assert not load_controller("minimal_example").origin.own
-    (fault,) = listed("controllers", load_controller).faults
+    (fault,) = listed_entries("controllers", load_controller).faults
     assert str(fault) == (
         "minimal_example.toml, key 'id': has the id of an entry that ships with atleak and is left aside "
         "(found 'minimal_example'); expected an id of its own, and a file named as it"

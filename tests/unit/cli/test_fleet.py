@@ -20,7 +20,7 @@ from atleak.fleet import run as fleet_run
 from atleak.fleet.folder import known_folders
 from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress
-from atleak.fleet.worker import evaluate
+from atleak.fleet.worker import evaluate_unit
 from atleak.job.case import Case
 from atleak.job.parts import job_parts
 from atleak.job.zip_file import write_job_file
@@ -49,7 +49,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     ) -> Finished:
         asked.update(options, units=len(units))
         known = results.done() - (results.failed() if options["retry_errors"] else set())
-        rows = [evaluate(unit) for unit in units if unit.input_sha256 not in known]
+        rows = [evaluate_unit(unit) for unit in units if unit.input_sha256 not in known]
         results.add(rows)
         progress(Progress(done=len(rows), errors=1, before=0, of=len(units), seconds=2.0, workers=1))
         verdicts = Counter(str(each.verdict) for each in rows if each.verdict is not None)

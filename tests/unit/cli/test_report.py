@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from atleak.cli.shared import job_files
+from atleak.cli.shared import named_job_files
 from atleak.common.errors import InputError
 
 Run = Callable[..., tuple[int, str, str]]
@@ -64,10 +64,10 @@ def test_a_pattern_names_job_files_alone(tmp_path: Path) -> None:
     (tmp_path / "folder.zip").mkdir()
     for name in ("one.zip", "two.ZIP", "notes.txt"):
         (tmp_path / name).write_text("", encoding="utf-8")
-    assert [path.name for path in job_files([str(tmp_path / "*")])] == ["one.zip", "two.ZIP"]
+    assert [path.name for path in named_job_files([str(tmp_path / "*")])] == ["one.zip", "two.ZIP"]
     for name in ("f*", "n*.txt", "missing*.zip"):
         with pytest.raises(InputError, match="no job file is there"):
-            job_files([str(tmp_path / "one.zip"), str(tmp_path / name)])
+            named_job_files([str(tmp_path / "one.zip"), str(tmp_path / name)])
 
 
 def test_unknown_report_format_is_refused(run: Run, tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from atleak.common.files import draft_text, drafts, forget_draft, keep_draft, made, new_token
+from atleak.common.files import draft_text, drafts, forget_draft, keep_draft, made_folder, new_token
 
 
 def test_a_draft_is_kept_replaced_and_forgotten(own_home: Path) -> None:
@@ -66,6 +66,6 @@ def test_a_draft_that_another_page_deletes_meanwhile_is_no_error(
 
 
 def test_forgetting_a_draft_where_there_is_no_folder_of_drafts_is_no_error(own_home: Path) -> None:
-    (made(own_home) / "drafts").write_text("a file", encoding="utf-8")
+    (made_folder(own_home) / "drafts").write_text("a file", encoding="utf-8")
     forget_draft(new_token())
     assert (own_home / "drafts").read_text(encoding="utf-8") == "a file"

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from atleak.common.errors import OutputError
-from atleak.common.files import home, made
+from atleak.common.files import home, made_folder
 from atleak.readers.logs import default_path, recall, remember
 
 
@@ -19,7 +19,7 @@ def settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         monkeypatch.setenv(name, str(folder))
     monkeypatch.setattr("platformdirs.user_data_path", lambda name, appauthor: tmp_path / "data" / name)
     monkeypatch.delenv("ATLEAK_HOME")
-    remember(made(folder / "atleak") / "road-test-columns.json", "logger", {"gear": "G"}, {})
+    remember(made_folder(folder / "atleak") / "road-test-columns.json", "logger", {"gear": "G"}, {})
     return folder / "atleak" / "road-test-columns.json"
 
 
@@ -60,5 +60,5 @@ def test_a_folder_that_is_named_holds_everything(
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(OutputError, match="ATLEAK_HOME") as caught:
-        made(tmp_path / "file" / "catalogue")
+        made_folder(tmp_path / "file" / "catalogue")
     assert caught.value.place.file == str(tmp_path / "file" / "catalogue")

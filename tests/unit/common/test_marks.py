@@ -15,7 +15,7 @@ import pytest
 from atleak import cli
 from atleak.catalogue.controller import Controller
 from atleak.common.errors import OutputError
-from atleak.common.seals import Kind, check_targets
+from atleak.common.seals import SealedKind, check_seals
 from atleak.job import case  # noqa: F401  # it takes `diagnose` by name, so before that is replaced here
 from atleak.report.sheets.measuring_sheet import write_readings, write_template
 
@@ -197,20 +197,20 @@ def packed(entries: dict[str, bytes]) -> bytes:
     ],
     ids=lambda value: value if isinstance(value, str) else f"{len(value)} bytes",
 )
-def test_files_that_only_look_like_atleak_s_are_left(tmp_path: Path, kind: Kind, content: bytes) -> None:
+def test_files_that_only_look_like_atleak_s_are_left(tmp_path: Path, kind: SealedKind, content: bytes) -> None:
     target = tmp_path / "target"
     target.write_bytes(content)
     with pytest.raises(OutputError, match="--force"):
-        check_targets([], [(kind, str(target))])
+        check_seals([], [(kind, str(target))])
 
 
 def test_what_is_no_file_with_content_is_no_obstacle(tmp_path: Path) -> None:
     (tmp_path / "empty.json").touch()
-    check_targets([], [("record", str(tmp_path / name)) for name in ("empty.json", "none.json")])
-    check_targets([], [("record", "-")])
+    check_seals([], [("record", str(tmp_path / name)) for name in ("empty.json", "none.json")])
+    check_seals([], [("record", "-")])
     for place in (tmp_path / "empty.json", Path("-")):
         with pytest.raises(OutputError, match="another file of this command"):
-            check_targets([], [("record", str(place)), ("table", str(place))], force=True)
+            check_seals([], [("record", str(place)), ("table", str(place))], force=True)
 
 
 def test_a_huge_foreign_file_is_not_read_whole(tmp_path: Path) -> None:
@@ -220,7 +220,7 @@ def test_a_huge_foreign_file_is_not_read_whole(tmp_path: Path) -> None:
             stream.write(start)
             stream.truncate(1 << 40)  # a hole: takes no room
         with pytest.raises(OutputError, match="--force"):
-            check_targets([], [("job file", str(target))])
+            check_seals([], [("job file", str(target))])
 
 
 def test_a_listing_names_the_atleak_that_wrote_it(run: Run) -> None:

@@ -24,7 +24,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project
 from atleak.job.case import Case, SourceFile
-from atleak.measurements.gauge_readings import LINE, Cell, Engine, GaugeReading, PressureTable
+from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, GaugeReading, PressureTable
 from atleak.measurements.readings import clearances
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.sheets.measuring_sheet import read_readings
@@ -73,8 +73,8 @@ def judged(hipol: Fluid, limits: Limits) -> Callable[..., Diagnosis]:
     return judge
 
 
-def at(selected: str, engine: Engine, kpa: float, tap: str = LINE, **more) -> GaugeReading:
-    return GaugeReading(Cell(selected, engine, tap), kpa * 1e3, **more)
+def at(selected: str, engine: Engine, kpa: float, tap: str = LINE_TAP, **more) -> GaugeReading:
+    return GaugeReading(GaugeCell(selected, engine, tap), kpa * 1e3, **more)
 
 
 def checked(diagnosis: Diagnosis) -> Sequence[CheckedReading]:
@@ -222,7 +222,7 @@ def standing(name: str, tap_by: float, line_by: float = 0.0, **more) -> tuple[Co
 @pytest.mark.parametrize(("tap_by", "line_by"), [(0.0, 0.0), (-35.0, 35.0), (30.0, -30.0)])
 def test_what_gauges_err_by_is_no_fault(judged, name: str, tap_by: float, line_by: float) -> None:
     unit, readings = standing(name, tap_by, line_by)  # up to 70 kPa below the line, by two gauges within their 2 %
-    of_circuit = [each for each in checked(judged(unit, *readings)) if each.cell.tap != LINE]
+    of_circuit = [each for each in checked(judged(unit, *readings)) if each.cell.tap != LINE_TAP]
     assert [each.verdict for each in of_circuit] == ["ok", "ok"]
     assert all(each.over_limit < 0.5 and each.loss_interval[0] <= each.loss for each in of_circuit)
 
@@ -231,7 +231,7 @@ def test_what_gauges_err_by_is_no_fault(judged, name: str, tap_by: float, line_b
 def test_a_circuit_that_lost_its_pressure_is_found_with_what_may_leak(judged, name: str) -> None:
     unit, readings = standing(name, -250.0)
     diagnosis = judged(unit, *readings)
-    worst = next(each for each in checked(diagnosis) if each.cell == Cell("D", STALL, STANDING[name]))
+    worst = next(each for each in checked(diagnosis) if each.cell == GaugeCell("D", STALL, STANDING[name]))
     assert worst.verdict == Verdict.REPLACE
     assert worst.deciding.decision == "fail"
     low, high = worst.loss_interval
@@ -491,7 +491,7 @@ def test_a_line_and_a_tap_that_hangs_on_it_are_low_by_the_line(judged) -> None:
     rows = (("D", SLOW, 300.0), ("D", SLOW, 298.0, "clutch_a"), ("D", STALL, 800.0), ("D", STALL, 797.0, "clutch_a"))
     diagnosis = judged(load_controller("zf_6hp26"), *(at(*row) for row in rows))
     assert [(each.cell.tap, each.verdict) for each in checked(diagnosis)] == [
-        (LINE, "replace"), (LINE, "replace"), ("clutch_a", "ok"), ("clutch_a", "ok"),
+        (LINE_TAP, "replace"), (LINE_TAP, "replace"), ("clutch_a", "ok"), ("clutch_a", "ok"),
     ]  # fmt: skip
     assert diagnosis.decided_by.circuit is None
     assert "operating_point" in diagnosis.provisional
@@ -507,8 +507,8 @@ def test_of_a_line_that_fell_while_it_was_read_each_reading_is_judged(judged) ->
     ("taps", "said"),
     [
         ({"clutch_a": 1550.0}, "by the circuit pressures of gauges alone"),
-        ({"clutch_a": 1550.0, LINE: 1553.0}, "by the main and circuit pressures of gauges alone"),
-        ({LINE: 1553.0}, "by the main pressure of gauges alone"),
+        ({"clutch_a": 1550.0, LINE_TAP: 1553.0}, "by the main and circuit pressures of gauges alone"),
+        ({LINE_TAP: 1553.0}, "by the main pressure of gauges alone"),
     ],
 )
 def test_a_terminal_names_what_gauges_judged(judged, capsys, taps, said: str) -> None:

@@ -8,24 +8,24 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atleak.diagnosis.gauge_patterns import Standing, find_patterns
-from atleak.measurements.gauge_readings import Cell, Engine
+from atleak.diagnosis.gauge_patterns import GaugeStanding, find_patterns
+from atleak.measurements.gauge_readings import Engine, GaugeCell
 
 SLOW, FAST, STALL = Engine.SLOW_IDLE, Engine.FAST_IDLE, Engine.STALL
 WORDS = {"l": "low", "n": "normal", "h": "high"}
 
 
-def table(**states: str) -> list[Standing]:
+def table(**states: str) -> list[GaugeStanding]:
     """Return readings at the line: ``slow="Rl Dn"`` is reverse low and drive normal at slow idle."""
     engines = {"slow": SLOW, "fast": FAST, "stall": STALL}
     return [
-        Standing(Cell(each[0], engines[name]), 400e3, stands=WORDS[each[1]])
+        GaugeStanding(GaugeCell(each[0], engines[name]), 400e3, stands=WORDS[each[1]])
         for name, written in states.items()
         for each in written.split()
     ]
 
 
-def kinds(readings: list[Standing], applied: Mapping | None = None) -> list[str]:
+def kinds(readings: list[GaugeStanding], applied: Mapping | None = None) -> list[str]:
     return [each.kind for each in find_patterns(readings, applied)]
 
 
@@ -74,12 +74,12 @@ def test_one_range_low_names_the_circuits_that_are_applied_there_alone() -> None
     }
     (pattern,) = find_patterns(table(slow="Rl Dn 1n"), applied)
     assert (pattern.ranges, pattern.others, pattern.circuits) == (("R",), ("D", "1"), ("reverse_clutch",))
-    assert pattern.cells == (Cell("R", SLOW),)
+    assert pattern.cells == (GaugeCell("R", SLOW),)
 
 
-def falling(*pressures: float, uncertainty: float = 8e3, start: int = 1) -> list[Standing]:
-    cell = Cell("D", SLOW)
-    return [Standing(cell, each * 1e3, number, uncertainty) for number, each in enumerate(pressures, start=start)]
+def falling(*pressures: float, uncertainty: float = 8e3, start: int = 1) -> list[GaugeStanding]:
+    cell = GaugeCell("D", SLOW)
+    return [GaugeStanding(cell, each * 1e3, number, uncertainty) for number, each in enumerate(pressures, start=start)]
 
 
 @pytest.mark.parametrize("pressures", [(400.0, 390.0, 380.0), (400.0, 399.0, 398.0, 350.0)])
@@ -107,19 +107,22 @@ def test_the_order_of_the_readings_counts_not_of_their_rows() -> None:
 
 
 def test_a_circuit_that_lost_pressure_is_said_with_its_worst_cell() -> None:
-    def tap(engine: Engine, loss: float | None, cause: str = "seal") -> Standing:
-        return Standing(Cell("D", engine, "clutch_c1"), 300e3, loss=loss, causes={(cause, "clutch_c1"): 1.0})
+    def tap(engine: Engine, loss: float | None, cause: str = "seal") -> GaugeStanding:
+        return GaugeStanding(GaugeCell("D", engine, "clutch_c1"), 300e3, loss=loss, causes={(cause, "clutch_c1"): 1.0})
 
     assert find_patterns([tap(SLOW, None), tap(STALL, None)]) == ()
     (pattern,) = find_patterns([tap(SLOW, 104e3), tap(FAST, 180e3, "hole"), tap(STALL, None)])
     assert (pattern.kind, pattern.circuits, pattern.amount) == ("circuit_loss", ("clutch_c1",), 180e3)
-    assert pattern.worst == Cell("D", FAST, "clutch_c1")
-    assert pattern.cells == (Cell("D", SLOW, "clutch_c1"), Cell("D", FAST, "clutch_c1"))
+    assert pattern.worst == GaugeCell("D", FAST, "clutch_c1")
+    assert pattern.cells == (GaugeCell("D", SLOW, "clutch_c1"), GaugeCell("D", FAST, "clutch_c1"))
     assert pattern.causes == {("hole", "clutch_c1"): 1.0}
 
 
 def test_of_several_readings_of_a_cell_the_last_stands() -> None:
-    early = [Standing(Cell("R", SLOW), 400e3, 1, stands="low"), Standing(Cell("R", SLOW), 500e3, 2, stands="normal")]
+    early = [
+        GaugeStanding(GaugeCell("R", SLOW), 400e3, 1, stands="low"),
+        GaugeStanding(GaugeCell("R", SLOW), 500e3, 2, stands="normal"),
+    ]
     assert kinds([*early, *table(slow="Dn 2n Nn")]) == []
 
 
@@ -127,8 +130,8 @@ def test_of_several_readings_of_a_cell_the_last_stands() -> None:
 @given(
     st.lists(
         st.builds(
-            Standing,
-            st.builds(Cell, st.sampled_from("PRND321"), st.sampled_from(list(Engine))),
+            GaugeStanding,
+            st.builds(GaugeCell, st.sampled_from("PRND321"), st.sampled_from(list(Engine))),
             st.floats(0.0, 2e6),
             st.integers(1, 4),
             st.just(8e3),
@@ -138,7 +141,7 @@ def test_of_several_readings_of_a_cell_the_last_stands() -> None:
         unique_by=lambda each: (each.cell, each.repeat),
     )
 )
-def test_patterns_of_any_table_agree_with_it(readings: list[Standing]) -> None:
+def test_patterns_of_any_table_agree_with_it(readings: list[GaugeStanding]) -> None:
     found = {pattern.kind: pattern for pattern in find_patterns(readings)}
     last = {each.cell: each.stands for each in sorted(readings, key=lambda each: each.repeat) if each.stands}
     assert len({"low_at_slow_idle", "one_range_low", "all_low", "all_high"} & set(found)) <= 1

@@ -16,7 +16,7 @@ from atleak.catalogue.limits import Limits, RuleKind
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.diagnosis import Diagnosis, diagnose
-from atleak.diagnosis.provisional import Basis
+from atleak.diagnosis.provisional import AssumedBasis
 from atleak.measurements.readings import Readings
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.tables.sentences import caveat_marks, caveats
@@ -71,21 +71,25 @@ def test_what_rests_on_readings_and_publications_alone_is_not_provisional(
 @pytest.mark.parametrize(
     ("change", "basis"),
     [
-        (lambda tables: tables["pump"].update(representative=["displacement_mm3"]), Basis.PUMP),
-        (lambda tables: tables["gaps"][2].update(evidence="representative"), Basis.GAPS),
-        (lambda tables: tables["operating_points"][1].update(evidence="representative"), Basis.OPERATING_POINT),
-        (lambda tables: tables["materials"]["steel"].update(evidence="representative"), Basis.MATERIALS),
+        (lambda tables: tables["pump"].update(representative=["displacement_mm3"]), AssumedBasis.PUMP),
+        (lambda tables: tables["gaps"][2].update(evidence="representative"), AssumedBasis.GAPS),
+        (lambda tables: tables["operating_points"][1].update(evidence="representative"), AssumedBasis.OPERATING_POINT),
+        (lambda tables: tables["materials"]["steel"].update(evidence="representative"), AssumedBasis.MATERIALS),
         (
             lambda tables: (
                 tables["defaults"].update(published=["nominal_diameter_mm", "mounting_clearance_um"]),
                 tables.update(representative_values=["contact_length_mm"]),
             ),
-            Basis.CONTACT_LENGTH,
+            AssumedBasis.CONTACT_LENGTH,
         ),
     ],
 )
 def test_a_unit_within_its_limits_rests_on_every_value(
-    change: Callable[[dict[str, Any]], None], basis: Basis, data_sheet_fluid: Fluid, limits: Limits, readings_of: Build
+    change: Callable[[dict[str, Any]], None],
+    basis: AssumedBasis,
+    data_sheet_fluid: Fluid,
+    limits: Limits,
+    readings_of: Build,
 ) -> None:
     tables = described("published")
     change(tables)
@@ -101,7 +105,10 @@ def test_a_worn_land_rests_on_its_mounting_clearance_alone(
 ) -> None:
     five = load_controller("five_speed_2005")  # its mounting clearances are published, most else is representative
     worn = with_clearances(five, 12 * UM, readings_of)
-    assert set(diagnose(five, data_sheet_fluid, limits, readings=worn).provisional) >= {Basis.GAPS, Basis.PUMP}
+    assert set(diagnose(five, data_sheet_fluid, limits, readings=worn).provisional) >= {
+        AssumedBasis.GAPS,
+        AssumedBasis.PUMP,
+    }
     land = five.lands[0]
     diameters = {each.key: (each.nominal_diameter, each.nominal_diameter + 24 * UM) for each in five.lands}
     diameters[land.key] = (land.nominal_diameter, land.nominal_diameter + 80 * UM)
@@ -114,16 +121,16 @@ def test_a_worn_land_rests_on_its_mounting_clearance_alone(
 @pytest.mark.parametrize(
     ("measured", "representative", "bases"),
     [
-        ("spool", "nominal_diameter_mm", (Basis.NOMINAL_DIAMETER,)),
-        ("spool", "mounting_clearance_um", (Basis.MOUNTING_CLEARANCE,)),
-        ("sleeve", "nominal_diameter_mm", (Basis.NOMINAL_DIAMETER,)),
+        ("spool", "nominal_diameter_mm", (AssumedBasis.NOMINAL_DIAMETER,)),
+        ("spool", "mounting_clearance_um", (AssumedBasis.MOUNTING_CLEARANCE,)),
+        ("sleeve", "nominal_diameter_mm", (AssumedBasis.NOMINAL_DIAMETER,)),
         ("both", "nominal_diameter_mm", ()),
     ],
 )
 def test_a_land_of_which_one_part_was_measured_rests_on_what_stands_for_the_other(
     measured: str,
     representative: str,
-    bases: tuple[Basis, ...],
+    bases: tuple[AssumedBasis, ...],
     data_sheet_fluid: Fluid,
     limits: Limits,
     readings_of: Build,
@@ -146,14 +153,14 @@ def test_a_land_of_which_one_part_was_measured_rests_on_what_stands_for_the_othe
     ("representative", "slip", "bases"),
     [
         ("volumetric_efficiency", 4e-8, ()),
-        ("volumetric_efficiency", None, (Basis.PUMP,)),
-        ("slip_coefficient", 4e-8, (Basis.PUMP,)),
+        ("volumetric_efficiency", None, (AssumedBasis.PUMP,)),
+        ("slip_coefficient", 4e-8, (AssumedBasis.PUMP,)),
     ],
 )
 def test_a_verdict_rests_on_the_efficiency_of_a_pump_only_where_no_slip_is_known(
     representative: str,
     slip: float | None,
-    bases: tuple[Basis, ...],
+    bases: tuple[AssumedBasis, ...],
     data_sheet_fluid: Fluid,
     limits: Limits,
     readings_of: Build,
@@ -187,9 +194,9 @@ def test_a_unit_whose_gaps_are_not_described_is_an_upper_bound(
 def test_every_basis_has_its_words_in_every_language(sample_diagnoses: dict[str, Diagnosis]) -> None:
     for language in languages():
         say = wording(language)
-        assert all(say.get("bases", basis) != basis for basis in Basis)
+        assert all(say.get("bases", basis) != basis for basis in AssumedBasis)
         (sentence,) = caveats(sample_diagnoses["workshop"], say)
-        assert say.get("bases", Basis.MOUNTING_CLEARANCE) in sentence
+        assert say.get("bases", AssumedBasis.MOUNTING_CLEARANCE) in sentence
 
 
 def test_what_values_are_known_from_is_counted_by_kind(four_speed: Controller) -> None:

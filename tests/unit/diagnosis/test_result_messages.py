@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from atleak.analysis.history.series import Visit, in_order
+from atleak.analysis.history.series import Visit, visits_in_order
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import RuleKind
@@ -22,7 +22,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.road_leakage import evaluate_road_test
 from atleak.equations._domain import positive
-from atleak.measurements.gauge_readings import Cell, Engine
+from atleak.measurements.gauge_readings import Engine, GaugeCell
 from atleak.measurements.readings import clearances
 from atleak.measurements.road_test import RoadTest
 from atleak.report.tables.sentences import rule_name
@@ -50,7 +50,7 @@ def test_what_is_assumed_for_a_log_is_said_with_the_condition_and_in_the_reader_
 
 def test_a_mileage_that_falls_is_said_in_the_reader_s_distances() -> None:
     visits = [Visit(dt.date(2026, month, 4), km, "own", ()) for month, km in ((3, 120_000.0), (5, 20_000.0))]
-    (message,) = in_order(visits).messages
+    (message,) = visits_in_order(visits).messages
     assert message.text.startswith(
         "The mileage falls from 120\u00a0000 km on 2026-03-04 to 20\u00a0000 km on 2026-05-04:"
     )
@@ -66,7 +66,7 @@ def test_a_number_outside_an_equation_s_domain_is_said_in_the_reader_s_language(
 
 
 def test_where_a_gauge_or_a_log_showed_a_value_is_said_in_the_reader_s_language(sample: Diagnosis) -> None:
-    where = Sentence("{range}, {engine}", range="D", engine=Cell("D", Engine.FAST_IDLE).engine.label)
+    where = Sentence("{range}, {engine}", range="D", engine=GaugeCell("D", Engine.FAST_IDLE).engine.label)
     steps = sample.pressure_rules[0].steps if sample.pressure_rules else sample.total_rules[0].steps
     rule = Rule(RuleKind.PERMISSIBLE_PRESSURE, None, 0.1, steps, where=where)
     assert rule.label == "main pressure below the permissible, D, fast idle"

@@ -17,7 +17,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.network import Network
-from atleak.engine.restrictions import Branch, Gap, Orifice
+from atleak.engine.restrictions import Branch, GapBranch, Orifice
 
 VISCOSITY, DENSITY = 6.2e-6, 797.0  # [m²/s, kg/m³]
 DRAIN = Pressure(0.0, None)
@@ -27,11 +27,11 @@ def line(sections: str | Pressure) -> Pressure:
     return sections if isinstance(sections, Pressure) else Pressure(1.0, sections)
 
 
-def gap(high: str | Pressure, low: str | Pressure, conductance: Any, bend: Any = 0.0) -> Branch[Gap]:
+def gap(high: str | Pressure, low: str | Pressure, conductance: Any, bend: Any = 0.0) -> Branch[GapBranch]:
     """A gap as a controller's file would give it: into the sump unless it ends in a whole section."""
     low = line(low)
     into = low.section if low.is_section else None
-    return Branch(line(high), low, Gap(conductance, bend), into, into is None)
+    return Branch(line(high), low, GapBranch(conductance, bend), into, into is None)
 
 
 def hole(high: str | Pressure, low: str | Pressure, flow: float, drop: float) -> Branch[Orifice]:
@@ -55,7 +55,7 @@ class Builder:
     controller: Controller
     point: OperatingPoint
     circuits: list[Circuit] = field(default_factory=list)
-    branches: list[Branch[Gap]] = field(default_factory=list)
+    branches: list[Branch[GapBranch]] = field(default_factory=list)
     leaks: list[Branch[Any]] = field(default_factory=list)
     feeds: list[Branch[Orifice]] = field(default_factory=list)
 
@@ -153,7 +153,7 @@ class Referee:
         self.vented = [name for name in self.circuits if name not in self.live]
         self.top = max(*sections.values(), 0.0)
 
-    def through(self, restriction: Gap | Orifice, drop: float) -> float:
+    def through(self, restriction: GapBranch | Orifice, drop: float) -> float:
         size = abs(drop)
         if isinstance(restriction, Orifice):
             flow = restriction.coefficient * size / (size**2 + restriction.transition**2) ** 0.25

@@ -24,7 +24,7 @@ from atleak.engine.balance import BALANCED, Balance
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.network import Network
 from atleak.engine.profile import PAPER, WORKSHOP
-from atleak.engine.restrictions import Gap
+from atleak.engine.restrictions import GapBranch
 from atleak.equations import gap as gap_equations
 from atleak.equations import orifice as orifice_equations
 from atleak.measurements.readings import clearances
@@ -61,7 +61,7 @@ def drawn(controller: Controller, seed: int) -> tuple[Any, dict[str, float]]:
 def scaled(network: Network, factors: dict[str, Any]) -> Network:
     """The network with the gaps from some circuits to the sump wider or narrower."""
     lands = tuple(
-        replace(branch, restriction=Gap(branch.restriction.conductance * factor, branch.restriction.bend))
+        replace(branch, restriction=GapBranch(branch.restriction.conductance * factor, branch.restriction.bend))
         for branch in network.lands
         for factor in [factors.get(branch.high.section or "", 1.0) if branch.into_sump else 1.0]
     )

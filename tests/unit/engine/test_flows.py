@@ -13,17 +13,17 @@ from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.diagnosis.diagnosis import Diagnosis, diagnose
-from atleak.engine.flows import ENDS, SOURCES, Flows, Kind, Place, flows_at
+from atleak.engine.flows import ENDS, SOURCES, FlowKind, FlowPlace, Flows, flows_at
 from atleak.engine.profile import PAPER
 from atleak.engine.projection import Projection, project
 from atleak.measurements.readings import Readings
 from tests.unit.conftest import with_clearances
 
 Build = Callable[..., Readings]
-LINE = Place(Kind.SECTION, "p_g")
+LINE = FlowPlace(FlowKind.SECTION, "p_g")
 
 
-def places(flows: Flows) -> set[Place]:
+def places(flows: Flows) -> set[FlowPlace]:
     return {place for each in flows.flows for place in (each.source, each.target)}
 
 
@@ -57,9 +57,9 @@ def test_what_ends_in_the_sump_is_what_is_drawn_from_the_pump(unit: Diagnosis) -
     held = [each for each in conditions(unit) if not each[0].pressure_falls]  # else less is drawn than demanded
     assert len(held) >= 0.5 * len(unit.projections)
     for projection, flows in held:
-        assert flows.into(Place(Kind.SUMP)) == pytest.approx(projection.leakage, rel=1e-7, abs=0.0)
-        assert flows.into(Place(Kind.SLIP)) == pytest.approx(projection.slip, rel=1e-7, abs=0.0)
-        consumed = sum(flows.into(place) for place in places(flows) if place.kind is Kind.CONSUMER)
+        assert flows.into(FlowPlace(FlowKind.SUMP)) == pytest.approx(projection.leakage, rel=1e-7, abs=0.0)
+        assert flows.into(FlowPlace(FlowKind.SLIP)) == pytest.approx(projection.slip, rel=1e-7, abs=0.0)
+        consumed = sum(flows.into(place) for place in places(flows) if place.kind is FlowKind.CONSUMER)
         assert consumed == pytest.approx(projection.consumers, rel=1e-9, abs=0.0)
         for land in unit.lands:
             through = sum(flows.into(place) for place in places(flows) if (place.name, place.land) == land.key)
@@ -71,9 +71,13 @@ def test_what_ends_in_the_sump_is_what_is_drawn_from_the_pump(unit: Diagnosis) -
 def test_circuits_take_through_their_feeds_what_they_are_said_to_take(unit: Diagnosis) -> None:
     for projection, flows in conditions(unit):
         for state in projection.circuits:
-            place = Place(Kind.SECTION, state.circuit.id)
-            fed = sum(each.flow for each in flows.flows if each.target == place and each.source.kind is Kind.SECTION)
-            back = sum(each.flow for each in flows.flows if each.source == place and each.target.kind is Kind.SECTION)
+            place = FlowPlace(FlowKind.SECTION, state.circuit.id)
+            fed = sum(
+                each.flow for each in flows.flows if each.target == place and each.source.kind is FlowKind.SECTION
+            )
+            back = sum(
+                each.flow for each in flows.flows if each.source == place and each.target.kind is FlowKind.SECTION
+            )
             fed_others = sum(
                 feed.source == state.circuit.id for other in projection.circuits for feed in other.circuit.feeds
             )
@@ -91,10 +95,10 @@ def test_consumers_behind_the_line_starve_before_the_line_falls(
     for speed, cooler_starves, lubrication_starves in ((11.0, False, False), (2.5, True, False), (0.2, True, True)):
         projection = project(diagnosis.model, replace(idle.condition, engine_speed=speed))
         flows = flows_at(diagnosis.model, projection.condition)
-        cooler, lubrication = (flows.into(Place(Kind.CONSUMER, name)) for name in ("cooler", "lubrication"))
+        cooler, lubrication = (flows.into(FlowPlace(FlowKind.CONSUMER, name)) for name in ("cooler", "lubrication"))
         assert (cooler < 3.0 / 60e3 * 0.999) is cooler_starves
         assert (lubrication < 1.0 / 60e3 * 0.999) is lubrication_starves
-        assert Place(Kind.BEYOND) not in places(flows)
+        assert FlowPlace(FlowKind.BEYOND) not in places(flows)
 
 
 def test_a_demand_that_no_pump_meets_is_named_where_pressures_are_given(
@@ -106,6 +110,6 @@ def test_a_demand_that_no_pump_meets_is_named_where_pressures_are_given(
     assert projection is not None
     assert projection.leakage > projection.pump_capacity
     flows = flows_at(diagnosis.model, projection.condition)
-    beyond = flows.out_of(Place(Kind.BEYOND))
+    beyond = flows.out_of(FlowPlace(FlowKind.BEYOND))
     assert beyond == pytest.approx(projection.leakage - projection.pump_capacity, rel=1e-9, abs=0.0)
     assert flows.into(LINE) == pytest.approx(flows.out_of(LINE), rel=1e-9, abs=0.0)

@@ -17,9 +17,9 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.engine.flows import ENDS, Kind, Place, flows_at
+from atleak.engine.flows import ENDS, FlowKind, FlowPlace, flows_at
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.operation import Held, Operation, hold, sections_held, with_new
+from atleak.engine.operation import Held, Operation, held_pressure, sections_held, with_new
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import project
 from atleak.measurements.readings import LandClearance, clearances
@@ -44,7 +44,7 @@ def unit(controller: Controller, fluid: Fluid, width: float, profile: Profile = 
 
 
 def held_at(model: LeakageModel, point: OperatingPoint) -> Held:
-    return hold(model.network(point), point, model.pump, model.dynamic_viscosity(point.temperature))
+    return held_pressure(model.network(point), point, model.pump, model.dynamic_viscosity(point.temperature))
 
 
 def taking(
@@ -212,7 +212,7 @@ def test_shipped_units_with_half_the_pump_sag_and_balance(name: str, hipol: Flui
             sagged += 1
             missing = lacking(model, point, held.main_pressure)
             assert missing == pytest.approx(0.0, abs=1e-9 * pump.displacement * point.engine_speed)
-            taken = sum(flows.into(Place(Kind.CONSUMER, each.id)) for each in consumers)
+            taken = sum(flows.into(FlowPlace(FlowKind.CONSUMER, each.id)) for each in consumers)
             stated = sum(each.at(point) for each in consumers)
             opened = math.sqrt(held.main_pressure / point.main_pressure)
             assert taken == pytest.approx(stated * opened, rel=1e-9, abs=0.0)

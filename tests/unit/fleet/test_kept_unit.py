@@ -10,7 +10,7 @@ from atleak.common.errors import FleetError, InputError
 from atleak.common.verdicts import Verdict
 from atleak.fleet.results import Results
 from atleak.fleet.sources import find_units, kept_unit
-from atleak.fleet.worker import evaluate
+from atleak.fleet.worker import evaluate_unit
 from atleak.job.case import Case, SourceFile
 from atleak.job.result import judged_otherwise
 from atleak.job.zip_file import write_job_file
@@ -30,7 +30,7 @@ def job_file(path: Path, number: int = 1) -> Path:
 
 def results_of(*paths: Path, folder: Path) -> Results:
     with Results.open(folder, for_writing=True) as writing:
-        writing.add([evaluate(unit) for unit in find_units(paths)])
+        writing.add([evaluate_unit(unit) for unit in find_units(paths)])
     return Results.open(folder)
 
 

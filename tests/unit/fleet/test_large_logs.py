@@ -14,7 +14,7 @@ from atleak.fleet import worker as task
 from atleak.fleet.columns import Rows
 from atleak.fleet.unit_table import TableUnits
 from atleak.fleet.units import FleetUnit
-from atleak.fleet.worker import evaluate
+from atleak.fleet.worker import evaluate_unit
 from atleak.job import zip_file as job_file
 from atleak.job.case import Case, SourceFile
 from atleak.job.zip_file import write_job_file
@@ -42,11 +42,11 @@ def the(rows: Rows, data_set: str) -> dict[str, Any]:
 
 
 def test_a_log_that_takes_more_than_a_unit_may_is_refused_with_what_to_do(unit: FleetUnit) -> None:
-    whole, refused = evaluate(unit), evaluate(unit, memory=LITTLE)
+    whole, refused = evaluate_unit(unit), evaluate_unit(unit, memory=LITTLE)
     assert the(refused, "errors")["kind"] == "refused"
     assert "would take 0.2 GB of memory" in the(refused, "errors")["message"]
     assert "--every" in the(refused, "errors")["message"]
-    some = evaluate(replace(unit, case=replace(unit.case, every=50)), memory=LITTLE)
+    some = evaluate_unit(replace(unit, case=replace(unit.case, every=50)), memory=LITTLE)
     assert the(some, "units")["road_rows"] == -(-the(whole, "units")["road_rows"] // 50)
     assert some.input_sha256 != whole.input_sha256
 
@@ -66,7 +66,7 @@ def test_the_choice_counts_for_the_rows_of_a_table(tmp_path: Path, sample_readin
     table = tmp_path / "fleet.csv"
     table.write_text(f"Sheet;Log\n{sample_readings};{sample_log}\n", encoding="utf-8")
     (unit,) = TableUnits(table, Case(remember=False, every=50))
-    assert the(evaluate(unit, memory=LITTLE), "units")["road_rows"] < 100
+    assert the(evaluate_unit(unit, memory=LITTLE), "units")["road_rows"] < 100
 
 
 def test_a_large_log_of_a_job_file_is_unpacked_to_the_disk(
@@ -80,5 +80,5 @@ def test_a_large_log_of_a_job_file_is_unpacked_to_the_disk(
     kept, _ = of_file.opened(tmp_path)
     assert kept.road_test is not None
     assert kept.road_test.data is None
-    told, expected = (the(evaluate(each), "units")["result_sha256"] for each in (of_file, unit))
+    told, expected = (the(evaluate_unit(each), "units")["result_sha256"] for each in (of_file, unit))
     assert told == expected

@@ -161,7 +161,7 @@ def test_who_reads_while_parts_are_merged_reads_every_row(folder: Path, monkeypa
         writing.add([unit("C", "c")])
         reading, read_part, tidied = Results.open(folder), parts.read_part, []
 
-        def read_late(where: Path, part: parts.Part, columns: list[str]) -> object:
+        def read_late(where: Path, part: parts.ResultPart, columns: list[str]) -> object:
             if part.data_set == "lands" and not tidied:
                 tidied.append(part)
                 writing.tidy()

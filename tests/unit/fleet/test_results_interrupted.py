@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from atleak.common.errors import FleetError
 from atleak.fleet import results
 from atleak.fleet.columns import Rows
-from atleak.fleet.folder import Part, folder_of, write_part
+from atleak.fleet.folder import ResultPart, folder_of, write_part
 from atleak.fleet.results import Results
 from tests.unit.fleet import writing
 from tests.unit.fleet.writing import LANDS, failed, unit
@@ -39,12 +39,12 @@ class Life:
         self.left: int | None = None
         remove = Results._remove
 
-        def writing_while_it_lives(folder: Path, part: Part, *given: Any) -> None:
+        def writing_while_it_lives(folder: Path, part: ResultPart, *given: Any) -> None:
             beside = part.under(folder).with_name(f".atleak-{random.getrandbits(64):016x}.part")
             self.step(beside)
             write_part(folder, part, *given)
 
-        def removing_while_it_lives(of: Results, parts: Iterable[Part]) -> None:
+        def removing_while_it_lives(of: Results, parts: Iterable[ResultPart]) -> None:
             for part in list(parts):
                 self.step()
                 remove(of, [part])

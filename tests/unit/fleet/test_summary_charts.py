@@ -19,7 +19,7 @@ from atleak.fleet.sums import (
     LandOverMileage,
     MileageClass,
     PairTrouble,
-    TemperatureClass,
+    TemperatureSums,
     VerdictCounts,
     WearDifference,
 )
@@ -162,8 +162,8 @@ def test_mileage_and_pressure_are_in_the_readers_units() -> None:
     assert by_name(figure, "y2")["median"].x[0] == pytest.approx(180.5, abs=1e-9)
 
 
-def heat(low: float, **other: object) -> TemperatureClass:
-    made = TemperatureClass(
+def heat(low: float, **other: object) -> TemperatureSums:
+    made = TemperatureSums(
         low_c=low,
         high_c=low + 5.0,
         seconds=7200.0,

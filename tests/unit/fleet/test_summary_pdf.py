@@ -21,10 +21,10 @@ from atleak.common.verdicts import FLAGGED, Verdict
 from atleak.common.wording import Wording, languages, wording
 from atleak.fleet.summary_charts import FleetCharts
 from atleak.fleet.summary_pdf import DEPTHS, DETAILED, write_summary_pdf
-from atleak.fleet.summary_words import TERMS, FleetWords, within
+from atleak.fleet.summary_words import TERMS, FleetWords, within_words
 from atleak.fleet.summary_workbook import write_summary_workbook
 from atleak.fleet.sums import FleetSummary, VerdictCounts
-from atleak.report.charts.paper import drawn
+from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.charts.paper_axes import WIDTH
 from tests.unit.fleet.made_up import summary
 
@@ -245,7 +245,7 @@ def test_numbers_of_mileage_do_not_run_into_one_another(units: str) -> None:
     small = [charts.wear(made.bodies[0], replace(made.bodies[0].wear[0], classes=classes))] * 2
     reaches = []
     with patch("atleak.report.charts.paper_axes.svg", side_effect=lambda figure: reaches.extend(_reaches(figure))):
-        drawn(small, wording("en", units))
+        drawn_on_paper(small, wording("en", units))
     assert len(reaches) > 6
     assert all(left_end + 2.0 < right for (_, left_end), (right, _) in pairwise(sorted(reaches)))
     assert max(end for _, end in reaches) < WIDTH
@@ -270,10 +270,10 @@ def test_names_that_look_like_markup_are_printed_as_they_are() -> None:
 
 
 def test_names_keep_their_ends_where_they_are_shortened() -> None:
-    names = [within(LONG.format(number), 36) for number in range(3)]
+    names = [within_words(LONG.format(number), 36) for number in range(3)]
     assert [len(name) <= 36 for name in names] == [True] * 3
     assert len(set(names)) == 3
-    assert within("short", 36) == "short"
+    assert within_words("short", 36) == "short"
 
 
 def test_units_that_are_ok_in_part_are_not_green_on_paper() -> None:
@@ -281,7 +281,8 @@ def test_units_that_are_ok_in_part_are_not_green_on_paper() -> None:
     counted = replace(unjudged(made.counts, 10), verdicts=dict.fromkeys(Verdict, 0) | {Verdict.OK: 10})
     charts = FleetCharts(FleetWords(made, say))
     whole, part = (
-        drawn(charts.verdicts([("all units", replace(counted, ok_in_part=in_part))]), say) for in_part in (0, 4)
+        drawn_on_paper(charts.verdicts([("all units", replace(counted, ok_in_part=in_part))]), say)
+        for in_part in (0, 4)
     )
     assert OK_IN_PART.fill.lower() not in whole.lower()
     assert OK_IN_PART.fill.lower() in part.lower()
@@ -295,6 +296,6 @@ def test_time_in_green_of_units_measured_in_part_is_not_green_on_paper() -> None
     classes, partly = (
         [replace(each, green_in_part_percent=part) for each in made.bodies[0].temperatures] for part in (0.0, 10.0)
     )
-    whole, part = (drawn(charts.temperatures(given), say) for given in (classes, partly))
+    whole, part = (drawn_on_paper(charts.temperatures(given), say) for given in (classes, partly))
     assert OK_IN_PART.fill.lower() not in whole.lower()
     assert part.lower().count(OK_IN_PART.fill.lower()) == len(classes)

@@ -18,7 +18,7 @@ from atleak.common.sentences import Sentence
 from atleak.fleet import worker as work
 from atleak.fleet.columns import DATA_SETS
 from atleak.fleet.units import FleetUnit
-from atleak.fleet.worker import evaluate
+from atleak.fleet.worker import evaluate_unit
 from atleak.job.batch import write_reports
 from atleak.job.case import Case, SourceFile
 from atleak.job.result import issued_record
@@ -28,7 +28,7 @@ from tests.unit.fleet.small_units import Faulty, Short, bad_unit, small_unit
 
 
 def _error(unit: FleetUnit, **options: Any) -> dict[str, Any]:
-    rows = evaluate(unit, **options)
+    rows = evaluate_unit(unit, **options)
     assert list(rows.tables) == ["errors"]
     assert (rows.controller, rows.verdict) == (None, None)
     (row,) = rows.tables["errors"].to_pylist()
@@ -39,7 +39,7 @@ def test_a_unit_has_the_result_that_its_files_have_alone() -> None:
     unit = small_unit(300)
     case, job = unit.opened()
     diagnosis = case.diagnose()
-    rows = evaluate(unit, tries=2)
+    rows = evaluate_unit(unit, tries=2)
     (of_unit,) = rows.tables["units"].to_pylist()
     assert of_unit["result_sha256"] == issued_record(diagnosis, job)["result_sha256"]
     assert (of_unit["verdict"], of_unit["tries"], of_unit["number"]) == (diagnosis.verdict.value, 2, "300")
@@ -56,7 +56,7 @@ def test_an_entry_of_the_catalogue_is_kept_by_its_bytes_alone() -> None:
     names = []
     for content in (text, renamed, text):
         own = Case(readings=case.readings, controller=SourceFile("own.toml", content.encode()))
-        rows = evaluate(FleetUnit("u", "file:u", case=own, job=job))
+        rows = evaluate_unit(FleetUnit("u", "file:u", case=own, job=job))
         names.append(rows.tables["units"].column("controller_name")[0].as_py())
     assert names[0] == names[2] == names[1].removeprefix("other ")
     assert names[0] != names[1]
@@ -82,7 +82,7 @@ def test_threads_that_load_more_entries_than_are_kept_do_not_disturb_each_other(
     listed: list[Any] = []
     monkeypatch.setattr(work, "_ENTRIES", Disturbed())
     monkeypatch.setattr(work, "_KEPT", 1)
-    with_body = [evaluate(small_unit(number)) for number in range(2)]
+    with_body = [evaluate_unit(small_unit(number)) for number in range(2)]
     assert [rows.controller for rows in with_body] == ["minimal_example"] * 2
     assert listed, "more entries than are kept"
 
@@ -129,14 +129,14 @@ def test_a_lack_of_memory_is_known_behind_the_package_s_own_error(monkeypatch: p
 
 
 def test_rows_travel_as_they_are() -> None:
-    rows = evaluate(small_unit(3))
+    rows = evaluate_unit(small_unit(3))
     arrived = pickle.loads(pickle.dumps(rows))
     assert (arrived.error, arrived.verdict, arrived.reference) == (None, rows.verdict, rows.reference)
     assert {name: table.to_pylist() for name, table in arrived.tables.items()} == {
         name: table.to_pylist() for name, table in rows.tables.items()
     }
     assert set(arrived.tables) <= set(DATA_SETS)
-    assert pickle.loads(pickle.dumps(evaluate(bad_unit(1)))).error == "refused"
+    assert pickle.loads(pickle.dumps(evaluate_unit(bad_unit(1)))).error == "refused"
 
 
 def test_a_refusal_is_told_where_a_file_that_is_still_open_cannot_be_deleted(
@@ -151,5 +151,5 @@ def test_a_refusal_is_told_where_a_file_that_is_still_open_cannot_be_deleted(
         raise InputError(Sentence("the refusal"))
 
     monkeypatch.setattr(FleetUnit, "opened", opened)
-    (row,) = evaluate(small_unit(1), folder=tmp_path).tables["errors"].to_pylist()
+    (row,) = evaluate_unit(small_unit(1), folder=tmp_path).tables["errors"].to_pylist()
     assert (row["kind"], row["message"]) == ("refused", "the refusal")

@@ -26,7 +26,7 @@ from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import stated_condition
 from atleak.job.case import OWN_FILES, SLOTS, Case, SourceFile
-from atleak.job.parts import FORMAT, entry_of
+from atleak.job.parts import JOB_FORMAT, entry_of
 from atleak.job.result import judged_otherwise
 from atleak.job.zip_file import read_job_file, write_job_file
 from atleak.measurements.job_card import Job
@@ -251,7 +251,7 @@ def test_an_incomplete_job_is_refused(content, entries, said):
 
 def test_a_record_from_elsewhere_is_checked(content):
     with pytest.raises(InputError, match="another format"):
-        read_job_file(with_choices(content, format=FORMAT - 1))
+        read_job_file(with_choices(content, format=JOB_FORMAT - 1))
     with pytest.raises(InputError, match="unknown key"):
         read_job_file(with_choices(content, formulas="x"))
     job_file = read_job_file(
@@ -265,8 +265,8 @@ def test_a_record_from_elsewhere_is_checked(content):
 @pytest.mark.parametrize(
     "newer",
     [
-        {"format": FORMAT + 1},
-        {"format": FORMAT + 1, "tone": "x"},
+        {"format": JOB_FORMAT + 1},
+        {"format": JOB_FORMAT + 1, "tone": "x"},
         {"tone": "x"},
         {"profile": "rally"},
         {"options": {"entry_loss": "by_length"}},

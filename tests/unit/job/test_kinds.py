@@ -12,7 +12,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import KINDS, catalogue_files
 from atleak.common.errors import InputError
 from atleak.job.case import Case, SourceFile
-from atleak.job.kinds import Kind, kind_of, slots_of
+from atleak.job.kinds import FileKind, kind_of, slots_of
 from atleak.job.zip_file import write_job_file
 from atleak.report.sheets.controller_workbook import write_controller_workbook
 from atleak.report.sheets.measuring_sheet import write_template
@@ -33,36 +33,36 @@ def as_workbook(text: bytes) -> bytes:
 @pytest.mark.parametrize(
     ("content", "kind"),
     [
-        (b"component;part;plane;direction;diameter [mm]\naccumulator;piston;1;0;18,0\n", Kind.READINGS),
-        (GAUGES, Kind.PRESSURES),
-        (as_workbook(GAUGES), Kind.PRESSURES),
-        (LOG, Kind.ROAD_TEST),
-        (as_workbook(LOG), Kind.ROAD_TEST),
-        (b"MDF     4.10", Kind.ROAD_TEST),
-        (b"PAR1\x15\x04", Kind.ROAD_TEST),
-        (b"", Kind.ROAD_TEST),
-        (as_workbook(b""), Kind.READINGS),
-        (b"\x89PNG\r\n\x1a\n", Kind.PICTURE),
-        (b"RIFF\0\0\0\0WEBPVP8 ", Kind.PICTURE),
-        (b'number = "2026-0417"\n[customer]\nname = "A"\n', Kind.RECORD),
-        (b'{"number": "2026-0417"}', Kind.RECORD),
+        (b"component;part;plane;direction;diameter [mm]\naccumulator;piston;1;0;18,0\n", FileKind.READINGS),
+        (GAUGES, FileKind.PRESSURES),
+        (as_workbook(GAUGES), FileKind.PRESSURES),
+        (LOG, FileKind.ROAD_TEST),
+        (as_workbook(LOG), FileKind.ROAD_TEST),
+        (b"MDF     4.10", FileKind.ROAD_TEST),
+        (b"PAR1\x15\x04", FileKind.ROAD_TEST),
+        (b"", FileKind.ROAD_TEST),
+        (as_workbook(b""), FileKind.READINGS),
+        (b"\x89PNG\r\n\x1a\n", FileKind.PICTURE),
+        (b"RIFF\0\0\0\0WEBPVP8 ", FileKind.PICTURE),
+        (b'number = "2026-0417"\n[customer]\nname = "A"\n', FileKind.RECORD),
+        (b'{"number": "2026-0417"}', FileKind.RECORD),
     ],
-    ids=lambda given: given.value if isinstance(given, Kind) else "",  # a workbook's bytes name the second it is of
+    ids=lambda given: given.value if isinstance(given, FileKind) else "",  # a workbook's bytes name the second it is of
 )
-def test_a_file_is_told_by_its_content(minimal: Controller, content: bytes, kind: Kind) -> None:
+def test_a_file_is_told_by_its_content(minimal: Controller, content: bytes, kind: FileKind) -> None:
     assert kind_of(SourceFile("anything.dat", content), minimal) is kind
 
 
 def test_templates_and_samples_are_told(minimal: Controller, sample_readings: Path, sample_log: Path) -> None:
-    assert kind_of(SourceFile("a", write_template(minimal)), minimal) is Kind.READINGS
-    assert kind_of(SourceFile("a", write_controller_workbook()), minimal) is Kind.CONTROLLER_WORKBOOK
-    assert kind_of(SourceFile("a", sample_readings.read_bytes()), minimal) is Kind.READINGS
-    assert kind_of(SourceFile("a", sample_log.read_bytes()), minimal) is Kind.ROAD_TEST
+    assert kind_of(SourceFile("a", write_template(minimal)), minimal) is FileKind.READINGS
+    assert kind_of(SourceFile("a", write_controller_workbook()), minimal) is FileKind.CONTROLLER_WORKBOOK
+    assert kind_of(SourceFile("a", sample_readings.read_bytes()), minimal) is FileKind.READINGS
+    assert kind_of(SourceFile("a", sample_log.read_bytes()), minimal) is FileKind.ROAD_TEST
 
 
 def test_a_job_file_is_told(minimal: Controller) -> None:
     job_file = write_job_file(Case(controller="minimal_example").diagnose())
-    assert kind_of(SourceFile("a.xlsx", job_file), minimal) is Kind.JOB
+    assert kind_of(SourceFile("a.xlsx", job_file), minimal) is FileKind.JOB
 
 
 @pytest.mark.parametrize("folder", KINDS)
@@ -79,8 +79,8 @@ def test_an_instrument_is_chosen_for_what_it_measures() -> None:
     class Gauge:
         measures = ("sleeve",)
 
-    assert slots_of(Kind.INSTRUMENT, Gauge()) == ("sleeve_instrument",)
-    assert slots_of(Kind.FLUID, object()) == ("fluid",)
+    assert slots_of(FileKind.INSTRUMENT, Gauge()) == ("sleeve_instrument",)
+    assert slots_of(FileKind.FLUID, object()) == ("fluid",)
 
 
 @pytest.mark.parametrize(

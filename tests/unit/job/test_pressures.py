@@ -15,7 +15,7 @@ from atleak.job.case import Case, SourceFile
 from atleak.job.zip_file import read_job_file, write_job_file
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.sheets.measuring_sheet import write_template
-from atleak.report.sheets.pressure_sheet import PRESSURES
+from atleak.report.sheets.pressure_sheet import PRESSURES_TITLE
 
 GAUGES = "range;slow idle [kPa];stall [kPa]\nD;380,5;1100\nP;400;\n"
 
@@ -27,7 +27,7 @@ def gauges(text: str = GAUGES, name: str = "gauges.csv") -> SourceFile:
 def sheet_with_tab(content: bytes, drive: float | None = None) -> SourceFile:
     """A measuring sheet with a reading in drive at slow idle on its tab; none leaves the tab empty."""
     book = openpyxl.load_workbook(io.BytesIO(content))
-    tab = book[PRESSURES]
+    tab = book[PRESSURES_TITLE]
     row = next(row for row in tab.iter_rows(min_row=7) if row[0].value == "D")
     row[2].value = drive
     target = io.BytesIO()

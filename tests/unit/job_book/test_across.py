@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from atleak.analysis.rates import ENOUGH_UNITS, PARTS
+from atleak.analysis.rates import ENOUGH_UNITS, SHOWN_QUANTILES
 from atleak.job.parts import JobParts
 from atleak.job_book.book import Book
 from atleak.job_book.units_of_a_kind import AcrossUnits, LandAcross, across_units, standing
@@ -59,7 +59,7 @@ def test_the_quantiles_are_those_of_the_clearances(book: Book, small_job: MakeJo
     across = across_units(book, "minimal_example")
     land = of_tcc(across)
     clearances = np.array([round((sleeve - 11.0) / 2.0, 6) * 1e-3 for sleeve in sleeves])
-    expected = np.quantile(clearances, PARTS, method="inverted_cdf")
+    expected = np.quantile(clearances, SHOWN_QUANTILES, method="inverted_cdf")
     assert land.clearances == pytest.approx(expected, abs=1e-9)
     assert land.wear == pytest.approx(expected / 16e-6 - 1.0, abs=1e-4)
     # and this unit's place among the others

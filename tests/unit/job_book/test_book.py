@@ -19,7 +19,7 @@ from atleak.job_book.book import Book, open_book
 from atleak.job_book.database import database_url
 from atleak.job_book.search import Query
 from atleak.job_book.tables import files, jobs, lands, log_tables, results, units, visits
-from atleak.job_book.units import unit_of
+from atleak.job_book.units import unit_of_job
 from atleak.measurements.job_card import Job
 from atleak.version import __version__
 
@@ -247,7 +247,7 @@ def test_a_job_is_loaded_as_it_was_at_one_moment(
     def saved_meanwhile(connection: Any, visit: int) -> int:
         monkeypatch.undo()
         book.save(small_job(11.06, number="after"), id=saved.id, version=saved.version)
-        return unit_of(connection, visit)
+        return unit_of_job(connection, visit)
 
     monkeypatch.setattr("atleak.job_book.book.unit_of", saved_meanwhile)
     stored = book.load(saved.id)

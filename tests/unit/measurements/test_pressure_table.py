@@ -9,7 +9,15 @@ import pytest
 
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import CatalogueError, Place
-from atleak.measurements.gauge_readings import LINE, Cell, Engine, GaugeReading, PressureTable, gear_in, ranges_of
+from atleak.measurements.gauge_readings import (
+    LINE_TAP,
+    Engine,
+    GaugeCell,
+    GaugeReading,
+    PressureTable,
+    gear_in,
+    ranges_of,
+)
 
 Permitting = Callable[[str], Path]
 PERMISSIBLE = (
@@ -76,14 +84,14 @@ def test_permissible_pressures_that_cannot_be_are_refused(permitting: Permitting
 
 
 def test_readings_of_a_cell_come_in_the_order_in_which_they_were_taken() -> None:
-    cell = Cell("D", Engine.SLOW_IDLE)
+    cell = GaugeCell("D", Engine.SLOW_IDLE)
     readings = (
         GaugeReading(cell, 2.0, 2),
         GaugeReading(cell, 1.0, 1),
-        GaugeReading(Cell("R", Engine.STALL, "c1"), 3.0),
+        GaugeReading(GaugeCell("R", Engine.STALL, "c1"), 3.0),
     )
     table = PressureTable("f", "0", None, ("kPa",), readings)
     assert [each.pressure for each in table.at(cell)] == [1.0, 2.0]
-    assert table.at(Cell("N", Engine.STALL)) == ()
-    assert table.taps == (LINE, "c1")
+    assert table.at(GaugeCell("N", Engine.STALL)) == ()
+    assert table.taps == (LINE_TAP, "c1")
     assert readings[0].place == Place()

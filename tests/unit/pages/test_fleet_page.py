@@ -14,7 +14,7 @@ from atleak.common.verdicts import Verdict
 from atleak.fleet.folder import known_folders, note
 from atleak.fleet.results import Results
 from atleak.fleet.sources import find_units
-from atleak.fleet.worker import evaluate
+from atleak.fleet.worker import evaluate_unit
 from atleak.job.parts import job_parts
 from atleak.job.zip_file import write_job_file
 from atleak.job_book.book import open_book
@@ -68,7 +68,7 @@ def evaluated(tmp_path: Path) -> Path:
     for number, group in enumerate(("north", "south")):
         job_file(tmp_path / "jobs" / f"{group}_{number}.zip", number)
     with Results.open(tmp_path / "fleet", for_writing=True) as results:
-        results.add([evaluate(unit) for unit in find_units([tmp_path / "jobs"])])
+        results.add([evaluate_unit(unit) for unit in find_units([tmp_path / "jobs"])])
     return tmp_path / "fleet"
 
 
@@ -191,7 +191,7 @@ def test_the_address_of_a_unit_from_the_job_book_opens_the_job_of_the_book(app: 
     case, job = small_unit(3).opened()
     saved = with_book.save(job_parts(case.diagnose(), job, case))
     with Results.open(tmp_path / "fleet", for_writing=True) as results:
-        results.add([evaluate(unit) for unit in find_units([], book=Query())])
+        results.add([evaluate_unit(unit) for unit in find_units([], book=Query())])
     (row,) = Results.open(tmp_path / "fleet").table("units").to_pylist()
     note(tmp_path / "fleet")
     address = f"{known_folders()[0].id}-{row['input_sha256']}"
@@ -225,7 +225,7 @@ def test_what_a_run_adds_is_shown_when_it_is_asked_for(app: AppTest, evaluated: 
     shown(app, evaluated)
     job_file(evaluated.parent / "jobs" / "third.zip", 2)
     with Results.open(evaluated, for_writing=True) as results:
-        results.add([evaluate(unit) for unit in find_units([evaluated.parent / "jobs" / "third.zip"])])
+        results.add([evaluate_unit(unit) for unit in find_units([evaluated.parent / "jobs" / "third.zip"])])
     app.run()
     assert "A run has changed these results" in texts(app)
     assert len(units(app).value) == 2
@@ -257,7 +257,7 @@ def test_results_that_cannot_be_read_are_said_by_their_file(app: AppTest, evalua
 def test_a_label_of_the_same_heading_as_a_column_of_the_list_hides_none(app: AppTest, tmp_path: Path) -> None:
     found = [replace(small_unit(number), labels=(("Unit", f"U{number}"),)) for number in range(2)]
     with Results.open(tmp_path / "fleet", for_writing=True) as results:
-        results.add([evaluate(unit) for unit in found])
+        results.add([evaluate_unit(unit) for unit in found])
     shown(app, tmp_path / "fleet", by="unit")
     assert not app.exception
     assert list(units(app).value["Unit"]) == ["unit 0", "unit 1"]

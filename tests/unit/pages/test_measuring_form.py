@@ -109,12 +109,12 @@ def test_a_plan_that_changes_keeps_what_was_typed(opened: Opened) -> None:
 
 
 def test_a_sheet_that_was_given_is_gone_on_from_with_its_gauge_readings(opened: Opened, four_speed: Controller) -> None:
-    from atleak.measurements.gauge_readings import Cell, Engine, GaugeReading, PressureTable
+    from atleak.measurements.gauge_readings import Engine, GaugeCell, GaugeReading, PressureTable
     from atleak.measurements.readings import Reading
     from atleak.report.sheets.measuring_sheet import write_readings
 
     one = Reading("8", "spool", "1", 0.0, 1, 10e-3)
-    gauges = PressureTable("", "", None, ("kPa",), (GaugeReading(Cell("D", Engine.SLOW_IDLE), 450e3),))
+    gauges = PressureTable("", "", None, ("kPa",), (GaugeReading(GaugeCell("D", Engine.SLOW_IDLE), 450e3),))
     content = write_readings(four_speed, [one], pressures=gauges)
     app = opened(f"PageCase(controller='four_speed_2023', readings=SourceFile('mine.xlsx', {content!r}))")
     assert shown(app) == {("8", "spool", "1", 0.0, 1): "10"}

@@ -5,13 +5,13 @@ from __future__ import annotations
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.entries import own_folder, shipped_files
-from atleak.common.files import made
+from atleak.common.files import made_folder
 from tests.unit.pages.conftest import choice, go, texts
 
 
 def test_an_own_valve_body_is_offered_used_and_kept_though_its_file_breaks_and_goes(app: AppTest) -> None:
     text = shipped_files("controllers")["minimal_example"].read_text(encoding="utf-8")
-    folder = made(own_folder("controllers"))
+    folder = made_folder(own_folder("controllers"))
     path = folder / "my_box.toml"
     text = text.replace('id = "minimal_example"', 'id = "my_box"', 1)
     path.write_text(text.replace("displacement_mm3 = 18000.0", "displacement_mm3 = 18.0", 1), encoding="utf-8")

@@ -13,11 +13,11 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import catalogue_files
-from atleak.common.style import PAPER
+from atleak.common.style import PAPER_INKS
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.charts.drawing import controller_svg, on_dark, spool_svg
-from atleak.report.charts.land_figures import leakage_ranking, wear
+from atleak.report.charts.land_figures import land_wear, leakage_ranking
 from atleak.report.sheets.measuring_sheet import write_template
 from tests.unit.pages.conftest import (
     ROOT,
@@ -602,14 +602,14 @@ def test_of_a_chart_without_a_point_no_axes_are_drawn(unmeasured: Diagnosis, mon
     monkeypatch.setattr(show, "dark", lambda: False)
     monkeypatch.setattr(show.st, "plotly_chart", lambda figure, key: pytest.fail("empty axes"))
     monkeypatch.setattr(show.st, "caption", said.append)
-    show.chart(wear(unmeasured), "any", empty="Nothing measured.")
+    show.chart(land_wear(unmeasured), "any", empty="Nothing measured.")
     assert said == ["Nothing measured."]
 
 
 def test_a_drawing_on_a_dark_ground_has_light_words(four_speed) -> None:
     for drawing in (spool_svg(four_speed, "25"), controller_svg(four_speed)):
-        assert PAPER.ink in drawing
-        assert PAPER.ink not in on_dark(drawing)
+        assert PAPER_INKS.ink in drawing
+        assert PAPER_INKS.ink not in on_dark(drawing)
         assert 'rx="4" fill="#FFFFFF"' not in on_dark(drawing)
 
 

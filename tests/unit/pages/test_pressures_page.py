@@ -11,8 +11,8 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.job.case import Case, SourceFile
 from atleak.job.zip_file import write_job_file
-from atleak.measurements.gauge_readings import RANGES, Cell, Engine
-from atleak.readers.gauges.typed_gauges import TYPED_FILE, TypedGauges, typed_gauges
+from atleak.measurements.gauge_readings import RANGES, Engine, GaugeCell
+from atleak.readers.gauges.typed_gauges import TYPED_GAUGES_FILE, TypedGauges, typed_gauges
 from pages.shared.pressure_form import UNITS
 from tests.unit.pages.conftest import choice, go, texts, uploader
 
@@ -169,8 +169,8 @@ def test_circuits_have_fields_of_their_own(page: AppTest) -> None:
 
 
 def test_an_opened_job_shows_what_was_typed_in_it(page: AppTest) -> None:
-    typed = TypedGauges({Cell("D", Engine.SLOW_IDLE): "3,9"}, "bar", "85").written()
-    case = Case(pressures=SourceFile(TYPED_FILE, typed))
+    typed = TypedGauges({GaugeCell("D", Engine.SLOW_IDLE): "3,9"}, "bar", "85").written()
+    case = Case(pressures=SourceFile(TYPED_GAUGES_FILE, typed))
     uploader(page).upload("job.zip", write_job_file(case.diagnose(), None, case), "application/zip").run()
     go(page, PAGE)
     assert not page.exception
@@ -186,12 +186,14 @@ TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=["Cs", "Cc"]), m
 
 @pytest.mark.hypothesis
 @given(
-    st.dictionaries(st.builds(Cell, st.sampled_from(RANGES), st.sampled_from(list(Engine))), TEXTS.filter(str.strip)),
+    st.dictionaries(
+        st.builds(GaugeCell, st.sampled_from(RANGES), st.sampled_from(list(Engine))), TEXTS.filter(str.strip)
+    ),
     st.sampled_from(UNITS),
     TEXTS,
 )
 def test_whatever_is_typed_stands_in_the_file_sign_for_sign(
-    cells: dict[Cell, str], unit: str, temperature: str
+    cells: dict[GaugeCell, str], unit: str, temperature: str
 ) -> None:
     typed = TypedGauges(unit=unit, temperature=temperature)
     for cell, text in cells.items():

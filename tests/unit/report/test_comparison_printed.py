@@ -14,7 +14,7 @@ from atleak.analysis.comparison import Comparison, compare
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.diagnosis import diagnose
 from atleak.measurements.job_card import Job
-from atleak.report.charts.paper import drawn
+from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.pdf.comparison import _Page, write_comparison_pdf
 from atleak.report.tables import comparison as comparison_words
 from tests.unit.report.read_back import pages_of
@@ -119,4 +119,4 @@ def test_bars_of_a_pump_that_delivers_nothing_can_be_drawn(repaired: Comparison)
     (first, *_) = repaired.on_both_sides
     dry = replace(first, before=replace(first.before, pump_capacity=0.0))
     page = _Page(repaired, BEFORE, AFTER, wording("en"))
-    assert f"{100.0 * first.alike.share:.1f} %" in drawn(page._chart([dry]), wording("en"))
+    assert f"{100.0 * first.alike.share:.1f} %" in drawn_on_paper(page._chart([dry]), wording("en"))

@@ -10,7 +10,7 @@ from typing import Any
 import openpyxl
 import pytest
 
-from atleak.catalogue.workbook.cells import Choice, Units, YesNo
+from atleak.catalogue.workbook.cells import ChoiceCell, Units, YesNo
 from atleak.catalogue.workbook.shapes import Form
 from atleak.catalogue.workbook.sheets import INSTRUCTIONS, LISTS, NAMES, SHEETS, UNIT_LINES
 from atleak.common.errors import OutputError
@@ -54,7 +54,7 @@ def test_every_closed_list_and_every_name_of_another_sheet_has_its_drop_down(tem
             else:
                 address = f"{cells[column.heading].column_letter}{page.max_row}"
             offered = _offered(page, address)
-            if isinstance(column.kind, Choice):
+            if isinstance(column.kind, ChoiceCell):
                 assert offered == [f'"{",".join(column.kind.shown)}"'], column
             elif isinstance(column.kind, YesNo):
                 assert offered == ['"yes,no"'], column

@@ -16,7 +16,7 @@ from atleak.measurements.gauge_readings import Engine
 from atleak.report.pdf import write_pdf
 from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.live_sheet import RANKED
-from atleak.report.xlsx.road_sheet import SHEET
+from atleak.report.xlsx.road_sheet import ROAD_SHEET
 from tests.unit.report.read_back import text_of
 
 TABLE = """range;tap;slow idle [kPa];fast idle 1500 rpm [kPa]
@@ -50,7 +50,7 @@ def test_the_pdf_lists_every_reading_and_what_the_table_hints_at(gauged: Diagnos
 
 
 def readings_in(content: bytes) -> pd.DataFrame:
-    frame = pd.read_excel(io.BytesIO(content), sheet_name=SHEET, engine="calamine", dtype={"Range": str})
+    frame = pd.read_excel(io.BytesIO(content), sheet_name=ROAD_SHEET, engine="calamine", dtype={"Range": str})
     return frame[frame["State"].notna()]
 
 
@@ -70,7 +70,7 @@ def test_the_workbook_has_a_sheet_of_them_with_numbers(gauged: Diagnosis) -> Non
     assert readings["Gauge [kPa]"].astype(float).tolist() == [700.0, 900.0, 1000.0, 700.0, 800.0, 690.0, 790.0, 480.0]
     assert readings["Verdict"].iloc[0] == "✖ critical"  # park is judged as neutral is
     assert float(readings["Lost [kPa]"].iloc[-1]) > 103.0
-    sheet = openpyxl.load_workbook(io.BytesIO(content))[SHEET]
+    sheet = openpyxl.load_workbook(io.BytesIO(content))[ROAD_SHEET]
     notes = " ".join(str(row[1].value) for row in sheet.iter_rows() if row[0].value == "pattern")
     assert "look at the pump first" in notes
     assert "computed from the valve body" in notes
@@ -78,7 +78,7 @@ def test_the_workbook_has_a_sheet_of_them_with_numbers(gauged: Diagnosis) -> Non
 
 def test_a_job_without_gauges_has_neither_sheet_nor_section() -> None:
     diagnosis = Case(controller="minimal_example").diagnose()
-    assert SHEET not in openpyxl.load_workbook(io.BytesIO(write_workbook(diagnosis))).sheetnames
+    assert ROAD_SHEET not in openpyxl.load_workbook(io.BytesIO(write_workbook(diagnosis))).sheetnames
     text = text_of(write_pdf(diagnosis, sections=["gauges", "signatures"]))
     assert wording("en")("sections.gauges") not in text
 
@@ -92,7 +92,7 @@ def test_a_job_of_gauges_alone_says_what_they_decided_and_nothing_of_lands(gauge
         assert say(f"sections.{section}") not in text
     assert say.level(gauged.verdict).capitalize() in text
     names = openpyxl.load_workbook(io.BytesIO(write_workbook(gauged))).sheetnames
-    assert names == ["Summary", SHEET, "Messages", "Provenance"]
+    assert names == ["Summary", ROAD_SHEET, "Messages", "Provenance"]
 
 
 @pytest.mark.parametrize(("drive", "verdict"), [(450.0, "■ replace"), (200.0, "✖ critical")])

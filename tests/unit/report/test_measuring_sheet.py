@@ -17,14 +17,22 @@ from PIL import Image
 
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import ReadingsError
-from atleak.measurements.gauge_readings import LINE, Cell, Engine, GaugeReading, PressureTable, applied, taps_of
+from atleak.measurements.gauge_readings import (
+    LINE_TAP,
+    Engine,
+    GaugeCell,
+    GaugeReading,
+    PressureTable,
+    applied,
+    taps_of,
+)
 from atleak.measurements.job_card import Job, Vehicle
 from atleak.measurements.readings import Reading, clearances
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.sheets.lands_sheet import LANDS
 from atleak.report.sheets.measuring_head import code_text, fields_of
-from atleak.report.sheets.measuring_sheet import INSTRUCTIONS, SHEET, write_readings, write_template
-from atleak.report.sheets.pressure_sheet import PRESSURES
+from atleak.report.sheets.measuring_sheet import MEASURING_INSTRUCTIONS, SHEET, write_readings, write_template
+from atleak.report.sheets.pressure_sheet import PRESSURES_TITLE
 
 HEADER = 7  # row of the headings as a spreadsheet counts
 COMPONENT, NAME, PART, PLANE, DIRECTION, REPEAT, X1, X2, DIAMETER, NOMINAL, CLEARANCE, ORIGIN, DEVIATION = range(1, 14)
@@ -99,7 +107,7 @@ def test_the_published_diameters_of_spool_6_are_not_called_representative():
 def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
     book = opened(template)
     sheet = book[SHEET]
-    assert book.sheetnames == [SHEET, LANDS, PRESSURES, INSTRUCTIONS]
+    assert book.sheetnames == [SHEET, LANDS, PRESSURES_TITLE, MEASURING_INSTRUCTIONS]
     assert sheet.freeze_panes == f"D{HEADER + 1}"
     assert sheet.print_title_rows == f"${HEADER}:${HEADER}"
     assert sheet.page_setup.orientation == "landscape"
@@ -271,7 +279,7 @@ def test_numbers_typed_as_text_with_a_decimal_comma_are_read_back(controller, te
 
 
 def test_the_instructions_are_as_high_as_their_texts_are_long(controller, template):
-    sheet = opened(template)[INSTRUCTIONS]
+    sheet = opened(template)[MEASURING_INSTRUCTIONS]
     for row in sheet.iter_rows(min_row=3):
         for cell, width in zip(row, (24, 96), strict=True):
             lines = len(textwrap.wrap(cell.value or "", 0.9 * width))
@@ -279,7 +287,9 @@ def test_the_instructions_are_as_high_as_their_texts_are_long(controller, templa
 
 
 def test_the_instructions_are_there(controller, template):
-    text = " ".join(str(cell.value) for row in opened(template)[INSTRUCTIONS].iter_rows() for cell in row if cell.value)
+    text = " ".join(
+        str(cell.value) for row in opened(template)[MEASURING_INSTRUCTIONS].iter_rows() for cell in row if cell.value
+    )
     text = text.replace("\u00a0", " ")
     for word in ("twice", "20 °C", "lower bound", "0.001", controller.representative):
         assert word in text
@@ -396,7 +406,7 @@ def test_the_tab_of_pressures_has_a_row_for_every_range_and_what_the_file_permit
     permissible = (
         '\n[[permissible_pressure]]\ngear = 1\nstate = "idle"\nlow_kpa = 412.0\nhigh_kpa = 539.0\nsource = "own"\n'
     )
-    sheet = opened(write_template(load_controller(permitting(permissible))))[PRESSURES]
+    sheet = opened(write_template(load_controller(permitting(permissible))))[PRESSURES_TITLE]
     rows = [[cell.value for cell in row] for row in sheet.iter_rows(min_row=7)]
     assert [row[0] for row in rows] == ["P", "R", "N", "D", "3", "2", "1"]
     assert {row[1] for row in rows} == {"line"}
@@ -406,20 +416,20 @@ def test_the_tab_of_pressures_has_a_row_for_every_range_and_what_the_file_permit
 
 
 def test_readings_on_the_tab_of_pressures_read_back_and_an_empty_tab_is_no_table(controller):
-    cells = [Cell("D", Engine.SLOW_IDLE), Cell("R", Engine.STALL)]
+    cells = [GaugeCell("D", Engine.SLOW_IDLE), GaugeCell("R", Engine.STALL)]
     given = tuple(GaugeReading(cell, 412_345.6 + number) for number, cell in enumerate(cells))
     table = PressureTable("", "", None, (), given)
     back = read_readings(write_readings(controller, (), pressures=table), controller).pressures
-    assert [each.cell for each in back.readings] == [Cell("R", Engine.STALL), Cell("D", Engine.SLOW_IDLE)]
+    assert [each.cell for each in back.readings] == [GaugeCell("R", Engine.STALL), GaugeCell("D", Engine.SLOW_IDLE)]
     assert sorted(each.pressure for each in back.readings) == pytest.approx([412_345.6, 412_346.6], abs=1e-6)
     with pytest.raises(ReadingsError, match="no readings are filled in"):
         read_readings(write_template(controller), controller)
 
 
 def test_the_field_of_the_fluids_temperature_on_the_tab_holds_for_all_readings(controller):
-    table = PressureTable("", "", None, (), (GaugeReading(Cell("D", Engine.SLOW_IDLE), 412e3),))
+    table = PressureTable("", "", None, (), (GaugeReading(GaugeCell("D", Engine.SLOW_IDLE), 412e3),))
     book = opened(write_readings(controller, (), pressures=table))
-    book[PRESSURES]["C4"] = "82,5"
+    book[PRESSURES_TITLE]["C4"] = "82,5"
     target = io.BytesIO()
     book.save(target)
     assert read_readings(target.getvalue(), controller).pressures.readings[0].temperature == 82.5
@@ -428,7 +438,7 @@ def test_the_field_of_the_fluids_temperature_on_the_tab_holds_for_all_readings(c
 def test_every_cell_of_the_tab_is_read_back_at_the_tap_of_its_circuit():
     controller = load_controller("five_speed_2005")
     book = opened(write_template(controller))
-    sheet = book[PRESSURES]
+    sheet = book[PRESSURES_TITLE]
     for row in range(7, sheet.max_row + 1):
         for column in range(3, 6):
             sheet.cell(row, column).value = 100 + 10 * row + column
@@ -438,7 +448,7 @@ def test_every_cell_of_the_tab_is_read_back_at_the_tap_of_its_circuit():
     assert table.taps == tuple(tap for tap in taps_of(controller) if tap in table.taps)
     assert {"forward_clutch", "direct_clutch", "epc"} < set(table.taps)
     assert "overdrive_band" not in table.taps  # which no range applies while the vehicle stands
-    assert {"P", "R", "N", "D", "4", "1"} <= {each.cell.range for each in table.readings if each.cell.tap == LINE}
+    assert {"P", "R", "N", "D", "4", "1"} <= {each.cell.range for each in table.readings if each.cell.tap == LINE_TAP}
     for each in table.readings:
         assert each.pressure == (100 + 10 * each.place.row + 3 + list(Engine).index(each.cell.engine)) * 1e3
         assert applied(controller, each.cell)

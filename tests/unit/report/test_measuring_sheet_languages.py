@@ -13,7 +13,7 @@ from atleak.analysis.record_doubts import with_sheet
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import ReadingsError
 from atleak.common.wording import languages, wording
-from atleak.measurements.gauge_readings import Cell, Engine, GaugeReading, PressureTable
+from atleak.measurements.gauge_readings import Engine, GaugeCell, GaugeReading, PressureTable
 from atleak.measurements.job_card import Job, Transmission, Vehicle
 from atleak.measurements.own_lands import OwnLands, OwnLength
 from atleak.measurements.readings import Reading, Readings
@@ -53,9 +53,9 @@ def written(unit, language: str, units: str) -> bytes:
         for repeat in (1, 2)
     ]
     gauges = (
-        GaugeReading(Cell("D", Engine.SLOW_IDLE), 412e3),
-        GaugeReading(Cell("R", Engine.STALL), 912e3),
-        GaugeReading(Cell("D", Engine.FAST_IDLE, "forward_clutch"), 500e3),
+        GaugeReading(GaugeCell("D", Engine.SLOW_IDLE), 412e3),
+        GaugeReading(GaugeCell("R", Engine.STALL), 912e3),
+        GaugeReading(GaugeCell("D", Engine.FAST_IDLE, "forward_clutch"), 500e3),
     )
     lands = unit.lands[:2]
     lengths = tuple(OwnLength(*land.key, land.contact_length + 0.1e-3, 5e-3) for land in lands)

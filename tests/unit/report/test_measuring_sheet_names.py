@@ -13,9 +13,17 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import checked_controller, load_controller
-from atleak.measurements.gauge_readings import Cell, Engine, GaugeReading, PressureTable, applied, ranges_of, taps_of
+from atleak.measurements.gauge_readings import (
+    Engine,
+    GaugeCell,
+    GaugeReading,
+    PressureTable,
+    applied,
+    ranges_of,
+    taps_of,
+)
 from atleak.measurements.readings import Reading
-from atleak.readers.file_kinds import Table, table_kind
+from atleak.readers.file_kinds import TableKind, table_kind
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.sheets.words import plain
 from atleak.report.sheets.measuring_sheet import write_readings
@@ -58,7 +66,7 @@ def measured(unit: Controller, repeats: int = 1) -> list[Reading]:
 
 
 def assert_read_back(unit: Controller, data: bytes, given: Sequence[Reading]) -> None:
-    assert table_kind(data, unit) is Table.READINGS
+    assert table_kind(data, unit) is TableKind.READINGS
     read = read_readings(data, unit, name="sheet.xlsx")
     assert {(each.station, each.repeat): round(each.diameter, 9) for each in read.readings} == {
         (each.station, each.repeat): round(each.diameter, 9) for each in given
@@ -106,7 +114,7 @@ def test_taps_named_by_words_of_a_table_of_gauges_are_read_back(words: Sequence[
     unit = load_controller("gm_4l60e")
     named = zip(unit.circuits, words, strict=True)
     unit = replace(unit, circuits=tuple(replace(circuit, id=f"{word}_c", name=word) for circuit, word in named))
-    cells = [Cell(each, Engine.SLOW_IDLE, tap) for each in ranges_of(unit) for tap in taps_of(unit)]
+    cells = [GaugeCell(each, Engine.SLOW_IDLE, tap) for each in ranges_of(unit) for tap in taps_of(unit)]
     cells = [cell for cell in cells if applied(unit, cell)]
     given = tuple(GaugeReading(cell, 400e3 + number * 1e3) for number, cell in enumerate(cells))
     sheet = write_readings(unit, measured(unit), pressures=PressureTable("", "", None, (), given))

@@ -29,7 +29,7 @@ from atleak.diagnosis.uncertainty import Assumptions
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.measurements.job_card import Job
 from atleak.report.pdf import write_pdf
-from atleak.report.pdf.body import SECTIONS
+from atleak.report.pdf.body import PDF_SECTIONS
 from atleak.report.pdf.typesetting import printable_picture
 from atleak.report.tables.first_sentence import lands_part
 from atleak.report.tables.lands import leaking_worst_first
@@ -189,7 +189,7 @@ def test_says_where_everything_comes_from(worn, printed):
 
 
 def test_nothing_is_printed_for_what_was_not_filled_in(unmeasured):
-    text = text_of(write_pdf(unmeasured, sections=[name for name in SECTIONS if name != "signatures"]))
+    text = text_of(write_pdf(unmeasured, sections=[name for name in PDF_SECTIONS if name != "signatures"]))
     for label in (
         "Job",
         "Customer",
@@ -342,7 +342,7 @@ def test_unknown_language_and_paper_are_refused(worn):
 
 
 def test_every_section_has_a_title():
-    assert set(SECTIONS) == set(wording("en").texts["sections"])
+    assert set(PDF_SECTIONS) == set(wording("en").texts["sections"])
 
 
 def test_same_job_same_bytes_also_from_threads(worn, job, printed):

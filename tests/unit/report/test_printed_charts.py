@@ -13,12 +13,12 @@ import pytest
 
 from atleak.analysis.pressures import pressures_at
 from atleak.analysis.repair.plan import plan_repairs
-from atleak.common.style import PAPER
+from atleak.common.style import PAPER_INKS
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
-from atleak.report.charts.paper import drawn
+from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.charts.paper_curves import pump_chart, road_chart
 from atleak.report.pdf.body import Body
 from atleak.report.pdf.printed_names import PrintedNames
@@ -55,7 +55,7 @@ def test_every_applied_circuit_stands_with_its_pressure_and_the_word_of_its_verd
 ) -> None:
     say = wording(language)
     at = pressures_at(worn_clutch, worn_clutch.hot_idle, plan_repairs(worn_clutch).ends)
-    said = words(drawn(pressure_chart(at, say), say))
+    said = words(drawn_on_paper(pressure_chart(at, say), say))
     for each in at.applied:
         name = say("held.line") if each.circuit is None else each.circuit.name
         assert name in said
@@ -66,20 +66,20 @@ def test_every_applied_circuit_stands_with_its_pressure_and_the_word_of_its_verd
 
 def test_repaired_bars_are_drawn_only_with_a_plan(worn_clutch: Diagnosis) -> None:
     def bars(svg: str) -> int:
-        return len(re.findall(rf"fill: {PAPER.rule.lower()}[^\"]*stroke: {PAPER.ink.lower()}", svg))
+        return len(re.findall(rf"fill: {PAPER_INKS.rule.lower()}[^\"]*stroke: {PAPER_INKS.ink.lower()}", svg))
 
     at = pressures_at(worn_clutch, worn_clutch.hot_idle)
     planned = pressures_at(worn_clutch, worn_clutch.hot_idle, plan_repairs(worn_clutch).ends)
     say = wording("en")
-    assert bars(drawn(pressure_chart(at, say), say)) == 0
-    assert bars(drawn(pressure_chart(planned, say), say)) == len(at.applied)
+    assert bars(drawn_on_paper(pressure_chart(at, say), say)) == 0
+    assert bars(drawn_on_paper(pressure_chart(planned, say), say)) == len(at.applied)
 
 
 def test_names_from_a_file_stay_text_in_charts(worn_clutch: Diagnosis, hostile: tuple[str, ...]) -> None:
     at = pressures_at(worn_clutch, worn_clutch.hot_idle)
     usual = {
         element.tag
-        for element in ElementTree.fromstring(drawn(pressure_chart(at, wording("en")), wording("en"))).iter()
+        for element in ElementTree.fromstring(drawn_on_paper(pressure_chart(at, wording("en")), wording("en"))).iter()
     }
     names = iter(hostile)
     while named := [
@@ -87,7 +87,7 @@ def test_names_from_a_file_stay_text_in_charts(worn_clutch: Diagnosis, hostile: 
     ]:
         circuits = (*named, *at.circuits[len(named) :])
         shown = ElementTree.fromstring(
-            drawn(pressure_chart(replace(at, circuits=circuits), wording("en")), wording("en"))
+            drawn_on_paper(pressure_chart(replace(at, circuits=circuits), wording("en")), wording("en"))
         )
         assert {element.tag for element in shown.iter()} == usual, "no name became an element of the drawing"
     marked = tuple((name, 10.0 + number) for number, name in enumerate(hostile))
@@ -98,7 +98,7 @@ def test_names_from_a_file_stay_text_in_charts(worn_clutch: Diagnosis, hostile: 
 def shares_of(worn: Diagnosis, *lands: SimpleNamespace) -> str:
     say = wording("en")
     chart = Body(PrintedNames(worn, Job(), say), None, {})._share_chart(lands, "share [%]")
-    return words(drawn(chart, say))
+    return words(drawn_on_paper(chart, say))
 
 
 def leaking(key: tuple[str, int], share: float, verdict: Verdict, *interval: float) -> SimpleNamespace:

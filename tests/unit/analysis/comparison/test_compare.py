@@ -19,7 +19,7 @@ from atleak.common.errors import InputError
 from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.diagnosis.uncertainty.draws import Cube, Draws, deviates_of_factors, one_sided_fraction
-from atleak.diagnosis.uncertainty.paired import Visit, _drawn_lands
+from atleak.diagnosis.uncertainty.paired import PairedVisit, _drawn_lands
 from atleak.engine.projection import stated_condition
 from atleak.measurements.readings import Readings
 
@@ -122,7 +122,7 @@ def test_a_length_that_nobody_measured_is_one_at_both_visits_whatever_else_was_m
     name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
 ) -> None:
     visits = [
-        Visit(each.model, [land.sources for land in each.uncertainty.lands], list(each.projections))
+        PairedVisit(each.model, [land.sources for land in each.uncertainty.lands], list(each.projections))
         for each in two_visits(name, hipol, limits, readings_of)
     ]
     statuses = {

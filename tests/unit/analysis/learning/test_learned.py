@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from atleak.analysis.learning.learned_clearances import Learned, ToleranceFrom, _factor, learn
-from atleak.analysis.learning.learned_words import messages, summary, why, with_learned
+from atleak.analysis.learning.learned_words import learned_messages, summary, why_left_out, with_learned
 from atleak.analysis.learning.outliers import WhyUnit, _one_sided_squares_tail
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import checked_controller, written_toml
@@ -58,7 +58,7 @@ def of(learned: Learned, component: str, land: int):
 
 
 def codes(learned: Learned) -> list[str]:
-    return [message.code for message in messages(learned)]
+    return [message.code for message in learned_messages(learned)]
 
 
 def test_clearances_of_all_lands_are_learned(six: Learned, new_of: dict) -> None:
@@ -125,9 +125,9 @@ def test_a_worn_unit_is_left_out_and_named(four_speed: Controller, sheets: list,
     assert len(named) >= 4
     assert named <= set(list(new_of)[:6])
     assert {land.units for land in learned.lands} == {6}
-    (said,) = [message for message in messages(learned) if message.code == "unit_left_out"]
+    (said,) = [message for message in learned_messages(learned) if message.code == "unit_left_out"]
     assert "worn.xlsx is left out as a whole" in said.text
-    assert why(unit, learned.left_out) in said.text
+    assert why_left_out(unit, learned.left_out) in said.text
     assert learned_units(learned, wording("en")).frame().iloc[-1, -1].endswith("worn")
     assert learned_outliers(learned, wording("en")).frame().iloc[0, -1] > 5.0
     record = learned_record(learned)
@@ -144,7 +144,7 @@ def test_one_pair_is_left_out_by_itself(four_speed: Controller, sheets: list, ne
     assert not [unit for unit in learned.units if unit.left_out is not None]
     assert [(pair.component, pair.wider) for pair in learned.left_out] == [("8", True), ("9", False)]
     assert (of(learned, "8", 1).units, of(learned, "7", 1).units) == (6, 7)
-    texts = " ".join(message.text for message in messages(learned))
+    texts = " ".join(message.text for message in learned_messages(learned))
     assert "8/1 is left out" in texts
     assert "tighter, which no wear does" in texts
 
@@ -155,7 +155,7 @@ def test_one_unit_says_what_one_unit_can_tell(four_speed: Controller, sheets: li
     assert land.spread is None
     assert land.tolerance_from is ToleranceFrom.PUBLISHED
     assert land.tolerance == pytest.approx(np.hypot(6.8e-6, land.uncertainty), abs=1e-12)
-    (said,) = [message for message in messages(learned) if message.code == "one_unit"]
+    (said,) = [message for message in learned_messages(learned) if message.code == "one_unit"]
     assert said.level == "warning"
     for words in ("6.4-20 µm radial", "choice of this project", "nothing tells whether it is worn"):
         assert words in said.text
@@ -170,9 +170,9 @@ def test_one_unit_keeps_a_tolerance_that_the_file_states(four_speed: Controller,
     assert land.tolerance_from is ToleranceFrom.FILE
     apart = np.sqrt(2.0) * known.lands[0].mounting_tolerance
     assert land.tolerance == pytest.approx(np.hypot(apart, land.uncertainty), abs=1e-12)
-    (said,) = [message for message in messages(learned) if message.code == "known_from_more_units"]
+    (said,) = [message for message in learned_messages(learned) if message.code == "known_from_more_units"]
     assert "from more units (6) than these (1)" in said.text
-    assert "√2" in " ".join(message.text for message in messages(learned))
+    assert "√2" in " ".join(message.text for message in learned_messages(learned))
 
 
 def test_units_wider_than_the_file_has_new_ones_may_all_be_worn(four_speed: Controller, sheet_of: SheetOf) -> None:
@@ -182,7 +182,9 @@ def test_units_wider_than_the_file_has_new_ones_may_all_be_worn(four_speed: Cont
 
     def said(clearances: dict) -> list:
         units = [sheet_of(four_speed, clearances, random, f"{number}.xlsx") for number in range(3)]
-        return [message for message in messages(learn(four_speed, units)) if message.code == "wider_than_new_so_far"]
+        return [
+            message for message in learned_messages(learn(four_speed, units)) if message.code == "wider_than_new_so_far"
+        ]
 
     assert said(new) == []
     (warned,) = said(worn)
@@ -196,7 +198,7 @@ def test_units_wider_than_the_file_has_new_ones_may_all_be_worn(four_speed: Cont
 )
 def test_few_units_say_that_they_are_few(four_speed: Controller, sheets: list, count: int, says: str) -> None:
     learned = learn(four_speed, sheets[:count])
-    (said,) = [message for message in messages(learned) if message.code == "few_units"]
+    (said,) = [message for message in learned_messages(learned) if message.code == "few_units"]
     assert says in said.text
     assert learned.lands[0].tolerance_from is ToleranceFrom.UNITS
     assert learned.lands[0].uncertainty_by_units > learn(four_speed, sheets).lands[0].uncertainty_by_units
@@ -215,7 +217,7 @@ def test_lands_that_nobody_measured_keep_what_they_had(four_speed: Controller, n
     random = np.random.default_rng(1)
     learned = learn(four_speed, [sheet_of(four_speed, measured, random, f"{number}.xlsx") for number in range(5)])
     assert [land.key for land in learned.unlearned] == [("5", 1), ("26", 4)]
-    (said,) = [message.text for message in messages(learned) if message.code == "lands_not_learned"]
+    (said,) = [message.text for message in learned_messages(learned) if message.code == "lands_not_learned"]
     assert "5/1, 26/4" in said
     tables = with_learned(read_tables("controllers", NAME)[0], learned, DAY)
     again = checked_controller(tables)
@@ -233,7 +235,7 @@ def test_of_a_used_unit_only_lands_with_unworn_ends_count(four_speed: Controller
     assert learned.lands[0].clearance == pytest.approx(17e-6, abs=1.5e-6)
     assert learned.lands[0].unworn_ends == 1
     assert learned.units[0].of_used_unit
-    (said,) = [message.text for message in messages(learned) if message.code == "rests_on_unworn_ends"]
+    (said,) = [message.text for message in learned_messages(learned) if message.code == "rests_on_unworn_ends"]
     assert "beside the spool as it is" in said
     beside = learn(four_speed, [*sheets, used])
     assert (of(beside, "8", 1).units, of(beside, "8", 1).unworn_ends, of(beside, "9", 1).units) == (7, 1, 6)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from atleak.analysis.learning.learned_clearances import Estimate, estimate
+from atleak.analysis.learning.learned_clearances import ClearanceEstimate, estimate_clearance
 from atleak.analysis.learning.outliers import Outliers, WhyUnit, find_outliers
 from tests.unit.analysis.learning.conftest import BETWEEN, WORN, Simulate, Simulated
 
@@ -20,7 +20,7 @@ from tests.unit.analysis.learning.conftest import BETWEEN, WORN, Simulate, Simul
 class Run(NamedTuple):
     given: Simulated
     outliers: Outliers
-    found: Estimate
+    found: ClearanceEstimate
 
     @property
     def named(self) -> set[int]:
@@ -44,7 +44,7 @@ def runs(simulate: Simulate, times: int, seed: int = 1, **how) -> Iterator[Run]:
     for _ in range(times):
         given = simulate(random, **how)
         outliers = find_outliers(given.measured, given.own)
-        yield Run(given, outliers, estimate(given.measured, given.own, outliers.kept))
+        yield Run(given, outliers, estimate_clearance(given.measured, given.own, outliers.kept))
 
 
 def coverage(simulate: Simulate, times: int, **how) -> float:
@@ -163,16 +163,18 @@ def test_of_two_units_the_wider_pair_is_left_out(simulate: Simulate) -> None:
 def test_units_that_differ_alike_in_all_lands_tell_as_much_as_two_values() -> None:
     random = np.random.default_rng(4)
     measured = 15e-6 + random.normal(0.0, 0.5e-6, (2, 30)) + np.array([[-3e-6], [3e-6]])
-    found = estimate(measured, np.full(measured.shape, 0.3e-6), np.ones(measured.shape, dtype=bool))
+    found = estimate_clearance(measured, np.full(measured.shape, 0.3e-6), np.ones(measured.shape, dtype=bool))
     assert found.degrees[0] < 1.2  # Student's t of one degree of freedom: 12.7
-    apart = estimate(15e-6 + random.normal(0.0, 3e-6, (2, 30)), np.full((2, 30), 0.3e-6), np.ones((2, 30), dtype=bool))
+    apart = estimate_clearance(
+        15e-6 + random.normal(0.0, 3e-6, (2, 30)), np.full((2, 30), 0.3e-6), np.ones((2, 30), dtype=bool)
+    )
     assert apart.degrees[0] > 15.0
 
 
 def test_one_unit_shows_no_spread(simulate: Simulate) -> None:
     given = simulate(np.random.default_rng(2), units=1)
     outliers = find_outliers(given.measured, given.own)
-    found = estimate(given.measured, given.own, outliers.kept)
+    found = estimate_clearance(given.measured, given.own, outliers.kept)
     assert outliers.kept.all()
     assert np.isnan(found.spread).all()
     assert found.standard_error == pytest.approx(given.own[0], abs=1e-12)
@@ -183,7 +185,7 @@ def test_lands_that_nobody_measured_leave_the_others_alone(simulate: Simulate) -
     given.measured[:, 5] = np.nan
     given.measured[1:, 6] = np.nan
     outliers = find_outliers(given.measured, given.own)
-    found = estimate(given.measured, np.where(np.isnan(given.measured), np.nan, given.own), outliers.kept)
+    found = estimate_clearance(given.measured, np.where(np.isnan(given.measured), np.nan, given.own), outliers.kept)
     assert found.pairs[5] == 0
     assert np.isnan(found.clearance[5])
     assert found.pairs[6] == 1

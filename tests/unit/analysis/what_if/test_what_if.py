@@ -18,7 +18,7 @@ from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.engine.projection import project
 from atleak.measurements.readings import Readings
-from atleak.report.tables.what_if import circuit_table, tried_words
+from atleak.report.tables.what_if import tried_circuit_table, tried_words
 
 UNITS = ("ford_4r70w", "gm_4l60e", "zf_6hp26")  # with circuits, and not the source study's
 
@@ -210,7 +210,7 @@ def test_the_study_s_variants_are_tried_with_this_unit(sample_diagnoses: dict[st
 def test_circuits_whose_set_pressure_follows_the_condition_have_rows_of_their_own(
     three_circuits: Controller, worn_clutch: Diagnosis
 ) -> None:
-    rows = circuit_table(worn_clutch, tried(worn_clutch, WhatIf(wear=2.0)), wording("en")).records()
+    rows = tried_circuit_table(worn_clutch, tried(worn_clutch, WhatIf(wear=2.0)), wording("en")).records()
     assert {row["circuit"] for row in rows} <= {circuit.name for circuit in three_circuits.circuits}
     assert any(row["new_held"] is not None for row in rows)
 
@@ -262,7 +262,7 @@ def test_circuits_are_named_in_the_reader_s_language(worn_units: dict[str, Diagn
     unit = worn_units["gm_4l60e"]
     here = tried(unit, WhatIf())
     names = {
-        say.language: {row["circuit"] for row in circuit_table(unit, here, say).records()}
+        say.language: {row["circuit"] for row in tried_circuit_table(unit, here, say).records()}
         for say in map(wording, ("en", "de"))
     }
     assert "forward clutch" in names["en"]

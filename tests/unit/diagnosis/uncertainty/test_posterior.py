@@ -11,7 +11,7 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.instruments import load_instruments
 from atleak.diagnosis.uncertainty import DEFAULTS, Assumptions
-from atleak.diagnosis.uncertainty.posterior import Shown, Unit, losses
+from atleak.diagnosis.uncertainty.posterior import PosteriorUnit, Shown, losses
 from atleak.diagnosis.uncertainty.sources import find_sources
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
@@ -22,21 +22,21 @@ DRAWS = 2048
 CLUTCH = "clutch_a"
 
 
-def unit_of(fluid: Fluid, assumptions: Assumptions = DEFAULTS, name: str = "zf_6hp26") -> Unit:
+def unit_of(fluid: Fluid, assumptions: Assumptions = DEFAULTS, name: str = "zf_6hp26") -> PosteriorUnit:
     controller = load_controller(name)
     states = clearances(None, controller)
     model = LeakageModel(controller, states, fluid, WORKSHOP)
     sources, _ = find_sources(states, None, controller, load_instruments(), assumptions)
     points = [each for each in controller.operating_points if each.gear == 1]
-    return Unit(model, sources, assumptions, [project(model, each) for each in points])
+    return PosteriorUnit(model, sources, assumptions, [project(model, each) for each in points])
 
 
 @pytest.fixture
-def unit(hipol: Fluid) -> Unit:
+def unit(hipol: Fluid) -> PosteriorUnit:
     return unit_of(hipol)
 
 
-def test_where_no_gauge_tells_anything_the_loss_is_that_of_what_is_assumed(unit: Unit) -> None:
+def test_where_no_gauge_tells_anything_the_loss_is_that_of_what_is_assumed(unit: PosteriorUnit) -> None:
     point = next(iter(unit.conditions))
     vague = replace(unit.assumptions, main_pressure=1e3)
     unit.assumptions = vague
@@ -82,7 +82,7 @@ def test_drawing_around_what_was_found_changes_how_well_it_is_known_not_what(hip
     assert few.probability_over(55e3) == pytest.approx(many.probability_over(55e3), abs=0.1)
 
 
-def test_what_leaks_is_ranked_and_its_parts_add_up(unit: Unit) -> None:
+def test_what_leaks_is_ranked_and_its_parts_add_up(unit: PosteriorUnit) -> None:
     point = max(unit.conditions, key=lambda each: each.main_pressure)
     held = project(unit.model, point).circuit(CLUTCH).pressure
     lost = losses(unit, [Shown(point, CLUTCH, held - 300e3)], [(CLUTCH, point)], DRAWS)[CLUTCH, point]

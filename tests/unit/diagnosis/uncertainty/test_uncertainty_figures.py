@@ -27,7 +27,7 @@ def unit(judge: Callable, four_speed: Controller) -> UnitUncertainty:
 
 
 def test_clearances_carry_their_intervals_and_limits(unit: UnitUncertainty, limits: Limits) -> None:
-    figure = figures.clearances(unit, ENGLISH, lands=10)
+    figure = figures.land_clearances(unit, ENGLISH, lands=10)
     traces = {trace.name: trace for trace in figure.data}
     drawn = 0
     for decision in ("pass", "conditional pass", "conditional fail", "fail"):
@@ -72,12 +72,12 @@ def test_limit_of_a_clearance_is_drawn_where_it_decides(
     steps = Steps(((Verdict.REPLACE, 30 * UM),), LimitOrigin.WORKSHOP, "")
     only = replace(limits, wear=None, clearance=steps, pair_share=None)
     unit = judge(a_sheet(four_speed, clearance=32 * UM), limits=only, draws=500).unit
-    limit = next(trace for trace in figures.clearances(unit, ENGLISH).data if trace.name == "limit")
+    limit = next(trace for trace in figures.land_clearances(unit, ENGLISH).data if trace.name == "limit")
     assert list(limit.x) == pytest.approx([30.0] * len(limit.x), rel=1e-12, abs=0.0)
 
 
 def test_a_decision_is_named_as_the_texts_name_it(unit: UnitUncertainty, monkeypatch: pytest.MonkeyPatch) -> None:
     for decision in DECISIONS:
         monkeypatch.setitem(wording("en").texts["decisions"], decision, f"decided: {decision}")
-    named = {trace.name for trace in figures.clearances(unit, ENGLISH, lands=len(unit.lands)).data}
+    named = {trace.name for trace in figures.land_clearances(unit, ENGLISH, lands=len(unit.lands)).data}
     assert named >= {f"decided: {land.decision}" for land in unit.lands}

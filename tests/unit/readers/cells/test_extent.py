@@ -13,7 +13,7 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.common.errors import AtleakError, ReadingsError
 from atleak.readers.cells import extent
-from atleak.readers.file_kinds import Table, table_kind
+from atleak.readers.file_kinds import TableKind, table_kind
 from atleak.readers.gauges.gauge_study import read_study
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.logs import log_columns, understand
@@ -146,7 +146,9 @@ def test_a_workbook_of_hundreds_of_sheets_is_refused(doors, bare_workbook):
 def test_a_long_log_in_a_workbook_is_known_as_a_log(four_speed, bare_workbook):
     heads = "".join(f'<c t="inlineStr"><is><t>{name}</t></is></c>' for name in HEADS["log"])
     rows = "".join(f"<row><c><v>{row / 10}</v></c><c><v>900</v></c><c><v>500</v></c></row>" for row in range(12_000))
-    assert table_kind(bare_workbook(f"<sheetData><row>{heads}</row>{rows}</sheetData>"), four_speed) == Table.ROAD_TEST
+    assert (
+        table_kind(bare_workbook(f"<sheetData><row>{heads}</row>{rows}</sheetData>"), four_speed) == TableKind.ROAD_TEST
+    )
 
 
 @pytest.mark.parametrize(

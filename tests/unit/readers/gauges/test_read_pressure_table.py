@@ -19,7 +19,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import InputError, PressureTableError
 from atleak.common.wording import wording
-from atleak.measurements.gauge_readings import LINE, Cell, Engine, PressureTable, ranges_of
+from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, PressureTable, ranges_of
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.sheets.measuring_sheet import write_template
@@ -71,9 +71,9 @@ def workbook(*sheets: tuple[str, Sequence[Sequence[Any]]], merged: Sequence[str]
 def test_ranges_in_rows_and_engine_in_columns_and_an_empty_cell_was_not_measured(unit: Controller) -> None:
     table = read("range;slow idle [kPa];fast idle [kPa];stall [kPa]\nD;412,5;;1100\nR;–;600;\n", unit)
     assert kpa(table) == {
-        ("D", "slow_idle", LINE): 412.5,
-        ("D", "stall", LINE): 1100.0,
-        ("R", "fast_idle", LINE): 600.0,
+        ("D", "slow_idle", LINE_TAP): 412.5,
+        ("D", "stall", LINE_TAP): 1100.0,
+        ("R", "fast_idle", LINE_TAP): 600.0,
     }
     assert (table.sheet, table.units) == (None, ("kPa",))
     assert table.readings[0].place.row == 2
@@ -83,10 +83,10 @@ def test_ranges_in_rows_and_engine_in_columns_and_an_empty_cell_was_not_measured
 def test_ranges_in_columns_and_a_column_of_states_that_has_no_heading(unit: Controller) -> None:
     table = read(";P;R;N;D;2;1\nslow idle;3,9 bar;4,1 bar;;4.00 bar;;\nstall;;;;1,1 MPa;;\n", unit)
     assert kpa(table) == {
-        ("P", "slow_idle", LINE): 390.0,
-        ("R", "slow_idle", LINE): 410.0,
-        ("D", "slow_idle", LINE): 400.0,
-        ("D", "stall", LINE): 1100.0,
+        ("P", "slow_idle", LINE_TAP): 390.0,
+        ("R", "slow_idle", LINE_TAP): 410.0,
+        ("D", "slow_idle", LINE_TAP): 400.0,
+        ("D", "stall", LINE_TAP): 1100.0,
     }
 
 
@@ -94,17 +94,17 @@ def test_one_reading_a_row_with_headings_in_any_order(unit: Controller) -> None:
     head = "Pressure [psi],ATF temp [F],Tap,State,rpm,Range\n"
     table = read(f"{head}60.5,176,main pressure,idle,700,drive\n55,176,Clutch C1 apply,stall,,D\n", unit)
     first, second = table.readings
-    assert first.cell == Cell("D", Engine.SLOW_IDLE, LINE)
+    assert first.cell == GaugeCell("D", Engine.SLOW_IDLE, LINE_TAP)
     assert first.pressure == pytest.approx(60.5 * UNITS["psi"], abs=1e-6)
     assert first.temperature == pytest.approx(80.0, abs=1e-9)
     assert first.engine_speed == pytest.approx(700.0 / 60.0, abs=1e-9)
-    assert second.cell == Cell("D", Engine.STALL, "clutch_c1")
+    assert second.cell == GaugeCell("D", Engine.STALL, "clutch_c1")
     assert second.engine_speed is None
 
 
 def test_taps_in_columns(unit: Controller) -> None:
     table = read("range;engine;line [bar];clutch_c1 [bar]\nD;Leerlauf;4,1;3,0\n", unit)
-    assert kpa(table) == {("D", "slow_idle", LINE): 410.0, ("D", "slow_idle", "clutch_c1"): 300.0}
+    assert kpa(table) == {("D", "slow_idle", LINE_TAP): 410.0, ("D", "slow_idle", "clutch_c1"): 300.0}
 
 
 def test_two_rows_of_headings_merged_over_one_another(unit: Controller) -> None:
@@ -118,9 +118,9 @@ def test_two_rows_of_headings_merged_over_one_another(unit: Controller) -> None:
     data = workbook(("Drucktabelle", rows), merged=("B1:C1", "D1:E1"))
     table = read_pressure_table(data, unit, name="two.xlsx")
     assert kpa(table) == {
-        ("D", "slow_idle", LINE): 410.0,
+        ("D", "slow_idle", LINE_TAP): 410.0,
         ("D", "slow_idle", "clutch_c1"): 300.0,
-        ("D", "stall", LINE): 1100.0,
+        ("D", "stall", LINE_TAP): 1100.0,
         ("D", "stall", "clutch_c1"): 990.0,
     }
     assert table.sheet == "Drucktabelle"
@@ -129,7 +129,7 @@ def test_two_rows_of_headings_merged_over_one_another(unit: Controller) -> None:
 
 def test_a_title_says_what_all_readings_below_it_have_in_common(unit: Controller) -> None:
     text = "Gauge at clutch C1 apply\nrange;slow idle [kPa]\nD;400\n\nLine\nrange;slow idle [kPa]\nD;410\n"
-    assert kpa(read(text, unit)) == {("D", "slow_idle", "clutch_c1"): 400.0, ("D", "slow_idle", LINE): 410.0}
+    assert kpa(read(text, unit)) == {("D", "slow_idle", "clutch_c1"): 400.0, ("D", "slow_idle", LINE_TAP): 410.0}
 
 
 def test_unit_and_temperature_above_the_table_hold_for_all_of_it(unit: Controller) -> None:
@@ -150,13 +150,13 @@ def test_permissible_values_beside_the_readings_are_left_aside_and_named(unit: C
         ("Pressures", [["range", "stall [kPa]", "permissible low [kPa]", "remark"], ["D", 1100, 1000, "cold"]])
     )
     table = read_pressure_table(data, unit, name="p.xlsx")
-    assert kpa(table) == {("D", "stall", LINE): 1100.0}
+    assert kpa(table) == {("D", "stall", LINE_TAP): 1100.0}
     assert any("permissible low" in message.text for message in table.messages)
 
 
 def test_numbers_keep_their_digits_in_a_workbook(unit: Controller) -> None:
     data = workbook(("P", [["range", "stall [MPa]"], ["D", 1.034], [3.0, "0,987"]]))
-    assert kpa(read_pressure_table(data, unit)) == {("D", "stall", LINE): 1034.0, ("3", "stall", LINE): 987.0}
+    assert kpa(read_pressure_table(data, unit)) == {("D", "stall", LINE_TAP): 1034.0, ("3", "stall", LINE_TAP): 987.0}
 
 
 # --- times and gauges
@@ -200,12 +200,12 @@ def test_the_gauge_of_each_reading_is_kept(unit, heading: str) -> None:
 
 def test_readings_of_one_cell_are_counted_by_a_column(unit: Controller) -> None:
     table = read("range;engine;time;pressure [kPa]\nD;idle;10:05;400\nD;idle;10:01;420\nD;idle;10:09;380\n", unit)
-    assert [(each.repeat, each.pressure) for each in table.at(Cell("D", Engine.SLOW_IDLE))] == [
+    assert [(each.repeat, each.pressure) for each in table.at(GaugeCell("D", Engine.SLOW_IDLE))] == [
         (1, 420e3),
         (2, 400e3),
         (3, 380e3),
     ]
-    assert [each.round for each in table.at(Cell("D", Engine.SLOW_IDLE))] == [36060.0, 36300.0, 36540.0]
+    assert [each.round for each in table.at(GaugeCell("D", Engine.SLOW_IDLE))] == [36060.0, 36300.0, 36540.0]
 
 
 def test_readings_of_one_cell_may_stand_in_numbered_columns(unit: Controller) -> None:
@@ -262,7 +262,7 @@ def test_a_column_of_numbers_under_a_heading_that_means_nothing_is_refused(unit:
 
 def test_a_column_of_words_says_nothing_and_one_without_a_heading_is_named(unit: Controller) -> None:
     table = read("range;stall [kPa];mechanic;\nD;1100;J. B.;17\n", unit)
-    assert kpa(table) == {("D", "stall", LINE): 1100.0}
+    assert kpa(table) == {("D", "stall", LINE_TAP): 1100.0}
     (aside,) = [message.text for message in table.messages if message.code == "column_aside"]
     assert aside.endswith("'D'")
 
@@ -322,7 +322,7 @@ def test_a_tab_of_the_measuring_sheet_is_read_with_it(four_speed: Controller, sa
     alone = read_readings(sample_readings, four_speed)
     readings = read_readings(data, four_speed, name="sheet.xlsx")
     assert readings.pressures is not None
-    assert kpa(readings.pressures) == {("D", "slow_idle", LINE): 410.0, ("D", "stall", LINE): 1030.0}
+    assert kpa(readings.pressures) == {("D", "slow_idle", LINE_TAP): 410.0, ("D", "stall", LINE_TAP): 1030.0}
     assert [(each.station, each.diameter) for each in readings.readings] == [
         (each.station, each.diameter) for each in alone.readings
     ]

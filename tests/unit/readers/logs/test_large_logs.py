@@ -456,9 +456,9 @@ def test_an_mdf_file_that_would_not_fit_is_refused_with_what_fits(monkeypatch: p
 def test_a_frame_that_is_thinned_keeps_its_words_in_their_rows() -> None:
     frame = pd.DataFrame({0: [0.0, np.nan, 2.0, 3.0, 4.0], 1: [1.0, np.nan, np.nan, 4.0, 5.0]})
     frame.attrs["words"] = {0: pd.Series(["Lap 2"], [1]), 1: pd.Series(["x", "y"], [1, 2])}
-    thinned = delimited.thinned(frame, 2)
+    thinned = delimited.every_nth(frame, 2)
     assert thinned[0].tolist()[2:] == [2.0, 4.0]
     assert thinned.attrs["lines"].tolist() == [0, 1, 2, 4]
-    assert delimited.thinned(frame, 2, 3).attrs["lines"].tolist() == [4, 6]
+    assert delimited.every_nth(frame, 2, 3).attrs["lines"].tolist() == [4, 6]
     words = {index: cells.to_dict() for index, cells in thinned.attrs["words"].items()}
     assert words == {0: {1: "Lap 2"}, 1: {1: "x", 2: "y"}}

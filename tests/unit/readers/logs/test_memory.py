@@ -16,7 +16,7 @@ import pytest
 from atleak.common.errors import OutputError
 from atleak.common.files import damaged_before
 from atleak.readers.logs import NOT_LOGGED, forget, recall, remember
-from atleak.readers.logs.remembered_columns import RememberedColumns, recall_all, restore
+from atleak.readers.logs.remembered_columns import RememberedColumns, recall_all, restore_columns
 
 WRITERS = 4  # processes, each with two threads
 ANSWERS = 10  # of every thread
@@ -149,7 +149,7 @@ def test_what_was_forgotten_is_brought_back_as_it_was(tmp_path: Path) -> None:
     entry = recall_all(store)["a"]
     forget(store, "a")
     assert recall_all(store) == {}
-    restore(store, "a", entry)
+    restore_columns(store, "a", entry)
     back = recall_all(store)["a"]
     assert vars(back) == vars(entry)
 

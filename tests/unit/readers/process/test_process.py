@@ -21,11 +21,11 @@ from atleak.common.errors import InputError, ReadingsError, RoadTestError
 from atleak.readers.cells import workbook_marks
 from atleak.readers.logs import read_road_test
 from atleak.readers.process import parent as process
-from atleak.readers.process.parent import MDF, PARQUET, WORKBOOK, Budget, read_apart, read_apart_in_parts
+from atleak.readers.process.parent import MDF, PARQUET, WORKBOOK, ProcessBudget, read_apart, read_apart_in_parts
 
 HERE = Path(__file__).parent
-SMALL = Budget("test file", 100 << 20, 0.0, 30.0, 0.0, "it is damaged", "a better one")
-HURRIED = Budget("test file", 100 << 20, 0.0, 1.0, 0.0, "it is damaged", "a better one")
+SMALL = ProcessBudget("test file", 100 << 20, 0.0, 30.0, 0.0, "it is damaged", "a better one")
+HURRIED = ProcessBudget("test file", 100 << 20, 0.0, 1.0, 0.0, "it is damaged", "a better one")
 
 Read = Callable[..., list[Any]]
 
@@ -44,7 +44,7 @@ def readers(monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
 
 @pytest.fixture
 def refused() -> Callable[..., InputError]:
-    def read(function: Any, data: bytes = b"", budget: Budget = SMALL, **options: Any) -> InputError:
+    def read(function: Any, data: bytes = b"", budget: ProcessBudget = SMALL, **options: Any) -> InputError:
         with pytest.raises(ReadingsError) as caught:
             read_apart(function, data, "some.file", ReadingsError, budget, **options)
         assert caught.value.place.file == "some.file"

@@ -14,7 +14,7 @@ from atleak.common.wording import wording
 from atleak.measurements.readings import clearances
 from atleak.readers.sheets.column_headings import read_heading
 from atleak.readers.sheets.measuring_sheet import read_readings
-from atleak.readers.sheets.table import EXPECTED
+from atleak.readers.sheets.table import EXPECTED_SHEET
 
 Row = list[object]
 HEADINGS: Row = ["No.", "Part", "Plane", "Direction", "Diameter [mm]"]
@@ -123,5 +123,5 @@ def test_sizes_are_said_in_the_reader_s_units_with_the_places_that_they_need(con
 )
 def test_headings_that_are_asked_for_are_understood(language: str, headings: list[str]) -> None:
     roles = ["component", "part", "plane", "land", "diameter", "coordinate", "direction", "repeat", "unit"]
-    assert [heading for heading in headings if heading not in wording(language).sentence(EXPECTED)] == []
+    assert [heading for heading in headings if heading not in wording(language).sentence(EXPECTED_SHEET)] == []
     assert [column.role for heading in headings if (column := read_heading(heading))] == roles

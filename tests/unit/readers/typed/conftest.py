@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.measurements.measuring_plan import Cell, Plan
+from atleak.measurements.measuring_plan import Plan, PlanCell
 from atleak.readers.typed_sheet import Typed
 
-Texts = dict[Cell, str]
+Texts = dict[PlanCell, str]
 
 
 def careful(controller: Controller, wear_um: float = 2.0) -> Texts:
@@ -26,7 +26,7 @@ def careful(controller: Controller, wear_um: float = 2.0) -> Texts:
 
 
 @pytest.fixture(scope="session")
-def careful_texts(minimal: Controller) -> Mapping[Cell, str]:
+def careful_texts(minimal: Controller) -> Mapping[PlanCell, str]:
     return careful(minimal)
 
 
@@ -36,10 +36,10 @@ def careful_entries(careful_texts: Texts) -> Typed:
 
 
 @pytest.fixture(scope="session")
-def with_texts(careful_entries: Typed) -> Callable[[Mapping[Cell, str]], Typed]:
+def with_texts(careful_entries: Typed) -> Callable[[Mapping[PlanCell, str]], Typed]:
     """The careful entries with some of them written otherwise."""
 
-    def made(texts: Mapping[Cell, str]) -> Typed:
+    def made(texts: Mapping[PlanCell, str]) -> Typed:
         return careful_entries.fill(texts)
 
     return made

@@ -10,19 +10,19 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.common.wording import languages, wording
-from atleak.measurements.measuring_plan import Cell
+from atleak.measurements.measuring_plan import PlanCell
 from atleak.measurements.readings import Readings
-from atleak.readers.typed_sheet import Judged, Typed, judge
+from atleak.readers.typed_sheet import JudgedEntry, Typed, judge
 
-WithTexts = Callable[[Mapping[Cell, str]], Typed]
+WithTexts = Callable[[Mapping[PlanCell, str]], Typed]
 PAIR = "pressure_regulator"  # its first land: ⌀ 15 mm, 18 µm when new
 
 
-def at(part: str, direction: float = 0.0, repeat: int = 1, component: str = PAIR) -> Cell:
-    return Cell(component, part, "1", direction, repeat)
+def at(part: str, direction: float = 0.0, repeat: int = 1, component: str = PAIR) -> PlanCell:
+    return PlanCell(component, part, "1", direction, repeat)
 
 
-def only(judged: Judged) -> tuple[Cell, str, bool]:
+def only(judged: JudgedEntry) -> tuple[PlanCell, str, bool]:
     ((cell, doubt),) = judged.doubts.items()
     return cell, doubt.text, doubt.counts
 
@@ -57,7 +57,9 @@ def test_a_slip_is_told_at_its_cell_alone_and_does_not_count(
     assert set(judged.counting) == set(typed.entries) - {cell}
 
 
-def test_every_entry_in_inches_is_doubted_for_itself(careful_texts: Mapping[Cell, str], minimal: Controller) -> None:
+def test_every_entry_in_inches_is_doubted_for_itself(
+    careful_texts: Mapping[PlanCell, str], minimal: Controller
+) -> None:
     in_inches = {cell: f"{float(text.replace(',', '.')) / 25.4:.5f}" for cell, text in careful_texts.items()}
     judged = judge(Typed().fill(in_inches), minimal)
     assert set(judged.doubts) == set(in_inches)
@@ -102,14 +104,14 @@ def test_of_repeats_that_disagree_the_one_that_does_not_count_is_told(
 
 def test_a_diameter_of_another_land_is_doubted_and_counts(with_texts: WithTexts, minimal: Controller) -> None:
     """A nominal diameter can be representative: half a millimetre off is no proof of a slip."""
-    cells = [Cell("accumulator", part, "1", angle, n) for part in ("spool", "sleeve") for angle in (0.0, 90.0)
+    cells = [PlanCell("accumulator", part, "1", angle, n) for part in ("spool", "sleeve") for angle in (0.0, 90.0)
              for n in (1, 2)]  # fmt: skip
     judged = judge(with_texts({cell: "18,700" if cell.part == "spool" else "18,740" for cell in cells}), minimal)
     assert set(judged.doubts) == set(cells)
     assert all("is it this land?" in doubt.text and doubt.counts for doubt in judged.doubts.values())
 
 
-def test_half_a_land_is_no_doubt(careful_texts: Mapping[Cell, str], minimal: Controller) -> None:
+def test_half_a_land_is_no_doubt(careful_texts: Mapping[PlanCell, str], minimal: Controller) -> None:
     spools = {cell: text for cell, text in careful_texts.items() if cell.part == "spool"}
     judged = judge(Typed().fill(spools), minimal)
     assert judged.doubts == {}
@@ -126,7 +128,7 @@ def test_a_land_that_only_the_temperature_makes_impossible_is_told_and_left_out(
     with_texts: WithTexts, minimal: Controller
 ) -> None:
     tight = {
-        Cell("accumulator", part, "1", angle, number): size
+        PlanCell("accumulator", part, "1", angle, number): size
         for part, size in (("spool", "18,0000"), ("sleeve", "18,0010"))
         for angle in (0.0, 90.0)
         for number in (1, 2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.measurements.measuring_plan import PARTS, Cell, Order, Plan
+from atleak.measurements.measuring_plan import PARTS, Order, Plan, PlanCell
 
 PAIRS = ["pressure_regulator", "tcc_regulator", "solenoid_modulator", "accumulator"]
 
@@ -52,9 +52,9 @@ def test_only_the_lands_that_are_wanted_have_cells(minimal: Controller) -> None:
 
 
 def test_what_is_held_beyond_the_plan_stays(minimal: Controller) -> None:
-    third, elsewhere = Cell("accumulator", "spool", "1", 45.0, 3), Cell("tcc_regulator", "spool", "1", None, 1)
+    third, elsewhere = PlanCell("accumulator", "spool", "1", 45.0, 3), PlanCell("tcc_regulator", "spool", "1", None, 1)
     plan = Plan(lands=(("accumulator", 1),))
-    cells = plan.cells(minimal, [third, elsewhere, Cell("nothing", "spool", "1", 0.0, 1)])
+    cells = plan.cells(minimal, [third, elsewhere, PlanCell("nothing", "spool", "1", 0.0, 1)])
     assert third in cells
     assert elsewhere not in cells
     assert cells.index(third) == 2  # between 0° and 90°

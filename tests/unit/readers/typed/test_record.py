@@ -9,23 +9,23 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis, diagnose
-from atleak.measurements.measuring_plan import Cell
+from atleak.measurements.measuring_plan import PlanCell
 from atleak.readers.sheets.measuring_sheet import read_readings
-from atleak.readers.typed_sheet import Typed, judge, written
+from atleak.readers.typed_sheet import Typed, judge, written_sheet
 from atleak.report.measuring_grid import Grid, grid_record
 
-SLIP = Cell("pressure_regulator", "spool", "2", 0.0, 1)
+SLIP = PlanCell("pressure_regulator", "spool", "2", 0.0, 1)
 
 
 @pytest.fixture(scope="module")
 def typed(careful_entries: Typed) -> Typed:
-    return careful_entries.put(SLIP, "125,01").put(Cell("accumulator", "sleeve", "1", 90.0, 2), "")
+    return careful_entries.put(SLIP, "125,01").put(PlanCell("accumulator", "sleeve", "1", 90.0, 2), "")
 
 
 @pytest.fixture(scope="module")
 def grid(typed: Typed, minimal: Controller, hipol: Fluid, limits: Limits) -> Grid:
     judged = judge(typed, minimal)
-    content = written(typed, judged.counting, minimal)
+    content = written_sheet(typed, judged.counting, minimal)
     assert content is not None
     result: Diagnosis = diagnose(minimal, hipol, limits, readings=read_readings(content, minimal, name="typed.csv"))
     return Grid(typed.plan.cells(minimal, typed.entries), typed, judged, result)

@@ -9,15 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.catalogue.controller import Controller
-from atleak.measurements.measuring_plan import Cell, Plan
+from atleak.measurements.measuring_plan import Plan, PlanCell
 from atleak.readers.sheets.measuring_sheet import read_readings
-from atleak.readers.typed_sheet import MOST_STEPS, Entry, Typed
+from atleak.readers.typed_sheet import MOST_STEPS, Typed, TypedEntry
 
-A, B, C, D = (Cell("8", "spool", "1", angle, repeat) for angle in (0.0, 90.0) for repeat in (1, 2))
+A, B, C, D = (PlanCell("8", "spool", "1", angle, repeat) for angle in (0.0, 90.0) for repeat in (1, 2))
 CELLS = (A, B, C, D)
 
 
-def texts(typed: Typed) -> dict[Cell, str]:
+def texts(typed: Typed) -> dict[PlanCell, str]:
     return {cell: entry.text for cell, entry in typed.entries.items()}
 
 
@@ -60,7 +60,7 @@ def test_a_block_is_undone_in_one_step() -> None:
 
 
 @given(st.lists(st.tuples(st.sampled_from(CELLS), st.sampled_from(["", "1", "2", "x"])), max_size=12))
-def test_undoing_every_step_leads_back_through_every_state(steps: list[tuple[Cell, str]]) -> None:
+def test_undoing_every_step_leads_back_through_every_state(steps: list[tuple[PlanCell, str]]) -> None:
     states = [Typed()]
     for cell, text in steps:
         after = states[-1].put(cell, text)
@@ -115,7 +115,9 @@ def test_a_sheet_is_gone_on_from_with_its_readings_in_the_cells(four_speed: Cont
     sheet = read_readings(sample_readings, four_speed)
     typed = Typed.going_on_from(sheet)
     assert set(typed.entries) == set(Plan().cells(four_speed))
-    first = typed.entries[Cell("5", "spool", "1", 0.0, 1)]
+    first = typed.entries[PlanCell("5", "spool", "1", 0.0, 1)]
     assert first.text == "13.999"
     assert first.coordinates == pytest.approx((0.089409, 0.07541), abs=1e-9)
-    assert typed.put(Cell("5", "spool", "1", 0.0, 1), "14").entries[Cell("5", "spool", "1", 0.0, 1)] == Entry("14")
+    assert typed.put(PlanCell("5", "spool", "1", 0.0, 1), "14").entries[
+        PlanCell("5", "spool", "1", 0.0, 1)
+    ] == TypedEntry("14")

@@ -14,12 +14,12 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.pump import PumpClearances
 from atleak.common.errors import InputError, ReadingsError
 from atleak.job.case import SourceFile
-from atleak.job.kinds import Kind, kind_of
-from atleak.measurements.measuring_plan import Cell, Order, Plan
+from atleak.job.kinds import FileKind, kind_of
+from atleak.measurements.measuring_plan import Order, Plan, PlanCell
 from atleak.measurements.own_lands import OwnLands, OwnLength
 from atleak.measurements.readings import Reading, Readings, SheetIdentity
 from atleak.readers.sheets.measuring_sheet import read_readings
-from atleak.readers.typed_sheet import TYPED_FILE, Typed, judge, typed_in, written
+from atleak.readers.typed_sheet import TYPED_FILE, Typed, judge, typed_in, written_sheet
 
 SLIPS = (
     "150,01",
@@ -41,20 +41,20 @@ SLIPS = (
 
 
 def kept(typed: Typed, controller: Controller) -> tuple[Readings, Typed | None]:
-    content = written(typed, judge(typed, controller).counting, controller)
+    content = written_sheet(typed, judge(typed, controller).counting, controller)
     assert content is not None
     sheet = read_readings(content, controller, name=TYPED_FILE)
     return sheet, typed_in(content, sheet, controller)
 
 
-def sizes(readings: Mapping[Cell, Reading]) -> dict[tuple, float]:
+def sizes(readings: Mapping[PlanCell, Reading]) -> dict[tuple, float]:
     return {cell.key: reading.diameter for cell, reading in readings.items()}
 
 
 @settings(max_examples=15)
 @given(st.data())
 def test_whatever_is_typed_the_job_can_read_it_and_holds_every_sign(
-    minimal: Controller, careful_texts: Mapping[Cell, str], data: st.DataObject
+    minimal: Controller, careful_texts: Mapping[PlanCell, str], data: st.DataObject
 ) -> None:
     cells = list(careful_texts)
     slips = data.draw(st.dictionaries(st.sampled_from(cells), st.sampled_from(SLIPS), max_size=6))
@@ -70,14 +70,14 @@ def test_whatever_is_typed_the_job_can_read_it_and_holds_every_sign(
 
 
 def test_what_does_not_count_is_left_aside_and_told(careful_entries: Typed, minimal: Controller) -> None:
-    typed = careful_entries.put(Cell("accumulator", "spool", "1", 0.0, 1), "180,01")
+    typed = careful_entries.put(PlanCell("accumulator", "spool", "1", 0.0, 1), "180,01")
     sheet, _ = kept(typed, minimal)
     assert len(sheet.readings) == len(typed.entries) - 1
     assert "rejected_left_aside" in [message.code for message in sheet.messages]
 
 
 def test_a_first_entry_that_does_not_count_is_in_the_job_too(minimal: Controller) -> None:
-    typed = Typed().put(Cell("accumulator", "spool", "1", 0.0, 1), "abc")
+    typed = Typed().put(PlanCell("accumulator", "spool", "1", 0.0, 1), "abc")
     sheet, back = kept(typed, minimal)
     assert sheet.readings == ()
     assert back is not None
@@ -85,8 +85,8 @@ def test_a_first_entry_that_does_not_count_is_in_the_job_too(minimal: Controller
 
 
 def test_a_sheet_of_somebody_else_without_a_reading_is_refused_still(minimal: Controller) -> None:
-    typed = Typed().put(Cell("accumulator", "spool", "1", 0.0, 1), "abc")
-    content = written(typed, {}, minimal)
+    typed = Typed().put(PlanCell("accumulator", "spool", "1", 0.0, 1), "abc")
+    content = written_sheet(typed, {}, minimal)
     assert content is not None
     with pytest.raises(ReadingsError, match="no reading is left"):
         read_readings(content.split(b"\r\n", 2)[2], minimal, name="own.csv")
@@ -94,7 +94,7 @@ def test_a_sheet_of_somebody_else_without_a_reading_is_refused_still(minimal: Co
 
 def test_the_plan_and_the_unit_come_back(minimal: Controller) -> None:
     plan = Plan(Order.LANDS, 3, 1, 1, (("accumulator", 1),))
-    typed = replace(Typed(plan=plan).put(Cell("accumulator", "spool", "1", 60.0, 1), "0,70866"), unit="inch")
+    typed = replace(Typed(plan=plan).put(PlanCell("accumulator", "spool", "1", 60.0, 1), "0,70866"), unit="inch")
     sheet, back = kept(typed, minimal)
     assert back is not None
     assert (back.plan, back.unit, back.entries) == (plan, "inch", typed.entries)
@@ -110,7 +110,7 @@ def test_the_plan_of_what_is_typed_is_no_number_of_the_job(minimal: Controller, 
 
 
 def test_no_entry_is_no_file(minimal: Controller) -> None:
-    assert written(Typed(), {}, minimal) is None
+    assert written_sheet(Typed(), {}, minimal) is None
 
 
 def test_what_a_sheet_says_beside_its_diameters_stays(careful_entries: Typed, minimal: Controller) -> None:
@@ -128,7 +128,7 @@ def test_what_a_sheet_says_beside_its_diameters_stays(careful_entries: Typed, mi
     assert (length.contact_length, length.position) == pytest.approx((9.2e-3, 1.5e-3), abs=1e-12)
     assert [each.diameter for each in sheet.unworn] == [pytest.approx(18.042e-3, abs=1e-9)]
     assert back is not None
-    assert written(back, judge(back, minimal).counting, minimal) == written(
+    assert written_sheet(back, judge(back, minimal).counting, minimal) == written_sheet(
         replace(careful_entries, sheet=base), judge(careful_entries, minimal).counting, minimal
     )
 
@@ -144,9 +144,9 @@ def test_coordinates_of_an_uploaded_sheet_stay_in_the_file(four_speed: Controlle
 
 
 def test_it_is_told_from_other_files_by_its_content(careful_entries: Typed, minimal: Controller) -> None:
-    content = written(careful_entries, judge(careful_entries, minimal).counting, minimal)
+    content = written_sheet(careful_entries, judge(careful_entries, minimal).counting, minimal)
     assert content is not None
-    assert kind_of(SourceFile("x.bin", content), minimal) is Kind.READINGS
+    assert kind_of(SourceFile("x.bin", content), minimal) is FileKind.READINGS
 
 
 @pytest.mark.parametrize(
@@ -168,7 +168,7 @@ def test_it_is_told_from_other_files_by_its_content(careful_entries: Typed, mini
 def test_a_file_that_somebody_has_edited_is_a_sheet_as_any_other(
     careful_entries: Typed, minimal: Controller, changed
 ) -> None:
-    content = written(careful_entries, judge(careful_entries, minimal).counting, minimal)
+    content = written_sheet(careful_entries, judge(careful_entries, minimal).counting, minimal)
     assert content is not None
     sheet = Readings("a", "", None, "mm", False, "tidy", ())
     assert typed_in(content, sheet, minimal) is not None
@@ -178,7 +178,7 @@ def test_a_file_that_somebody_has_edited_is_a_sheet_as_any_other(
 def test_a_fault_of_atleak_is_not_taken_for_an_edited_file(
     careful_entries: Typed, minimal: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    content = written(careful_entries, judge(careful_entries, minimal).counting, minimal)
+    content = written_sheet(careful_entries, judge(careful_entries, minimal).counting, minimal)
     assert content is not None
     monkeypatch.setattr("atleak.readers.typed_sheet.Cell", None)
     with pytest.raises(InputError, match=r"atleak could not make sense of it: TypeError"):

@@ -11,13 +11,13 @@ from atleak.common.wording import wording
 from atleak.diagnosis.road_findings import RoadFindings
 from atleak.measurements.events import Event
 from atleak.measurements.road_test import RoadTest
-from atleak.report.charts.comparison_figures import clearances, logs_over_one_another
+from atleak.report.charts.comparison_figures import compared_clearances, logs_over_one_another
 
 
 def test_every_land_has_its_clearance_of_both_visits_and_its_limit(worn_clutch) -> None:
     comparison = compare(worn_clutch, worn_clutch)
     lands = comparison.flagged
-    figure = clearances(comparison, lands, wording("en"))
+    figure = compared_clearances(comparison, lands, wording("en"))
     traces = [trace for trace in figure.data if trace.legendgroup]
     before = sorted(x for trace in traces if trace.marker.symbol.endswith("-open") for x in trace.x)
     after = sorted(x for trace in traces if not trace.marker.symbol.endswith("-open") for x in trace.x)

@@ -25,7 +25,7 @@ ALL = {
     "ranking": lambda diagnosis: figures.leakage_ranking(diagnosis),
     "share": lambda diagnosis: figures.total_share(diagnosis),
     "road": lambda diagnosis: road_leakage(diagnosis.road, diagnosis.limits, wording("en")),
-    "wear": lambda diagnosis: figures.wear(diagnosis),
+    "wear": lambda diagnosis: figures.land_wear(diagnosis),
 }
 
 
@@ -59,7 +59,7 @@ def test_verdicts_differ_by_sign_and_hatch_and_not_by_colour_alone(sample: Diagn
     assert len(bars) > 2
     assert len({bar.marker.pattern.shape for bar in bars}) == len(bars)
     assert len({bar.name[0] for bar in bars}) == len(bars)
-    marks = [one.marker.symbol for one in figures.wear(sample).data]
+    marks = [one.marker.symbol for one in figures.land_wear(sample).data]
     assert len(set(marks)) == len(marks)
 
 
@@ -152,7 +152,9 @@ def test_total_share_pairs_each_point_with_its_own_interval(sample: Diagnosis) -
 
 
 def test_limits_and_mounting_clearances_lie_open_under_the_values(sample: Diagnosis) -> None:
-    drawn = [(one.name, one.marker.symbol) for one in of_uncertainty.clearances(sample.uncertainty, wording("en")).data]
+    drawn = [
+        (one.name, one.marker.symbol) for one in of_uncertainty.land_clearances(sample.uncertainty, wording("en")).data
+    ]
     assert [name for name, _ in drawn[:2]] == ["mounting clearance", "limit"]
     assert all(symbol.endswith("-open") for _, symbol in drawn[:2])
     assert len(drawn) > 3
@@ -188,7 +190,7 @@ def test_bands_of_the_totals_are_named_under_their_sign(sample: Diagnosis) -> No
 
 def test_wear_stands_beside_the_limits_of_its_own_land(sample: Diagnosis) -> None:
     """A tenth of 24.5 µm is less than the 4 µm that are asked for, so that limits differ from land to land."""
-    figure = figures.wear(sample)
+    figure = figures.land_wear(sample)
     watch = trace(figure, "watch from here")
     limits = dict(zip(watch.y, watch.x, strict=True))
     for land in sample.lands:

@@ -16,7 +16,7 @@ from atleak.common.unit_systems import DM3_MIN, KPA, RPM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis, diagnose
-from atleak.report.charts.condition_figures import circuit_pressures, pump_over_speed
+from atleak.report.charts.condition_figures import circuit_pressures, pump_speed_chart
 from atleak.report.tables.pump_speed import pump_over_speed as speeds
 
 
@@ -30,7 +30,7 @@ def held(diagnosis: Diagnosis, *, planned: bool = True):
 
 
 def test_they_are_transparent_and_say_their_units(worn_clutch: Diagnosis) -> None:
-    over_speed = pump_over_speed(speeds(worn_clutch, worn_clutch.hot_idle, wording("en")))
+    over_speed = pump_speed_chart(speeds(worn_clutch, worn_clutch.hot_idle, wording("en")))
     for drawn in (circuit_pressures(held(worn_clutch)), over_speed):
         figure = drawn.checked()
         assert figure.layout.paper_bgcolor == figure.layout.plot_bgcolor == "rgba(0,0,0,0)"
@@ -106,7 +106,7 @@ def test_without_readings_nothing_is_green_repaired_or_within_an_interval(
 
 def test_the_pumps_line_crosses_what_is_taken_at_the_marked_speeds(worn_clutch: Diagnosis) -> None:
     data = speeds(worn_clutch, worn_clutch.hot_idle, wording("en"))
-    figure = pump_over_speed(data)
+    figure = pump_speed_chart(data)
     assert list(trace(figure, "pump").y) == pytest.approx(list(data.supply * DM3_MIN), rel=1e-12, abs=0.0)
     for demand in data.demands:
         taken = trace(figure, f"taken at {demand.temperature:g}\u00a0°C")

@@ -10,7 +10,7 @@ from atleak.catalogue.controller_file import checked_controller, written_toml
 from atleak.catalogue.entries import read_tables, shipped_files
 from atleak.catalogue.workbook.cells import Units
 from atleak.catalogue.workbook.draft import Checked, Draft, checked, copy_of, draft_of, read_draft
-from atleak.catalogue.workbook.shapes import Fault
+from atleak.catalogue.workbook.shapes import SheetFault
 from atleak.catalogue.workbook.subjects import CONTROLLER, sketch
 from atleak.common.errors import CatalogueError
 
@@ -34,7 +34,7 @@ def with_row(draft: Draft, table: str, row: int, **cells: str) -> Draft:
     return draft.with_rows(table, rows)
 
 
-def fault_of(draft: Draft) -> Fault:
+def fault_of(draft: Draft) -> SheetFault:
     (fault,) = checked(draft).faults
     return fault
 

@@ -19,7 +19,7 @@ from atleak.common.style import LOOKS
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.diagnosis import Diagnosis, diagnose
-from atleak.engine.flows import Kind
+from atleak.engine.flows import FlowKind
 from atleak.measurements.readings import Readings
 from atleak.report.charts.flows import FlowDiagram, flow_diagram, flow_svg, flow_table, flow_words
 from tests.unit.conftest import with_clearances
@@ -69,11 +69,11 @@ def test_as_much_comes_to_every_place_as_goes_however_many_lands_stand_together(
                     assert into == pytest.approx(out, abs=1e-8 * projection.pump_supply), place.name
                 assert place.flow == max(into, out)
             first = sum(place.flow for place in diagram.places if place.column == 0)
-            sump = next(place.flow for place in diagram.places if place.place.kind is Kind.SUMP)
+            sump = next(place.flow for place in diagram.places if place.place.kind is FlowKind.SUMP)
             assert sump == pytest.approx(projection.leakage, rel=1e-7, abs=0.0)
             if not leaks_only:
                 assert first == pytest.approx(projection.pump_supply, rel=1e-7, abs=0.0)
-            assert (Kind.PUMP in {place.place.kind for place in diagram.places}) is not leaks_only
+            assert (FlowKind.PUMP in {place.place.kind for place in diagram.places}) is not leaks_only
 
 
 def test_every_flow_leads_to_a_later_column_and_the_sump_is_last(unit: Diagnosis) -> None:
@@ -82,7 +82,7 @@ def test_every_flow_leads_to_a_later_column_and_the_sump_is_last(unit: Diagnosis
         for each in diagram.flows:
             assert diagram.places[each.source].column < diagram.places[each.target].column
         last = {place.place.kind for place in diagram.places if place.column == diagram.columns - 1}
-        assert Kind.SUMP in last
+        assert FlowKind.SUMP in last
 
 
 def test_the_worst_lands_stand_by_themselves_and_the_others_are_counted(unit: Diagnosis) -> None:
@@ -91,7 +91,7 @@ def test_the_worst_lands_stand_by_themselves_and_the_others_are_counted(unit: Di
     few = flow_diagram(unit, projection, lands=2)
 
     def lands(diagram: FlowDiagram) -> list[str]:
-        return [place.name for place in diagram.places if place.place.kind is Kind.LAND]
+        return [place.name for place in diagram.places if place.place.kind is FlowKind.LAND]
 
     def counted(name: str) -> int:
         together = re.match(r"(\d+) more lands$", name)
@@ -99,7 +99,7 @@ def test_the_worst_lands_stand_by_themselves_and_the_others_are_counted(unit: Di
 
     assert sum(map(counted, lands(few))) == len(lands(full))
     ranked = sorted(
-        (place for place in full.places if place.place.kind is Kind.LAND),
+        (place for place in full.places if place.place.kind is FlowKind.LAND),
         key=lambda place: (-place.verdict.rank, -place.flow),
     )
     assert {place.name for place in ranked[:2]} <= set(lands(few))

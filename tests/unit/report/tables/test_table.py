@@ -14,7 +14,7 @@ from atleak.common.wording import languages, wording
 from atleak.report.pdf.blocks import printed
 from atleak.report.tables.table import Column, Judged, Table
 from atleak.report.terminal import print_table
-from atleak.report.xlsx.book import Book
+from atleak.report.xlsx.book import ReportBook
 
 COLUMNS = (
     Column("verdict", "verdict"),
@@ -112,7 +112,7 @@ def test_paper_has_the_unit_below_the_heading_and_each_value_in_its_own_colour()
 def test_a_sheet_has_numbers_as_exact_as_they_are_in_the_readers_unit() -> None:
     target = io.BytesIO()
     with xlsxwriter.Workbook(target) as workbook:
-        book = Book(workbook, find_paper("a4"), wording("de"))
+        book = ReportBook(workbook, find_paper("a4"), wording("de"))
         assert book.table(workbook.add_worksheet(), 0, table("de")) == 3
     sheet = openpyxl.load_workbook(target).active
     heads, first, second = ([cell.value for cell in row] for row in sheet.iter_rows(max_row=3))
