@@ -32,8 +32,8 @@ from atleak.common.errors import CatalogueError, KeySteps, nearest_name, one_of
 from atleak.common.file_faults import NotAccepted, place_of, place_of_table
 from atleak.common.sentences import Sentence
 
-Entry = TypeVar("Entry")
-Made = TypeVar("Made")
+_Entry = TypeVar("_Entry")
+_Made = TypeVar("_Made")
 
 
 @dataclass(frozen=True)
@@ -60,18 +60,18 @@ class PartReading:
 
     def each(
         self,
-        tables: Sequence[Entry],
+        tables: Sequence[_Entry],
         at: KeySteps,
-        make: Callable[[Entry, KeySteps], Made],
+        make: Callable[[_Entry, KeySteps], _Made],
         *,
         twice: Sentence | None = None,
         named_by: str = "id",
-    ) -> list[Made]:
+    ) -> list[_Made]:
         """Return what is made of each table, gathering the faults of those that are wrong.
 
         Where they have names and ``twice`` says what is wrong otherwise, no two may have the same.
         """
-        objects: list[Made] = []
+        objects: list[_Made] = []
         names: set[object] = set()
         for number, table in enumerate(tables):
             where = self.place(at, number)

@@ -138,27 +138,27 @@ class Headed:
     note: str
 
 
-Loaded = TypeVar("Loaded")
+_Loaded = TypeVar("_Loaded")
 
 
 @dataclass(frozen=True)
-class ListedEntry(Generic[Loaded]):
+class ListedEntry(Generic[_Loaded]):
     """The entries of one kind, by id, and what is wrong with each own file that cannot be used."""
 
-    entries: dict[str, Loaded]
+    entries: dict[str, _Loaded]
     faults: tuple[CatalogueError, ...]
 
 
 @dataclass(frozen=True)
-class Shelf(Generic[Loaded]):
+class Shelf(Generic[_Loaded]):
     """The entries of one kind: how a file is checked, and what is made of it."""
 
     kind: str  # one of `KINDS`
     model: type[Entry]  # of their files
-    made_of: Callable[[Mapping[str, Any], Origin], Loaded]  # the tables of a file, once they are checked
+    made_of: Callable[[Mapping[str, Any], Origin], _Loaded]  # the tables of a file, once they are checked
 
     @own_errors_only(CatalogueError, "id_or_path")
-    def load(self, id_or_path: str | Path) -> Loaded:
+    def load(self, id_or_path: str | Path) -> _Loaded:
         """Load a shipped entry or one of the user's own by id, or a file by path.
 
         Raises
@@ -169,7 +169,7 @@ class Shelf(Generic[Loaded]):
         return self.made_of(*read_tables(self.kind, id_or_path))
 
     @own_errors_only(CatalogueError, "file")
-    def checked(self, data: Mapping[str, Any], file: str = "this description") -> Loaded:
+    def checked(self, data: Mapping[str, Any], file: str = "this description") -> _Loaded:
         """Return the entry that tables describe which came another way than from a TOML file.
 
         Raises
@@ -179,7 +179,7 @@ class Shelf(Generic[Loaded]):
         """
         return self.made_of(data, Origin(Path(file), ""))
 
-    def usable(self) -> list[Loaded]:
+    def usable(self) -> list[_Loaded]:
         """Return every entry that can be used, shipped or own."""
         return list(listed_entries(self.kind, self.load).entries.values())
 
@@ -287,7 +287,7 @@ def _move(path: Path, to: Path) -> None:
         raise OutputError(problem, place=Place(file=path.name)) from error
 
 
-def listed_entries(kind: str, load: Callable[[str], Loaded]) -> ListedEntry[Loaded]:
+def listed_entries(kind: str, load: Callable[[str], _Loaded]) -> ListedEntry[_Loaded]:
     """Load every entry of a kind by id; an own file that cannot be used hinders none of the others.
 
     Parameters

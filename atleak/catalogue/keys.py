@@ -19,7 +19,7 @@ from pydantic.fields import FieldInfo
 from atleak.catalogue.usual_values import EACH, KeyPattern, Usual
 from atleak.common.file_faults import model_in
 
-Made = TypeVar("Made")
+_Made = TypeVar("_Made")
 _KEY = "key"
 LIMIT = "percent"  # key of a limit in the table of its level, whatever its unit
 
@@ -102,7 +102,7 @@ def unit_of(name: str) -> tuple[str, _Unit]:
     return name, NO_UNIT
 
 
-def made(kind: type[Made], table: BaseModel, /, **more: Any) -> Made:
+def made(kind: type[_Made], table: BaseModel, /, **more: Any) -> _Made:
     """Return the object of a table: each of its values that such an object has, in SI units, and what is given."""
     plan: Any = _plan  # whose types are hashable
     stated = vars(table)

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 from weakref import finalize
 
-Made = TypeVar("Made")
+_Made = TypeVar("_Made")
 _KEPT: dict[
     int, dict[str, tuple[tuple[Any, Any], ...]]
 ] = {}  # keys and what was made, by the owner's identity and name
 
 
-def kept_with(owner: Any, name: str, key: Any, make: Callable[[], Made], most: int = 4) -> Made:
+def kept_with(owner: Any, name: str, key: Any, make: Callable[[], _Made], most: int = 4) -> _Made:
     """Return what was made for a key before, or make it and keep it with its owner.
 
     Parameters
@@ -36,7 +36,7 @@ def kept_with(owner: Any, name: str, key: Any, make: Callable[[], Made], most: i
     kept = _KEPT[id(owner)]
     for known, before in kept.get(name, ()):
         if known == key:
-            earlier: Made = before
+            earlier: _Made = before
             return earlier
     made = make()
     if made is owner:

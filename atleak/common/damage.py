@@ -56,12 +56,12 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 _SHOWN = 200  # characters of a library's own message
 
 Given = ParamSpec("Given")
-Result = TypeVar("Result")
+_Result = TypeVar("_Result")
 
 
 def own_errors_only(
     kind: type[InputError], *named: str
-) -> Callable[[Callable[Given, Result]], Callable[Given, Result]]:
+) -> Callable[[Callable[Given, _Result]], Callable[Given, _Result]]:
     """Decorate a function that reads a file so that it raises no errors but the package's own.
 
     Parameters
@@ -72,9 +72,9 @@ def own_errors_only(
         the function's parameters that may say what the file is called: the first that is a name or a path does.
     """
 
-    def guarded(read: Callable[Given, Result]) -> Callable[Given, Result]:
+    def guarded(read: Callable[Given, _Result]) -> Callable[Given, _Result]:
         @wraps(read)
-        def reading(*given: Given.args, **options: Given.kwargs) -> Result:
+        def reading(*given: Given.args, **options: Given.kwargs) -> _Result:
             try:
                 return read(*given, **options)
             except AtleakError:

@@ -27,7 +27,7 @@ _INSTANTS = {  # of the record of a road test: the columns of `units` that stand
 }
 
 
-def rows_of_unit(
+def rows_of_result(
     unit: FleetUnit,
     diagnosis: Diagnosis,
     job: Job | None = None,

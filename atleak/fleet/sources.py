@@ -300,19 +300,19 @@ _OF_CONDITIONS = (
     *("name", "label", "temperature_c", "engine_rpm", "gear", "band", "decision"),
     *("leakage_dm3_min", "share_percent", "p_g_kpa", "p_g_held_kpa", "reserve"),
 )
-Row = Mapping[str, Any]  # a value, or None, by the name of its column
+SourceRow = Mapping[str, Any]  # a value, or None, by the name of its column
 
 
 @dataclass(frozen=True)
 class KeptUnit:
     """The row of a unit, and of its lands, the worst first, and its conditions what people ask for first."""
 
-    unit: Row
-    lands: tuple[Row, ...]
-    conditions: tuple[Row, ...]
+    unit: SourceRow
+    lands: tuple[SourceRow, ...]
+    conditions: tuple[SourceRow, ...]
 
     @property
-    def result(self) -> Row:
+    def result(self) -> SourceRow:
         """Return what the rows say as `atleak.job.result.judged_otherwise` takes it; of circuits nothing."""
         unit = {"decision": self.unit["decision"]}
         return {
@@ -349,7 +349,7 @@ def kept_unit(results: Results, sha256: str) -> KeptUnit:
         the results hold no such unit; a part of them that is damaged.
     """
 
-    def rows(data_set: DataSet, columns: Sequence[str] | None = None) -> tuple[Row, ...]:
+    def rows(data_set: DataSet, columns: Sequence[str] | None = None) -> tuple[SourceRow, ...]:
         return tuple(results.table(data_set, columns, hashes={sha256}).to_pylist())
 
     found = rows("units")

@@ -29,7 +29,7 @@ _Of = str | Callable[[Any], Any]  # what a cell holds of its row, or the names t
 Bodies = Iterable[ValveBody]
 
 
-class Row(NamedTuple):
+class SummaryRow(NamedTuple):
     """A row of a table: an item of a valve body."""
 
     body: ValveBody
@@ -132,14 +132,16 @@ class FleetTables:
             self._count("pair_not_measured", "not_measured"),
             self._count("one_part", "flagged_by_one_part"),
         ]
-        rows = [Row(body, *each) for body in bodies for each in zip(body.pairs, cumulated(body.pairs), strict=True)]
+        rows = [
+            SummaryRow(body, *each) for body in bodies for each in zip(body.pairs, cumulated(body.pairs), strict=True)
+        ]
         return self._table("pairs", columns, rows)
 
     def deciders(self, bodies: Bodies) -> Table:
         """Return what gave the verdicts of the flagged units."""
         rate = replace(self._rate("decided", "units"), of=lambda row: self.words.rate(row.item.units), words_of=None)
         named = self._text("decided_by", lambda row: self.words.decider(row.body.controller, row.item))
-        rows = [Row(body, decider) for body in bodies for decider in body.deciders]
+        rows = [SummaryRow(body, decider) for body in bodies for decider in body.deciders]
         return self._table("deciders", [self._body(), replace(named, width=150), rate], rows)
 
     def wear(self, bodies: Bodies) -> Table:
@@ -149,7 +151,7 @@ class FleetTables:
             self._class("mileage", "distance", lambda row: (row.more.low_km, row.more.high_km)),
             self._spread("wear", "percent", lambda row: row.more.wear_percent),
         ]
-        rows = [Row(body, land, each) for body in bodies for land in by_trouble(body) for each in land.classes]
+        rows = [SummaryRow(body, land, each) for body in bodies for land in by_trouble(body) for each in land.classes]
         return self._table("wear", columns, rows)
 
     def latest(self, bodies: Bodies) -> Table:
@@ -160,7 +162,7 @@ class FleetTables:
             self._count("without_mileage"),
             self._count("repaired"),
         ]
-        rows = [Row(body, land) for body in bodies for land in by_trouble(body)]
+        rows = [SummaryRow(body, land) for body in bodies for land in by_trouble(body)]
         return self._table("latest", columns, rows)
 
     def temperatures(self, bodies: Bodies) -> Table:
@@ -186,7 +188,9 @@ class FleetTables:
             self._number("pressure_min", "pressure", "pressure_min_kpa", 0),
             *in_bands,
         ]
-        return self._table("temperatures", columns, [Row(body, each) for body in bodies for each in body.temperatures])
+        return self._table(
+            "temperatures", columns, [SummaryRow(body, each) for body in bodies for each in body.temperatures]
+        )
 
     def conditions(self, bodies: Bodies) -> Table:
         """Return the stated conditions over the units."""
@@ -210,9 +214,11 @@ class FleetTables:
             red,
             self._count("partly"),
         ]
-        return self._table("conditions", columns, [Row(body, each) for body in bodies for each in body.conditions])
+        return self._table(
+            "conditions", columns, [SummaryRow(body, each) for body in bodies for each in body.conditions]
+        )
 
-    def _red(self, row: Row) -> str:
+    def _red(self, row: SummaryRow) -> str:
         at: ConditionSpread = row.item
         red = at.bands[Band.RED] + at.bands[Band.CRITICAL]
         return self.words.counted(red, sum(at.bands.values()))
@@ -228,7 +234,7 @@ class FleetTables:
             self._count("second_units"),
             self._difference("rate_points", "points"),
         ]
-        rows = [Row(body, each) for body in bodies if body.comparison for each in body.comparison.verdicts]
+        rows = [SummaryRow(body, each) for body in bodies if body.comparison for each in body.comparison.verdicts]
         return self._table("rates_compared", columns, rows)
 
     def wear_compared(self, bodies: Bodies) -> Table:
@@ -248,7 +254,7 @@ class FleetTables:
             self._in_points(self._text("median_points", digits=1)),
             self._text("differs", lambda row: words.differs(called(row.item)), words=say("fleet_parts.differs")),
         ]
-        rows = [Row(body, each) for body in bodies if body.comparison for each in body.comparison.lands]
+        rows = [SummaryRow(body, each) for body in bodies if body.comparison for each in body.comparison.lands]
         return self._table("wear_compared", columns, rows)
 
     def units(self, group: _Of | None = None) -> Table:
@@ -380,7 +386,7 @@ def _found(of: _Of) -> Callable[[Any], Any]:
         return of
 
     def found(row: Any) -> Any:
-        value = row.item if isinstance(row, Row) else row
+        value = row.item if isinstance(row, SummaryRow) else row
         for name in of.split("."):
             value = None if value is None else getattr(value, name)
         return value
@@ -413,12 +419,12 @@ def _decided(decision: Any, row: Counted) -> int:
     return row.counts.decisions.get(decision, 0)
 
 
-def _time_in(band: Band, row: Row) -> float | None:
+def _time_in(band: Band, row: SummaryRow) -> float | None:
     bands = row.item.bands_percent
     return None if bands is None else bands.get(band, 0.0)
 
 
-def _units_in(band: Band, row: Row) -> int:
+def _units_in(band: Band, row: SummaryRow) -> int:
     return int(row.item.bands.get(band, 0))
 
 

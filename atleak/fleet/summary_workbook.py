@@ -32,7 +32,7 @@ from atleak.common.style import (
 from atleak.common.verdicts import FLAGGED, VERDICTS, Verdict
 from atleak.common.wording import wording
 from atleak.fleet.summary_sections import Depth, FleetSections
-from atleak.fleet.summary_tables import FleetTables, Row, by_trouble
+from atleak.fleet.summary_tables import FleetTables, SummaryRow, by_trouble
 from atleak.fleet.summary_words import TERMS, FleetWords
 from atleak.fleet.sums import FleetSummary, LandOverMileage, ValveBody
 from atleak.report.sheets.paging import LINE_OF_A_BOOK, row_height
@@ -213,7 +213,7 @@ class WorkbookCharts:
         return chart, title, f"{title}: {self.words.body(body.controller)}"
 
 
-def _is_of(body: ValveBody, land: LandOverMileage, row: Row) -> bool:
+def _is_of(body: ValveBody, land: LandOverMileage, row: SummaryRow) -> bool:
     return row.body is body and row.item is land
 
 

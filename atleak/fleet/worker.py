@@ -25,7 +25,7 @@ from atleak.analysis.record_doubts import with_sheet
 from atleak.common.damage import unexpected
 from atleak.common.errors import AtleakError, InputError
 from atleak.fleet.columns import Rows
-from atleak.fleet.rows import error_rows, rows_of_unit
+from atleak.fleet.rows import error_rows, rows_of_result
 from atleak.fleet.units import FleetUnit
 from atleak.job.case import Case, CaseChoice, Reader, Slot
 from atleak.readers.logs import Understood, default_path, understand
@@ -153,7 +153,7 @@ def evaluate_unit(unit: FleetUnit, *, tries: int = 1, memory: int | None = None,
             case, job = unit.opened(Path(unpacked))
             diagnosis = case.diagnose(_Reader(memory))
             job = with_sheet(job, diagnosis.readings) or job
-            return rows_of_unit(unit, diagnosis, job, seconds=time.perf_counter() - begun, tries=tries)
+            return rows_of_result(unit, diagnosis, job, seconds=time.perf_counter() - begun, tries=tries)
     except AtleakError as error:
         if isinstance(error, InputError):
             unit.name_within(error)

@@ -51,7 +51,7 @@ from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.logs import NOT_LOGGED, Understood, default_path, recall, understand
 from atleak.readers.sheets.measuring_sheet import read_readings
 
-Loaded = TypeVar("Loaded")
+_Loaded = TypeVar("_Loaded")
 CaseKind = TypeVar("CaseKind", bound="Case")
 Pairs = tuple[tuple[str, Any], ...]
 
@@ -465,7 +465,7 @@ def with_log_choices(case: CaseKind, log: Understood) -> CaseKind:
     )
 
 
-def load_source(load: Callable[[Path], Loaded], source: SourceFile) -> Loaded:
+def load_source(load: Callable[[Path], _Loaded], source: SourceFile) -> _Loaded:
     """Load an entry of the catalogue from a file that is given as bytes.
 
     The name that a user gave is only shown, in messages and records; no file of that name is written.
@@ -483,7 +483,7 @@ def load_source(load: Callable[[Path], Loaded], source: SourceFile) -> Loaded:
         except InputError as error:
             error.rename_file(lambda file: source.name if file == path.name else file)
             raise
-    named: Loaded = replace(entry, origin=replace(entry.origin, path=Path(source.name)))
+    named: _Loaded = replace(entry, origin=replace(entry.origin, path=Path(source.name)))
     return named
 
 

@@ -52,7 +52,7 @@ class VisitedJob:
         return lands or frozenset({(decision.component, decision.land or 0)})
 
 
-def unit_of_job(book: Book, job: str) -> int | None:
+def unit_of_visit(book: Book, job: str) -> int | None:
     """Return the unit that a job of the book is about; None where the book does not have the job."""
     wanted = sa.select(final_unit()).join(jobs, jobs.c.visit == visits.c.id).where(jobs.c.id == job)
     with book.reading() as connection:

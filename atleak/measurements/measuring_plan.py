@@ -16,7 +16,7 @@ from atleak.catalogue.repairs import LandKey
 DIRECTIONS = (0.0, 90.0)  # [°] of the printed sheet, and of a plan unless another number is chosen
 REPEATS = 2
 MOST_DIRECTIONS, MOST_REPEATS = 4, 5  # that a plan can have: choice of this project
-PARTS: tuple[Part, ...] = ("spool", "sleeve")
+PLAN_PARTS: tuple[Part, ...] = ("spool", "sleeve")
 CellKey = tuple[str, Part, str, float | None, int]
 
 
@@ -70,7 +70,7 @@ class Plan:
         """Return the cells that the plan asks of a land."""
         return tuple(
             PlanCell(land.component, part, plane, angle, repeat)
-            for part in PARTS
+            for part in PLAN_PARTS
             for plane in land.planes[: self.planes]
             for angle in self.angles()
             for repeat in range(1, self.repeats + 1)
@@ -108,7 +108,7 @@ class Plan:
         }
 
         def place(cell: PlanCell) -> tuple[Any, ...]:
-            component, part = components[cell.component], PARTS.index(cell.part)
+            component, part = components[cell.component], PLAN_PARTS.index(cell.part)
             land, plane = planes[cell.component, cell.plane]
             first = {
                 Order.PARTS: (part, component, land),

@@ -21,10 +21,19 @@ from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import checked_controller
-from atleak.catalogue.workbook.cells import CLEARANCES, LENGTHS, PRESSURES, CellKind, ChoiceCell, Number, Units, as_text
+from atleak.catalogue.workbook.cells import (
+    CLEARANCES,
+    LENGTHS,
+    PRESSURES,
+    ChoiceCell,
+    Number,
+    SheetCellKind,
+    Units,
+    as_text,
+)
 from atleak.catalogue.workbook.draft import doubts, in_cells
-from atleak.catalogue.workbook.shapes import Description, Row, SheetColumn, SheetFault, Spot
-from atleak.catalogue.workbook.shapes import Sheet as Declared
+from atleak.catalogue.workbook.shapes import Description, SheetColumn, SheetFault, Spot, WorkbookRow
+from atleak.catalogue.workbook.shapes import WorkbookSheet as Declared
 from atleak.catalogue.workbook.sheets import (
     EXAMPLE_MARK,
     FIELD,
@@ -59,11 +68,11 @@ class Page:
     sheet: Sheet
     declared: Declared
     units: Units  # in which its numbers are written
-    rows: list[Row] = field(default_factory=list)
+    rows: list[WorkbookRow] = field(default_factory=list)
     columns: dict[str, int] = field(default_factory=dict)  # by heading
     lines: dict[str, int] = field(default_factory=dict)  # row by heading, of a form
 
-    def read(self, spot: Spot, places: Mapping[SheetColumn, tuple[int, int]], into: Description) -> Row:
+    def read(self, spot: Spot, places: Mapping[SheetColumn, tuple[int, int]], into: Description) -> WorkbookRow:
         """Read the cells of one table, each at its row and column."""
         cells: dict[str, Any] = {}
         values: dict[str, Any] = {}
@@ -79,7 +88,7 @@ class Page:
                 fault = Sentence("not accepted"), error.wanted
             if fault is not None:
                 into.faults.append(SheetFault(Spot(spot.sheet, spot.row, column.heading), fault[0], cell, fault[1]))
-        return Row(spot, cells, values)
+        return WorkbookRow(spot, cells, values)
 
 
 def form_page(sheet: Sheet, declared: Declared, units: Units, into: Description) -> Page | None:
@@ -137,7 +146,7 @@ def form_page(sheet: Sheet, declared: Declared, units: Units, into: Description)
     return page
 
 
-def _chosen(row: Row, into: Description) -> Units:
+def _chosen(row: WorkbookRow, into: Description) -> Units:
     """Return what the workbook's numbers are written in."""
     for line in UNIT_LINES:
         if line.heading not in row.cells and isinstance(line.kind, ChoiceCell):
@@ -232,7 +241,7 @@ def _check_units(
             into.faults.append(SheetFault(spot, Sentence("another unit than that of the workbook"), stands, expected))
 
 
-def _is_example(declared: Declared, columns: Any, stands: Mapping[str, CellKind]) -> bool:
+def _is_example(declared: Declared, columns: Any, stands: Mapping[str, SheetCellKind]) -> bool:
     """Return whether a row is an example as it was written, in whichever units."""
     every = [Units(*choice) for choice in itertools.product(LENGTHS, CLEARANCES, PRESSURES)]
     shown = {heading: as_text(cell) for heading, cell in stands.items() if cell is not None}
@@ -262,7 +271,7 @@ def _say_lost(sheet: Sheet, rows: Sequence[int], into: Description) -> None:
         )
 
 
-def _is(cell: CellKind, mark: str) -> bool:
+def _is(cell: SheetCellKind, mark: str) -> bool:
     return isinstance(cell, str) and cell.strip().casefold().rstrip(".") == mark.casefold().rstrip(".")
 
 
@@ -272,7 +281,7 @@ def _own(sheet: Sheet, row: int, column: int) -> bool:
     return (row, column) in sheet.faults or (cell.strip() != "" if isinstance(cell, str) else cell is not None)
 
 
-def _raw(sheet: Sheet, row: int, column: int) -> CellKind | None:
+def _raw(sheet: Sheet, row: int, column: int) -> SheetCellKind | None:
     """Return what stands in a cell, or in the one above with which it is merged; None where it is empty."""
     above, left = sheet.merged.get((row, column), (row, column))
     cell = sheet.cell(above, left) if left == column else ""
@@ -290,7 +299,7 @@ def _standing(sheet: Sheet, row: int, number: int) -> tuple[Any, tuple[Sentence,
     return cell, None
 
 
-def _value(column: SheetColumn, cell: CellKind, units: Units) -> Any:
+def _value(column: SheetColumn, cell: SheetCellKind, units: Units) -> Any:
     """Return the value of a cell in the file's unit, from a unit of its own where it names one."""
     kind = column.kind
     if isinstance(cell, str) and isinstance(kind, Number) and kind.measure.quantity:

@@ -27,7 +27,7 @@ from atleak.common.errors import InputError, Place, ReadingsError
 from atleak.common.sentences import Sentence
 from atleak.common.unit_systems import MM
 from atleak.common.units import unit, unit_names
-from atleak.measurements.measuring_plan import PARTS, CellKey, Plan, PlanCell
+from atleak.measurements.measuring_plan import PLAN_PARTS, CellKey, Plan, PlanCell
 from atleak.measurements.readings import TYPED_MARK, LandClearance, Reading, Readings, clearances, far_from_nominal
 from atleak.readers.cells.sheet_file import csv_bytes, csv_rows
 from atleak.readers.sheets.plausibility import contradictions, off_by_factor
@@ -446,7 +446,7 @@ def _entries(rows: Iterable[list[str]]) -> Iterator[tuple[PlanCell, TypedEntry]]
         if taken_at:
             continue
         cell = PlanCell(
-            component, PARTS[PARTS.index(part)], plane, float(direction) if direction else None, int(repeat)
+            component, PLAN_PARTS[PLAN_PARTS.index(part)], plane, float(direction) if direction else None, int(repeat)
         )
         if text:
             yield cell, TypedEntry(text)

@@ -26,7 +26,7 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import OWN_FILES, SLOTS, Case, CaseChoice, Reader, Slot, SourceFile, with_log_choices
 from atleak.measurements.gauge_readings import PressureTable
-from atleak.measurements.measuring_plan import PARTS
+from atleak.measurements.measuring_plan import PLAN_PARTS
 from atleak.measurements.readings import Readings
 from atleak.readers.logs import LogColumn, Understood, default_path, log_columns, recall, remember, understand
 from atleak.readers.logs.remembered_columns import RememberedColumns
@@ -269,7 +269,9 @@ def readings_of(case: Case, file: SourceFile) -> Readings:
 
 def instruments_of(case: Case) -> Instruments:
     """Return the instruments that measured a job's sheet."""
-    return Instruments(*(catalogue_entry(f"{part}_instrument", getattr(case, f"{part}_instrument")) for part in PARTS))
+    return Instruments(
+        *(catalogue_entry(f"{part}_instrument", getattr(case, f"{part}_instrument")) for part in PLAN_PARTS)
+    )
 
 
 def case_with_columns(case: CaseKind) -> CaseKind:

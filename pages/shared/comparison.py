@@ -16,7 +16,7 @@ from atleak.job.zip_file import read_job_file
 from atleak.job_book.book import JobRow
 from atleak.job_book.compared_jobs import ComparedJobs, compare_jobs, compared_record
 from atleak.job_book.search import Query
-from atleak.job_book.visits import unit_of_job
+from atleak.job_book.visits import unit_of_visit
 from atleak.report.charts import comparison_figures as figures
 from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf.comparison import write_comparison_pdf
@@ -78,7 +78,7 @@ def _offered() -> dict[str, JobRow]:
     asked = [id for side in ("before", "after") if (id := st.query_params.get(side)) is not None]
     for id in asked:
         jobs.version(id)  # one that the book does not have is refused
-    named = (unit_of_job(jobs, id) for id in (*asked, job_id()) if id is not None)
+    named = (unit_of_visit(jobs, id) for id in (*asked, job_id()) if id is not None)
     rows = jobs.rows(Query(limit=LISTED))
     for unit in dict.fromkeys(each for each in named if each is not None):
         rows += jobs.rows(Query(unit=unit, archived=None, limit=None))

@@ -15,7 +15,7 @@ import streamlit as st
 from atleak.catalogue.workbook.cells import ChoiceCell, YesNo
 from atleak.catalogue.workbook.circuit_sheets import Mark
 from atleak.catalogue.workbook.draft import Checked, Draft
-from atleak.catalogue.workbook.shapes import Sheet, SheetColumn, SheetFault
+from atleak.catalogue.workbook.shapes import SheetColumn, SheetFault, WorkbookSheet
 from atleak.common.wording import Wording
 from pages.shared import fields, reader, show
 
@@ -50,7 +50,7 @@ def draw(editing: Editing, names: Iterable[str], found: Checked, aside: Collecti
 # --- fields -------------------------------------------------------------------------------------------------------
 
 
-def _form(editing: Editing, sheet: Sheet, found: Checked, aside: Collection[str], say: Wording) -> None:
+def _form(editing: Editing, sheet: WorkbookSheet, found: Checked, aside: Collection[str], say: Wording) -> None:
     """Draw a field for each line of a form, with what is wrong or in doubt beneath it."""
     signs = {doubt.spot.heading: f":orange[? {show.plain(doubt.text)}]" for doubt in found.doubted_in(sheet.name)}
     signs |= {fault.spot.heading: f":red[✗ {show.plain(fault.text)}]" for fault in found.of(sheet.name)}
@@ -82,7 +82,7 @@ def _together(columns: Sequence[SheetColumn]) -> list[tuple[SheetColumn, ...]]:
 
 def _fields(
     editing: Editing,
-    sheet: Sheet,
+    sheet: WorkbookSheet,
     groups: Sequence[tuple[SheetColumn, ...]],
     signs: Mapping[str | None, str],
     say: Wording,
@@ -101,7 +101,7 @@ def _fields(
                             st.markdown(signs[column.heading])
 
 
-def _field(editing: Editing, sheet: Sheet, column: SheetColumn, label: str, say: Wording) -> None:
+def _field(editing: Editing, sheet: WorkbookSheet, column: SheetColumn, label: str, say: Wording) -> None:
     key = editing.key(f"{sheet.name}-{column.heading}")
     typed = editing.draft.cell(sheet.name, column.heading)
     options = _options(column, editing.draft, typed)
@@ -124,7 +124,7 @@ def _put_field(editing: Editing, sheet: str, heading: str, key: str) -> None:
 # --- tables -------------------------------------------------------------------------------------------------------
 
 
-def _table(editing: Editing, sheet: Sheet, found: Checked, say: Wording) -> None:
+def _table(editing: Editing, sheet: WorkbookSheet, found: Checked, say: Wording) -> None:
     """Draw a table to edit, with the number of each row and what is wrong in it."""
     key = editing.key(f"{sheet.name}-{editing.spare.get(sheet.name, 0)}")
     if key not in st.session_state or key not in editing.base:
@@ -176,7 +176,7 @@ def _by_row(faults: Iterable[SheetFault], editing: Editing, say: Wording) -> dic
     return said
 
 
-def _begin(editing: Editing, sheet: Sheet, key: str) -> None:
+def _begin(editing: Editing, sheet: WorkbookSheet, key: str) -> None:
     """Let an editor begin with the rows of the draft, and with some to fill in."""
     rows = [dict(row) for row in editing.draft.rows(sheet.name)]
     editing.base[key] = [*rows, *({} for _ in range(_SPARE + editing.spare.get(sheet.name, 0)))]
@@ -210,7 +210,9 @@ def _cells(column: SheetColumn, rows: list[dict[str, str]]) -> Any:
 # --- columns ------------------------------------------------------------------------------------------------------
 
 
-def _config(column: SheetColumn, editing: Editing, sheet: Sheet, base: list[dict[str, str]], say: Wording) -> Any:
+def _config(
+    column: SheetColumn, editing: Editing, sheet: WorkbookSheet, base: list[dict[str, str]], say: Wording
+) -> Any:
     label, tip = _label(column, editing, say), editing.said(column.help, say) or None
     longest = max((len(row.get(column.heading, "")) for row in base), default=0)
     width = max(min(max(column.width, longest + 2), _WIDEST) * _LETTER, len(label) * _LETTER + _SIGN)

@@ -14,7 +14,7 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.uncertainty import DECISIONS
 from atleak.fleet.folder import KnownFolder
 from atleak.fleet.results import Results
-from atleak.fleet.sources import KeptUnit, Row, kept_unit
+from atleak.fleet.sources import KeptUnit, SourceRow, kept_unit
 from atleak.fleet.summary_tables import FleetTables
 from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.sums import GROUP, SummedUnit
@@ -257,7 +257,7 @@ def _conditions(kept: KeptUnit, say: Wording) -> Table:
     )
 
 
-def _of_rows(rows: Sequence[Row], level: str, *columns: Column) -> Table:
+def _of_rows(rows: Sequence[SourceRow], level: str, *columns: Column) -> Table:
     """Return rows of the results with the verdict before their columns, and how sure it is behind them."""
     say = reader.say()
     verdict = Column("verdict", VERDICT, width=92, of=lambda row: level_named(row[level]) if row[level] else None)

@@ -18,7 +18,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job_book.book import Book, JobRow
 from atleak.job_book.search import Query
 from atleak.job_book.units_of_a_kind import AcrossUnits, Standing, across_units, standing
-from atleak.job_book.visits import VisitedJob, left_undone, unit_of_job, visits_of_unit
+from atleak.job_book.visits import VisitedJob, left_undone, unit_of_visit, visits_of_unit
 from atleak.measurements.job_card import RepairDecision, RepairState
 from atleak.report.charts import history_figures as figures
 from atleak.report.tables.history import soonest_first, total_table, wear_table
@@ -53,7 +53,7 @@ def choose(jobs: Book) -> int | None:
     named = st.query_params.get(UNIT)
     current = int(named) if named is not None and named.isdecimal() else None
     if current is None and (here := job_id()) is not None:
-        current = unit_of_job(jobs, here)
+        current = unit_of_visit(jobs, here)
     if text.strip():
         offered = {row.unit: _label(row) for row in reversed(jobs.rows(Query(text=text, limit=OFFERED)))}
         if not offered:

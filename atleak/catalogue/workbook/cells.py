@@ -132,7 +132,7 @@ _MOST_GEARS = 30
 _DOTTED = re.compile(r"^(\d\d)\.(\d\d)\.(\d{4})$")  # day, month and year: dots stand in no other order
 _YES, _NO = {"yes", "y", "true", "x", "1"}, {"no", "n", "false", "0"}
 
-CellKind = Any  # str, float, int, bool, date
+SheetCellKind = Any  # str, float, int, bool, date
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ class CellForm:
         """Return the unit that stands under the column's heading."""
         return ""
 
-    def value(self, cell: CellKind, units: Units) -> Any:
+    def value(self, cell: SheetCellKind, units: Units) -> Any:
         """Return the value of the controller's file.
 
         Raises
@@ -162,7 +162,7 @@ class CellForm:
 class Day(CellForm):
     """A date."""
 
-    def value(self, cell: CellKind, units: Units) -> str:
+    def value(self, cell: SheetCellKind, units: Units) -> str:
         if isinstance(cell, datetime.date):
             return cell.isoformat()[:10]
         text = _DOTTED.sub(r"\3-\2-\1", as_text(cell))
@@ -176,7 +176,7 @@ class Day(CellForm):
 class YesNo(CellForm):
     """``yes`` or ``no``."""
 
-    def value(self, cell: CellKind, units: Units) -> bool:
+    def value(self, cell: SheetCellKind, units: Units) -> bool:
         text = as_text(cell).casefold()
         if text in _YES | _NO:
             return text in _YES
@@ -198,7 +198,7 @@ class ChoiceCell(CellForm):
         """Return the list as its drop-down shows it."""
         return tuple(self.cell(option, Units()) for option in self.options)
 
-    def value(self, cell: CellKind, units: Units) -> str:
+    def value(self, cell: SheetCellKind, units: Units) -> str:
         text = as_text(cell)
         for option in self.options:
             if _alike(text) == _alike(option):
@@ -218,10 +218,10 @@ class Number(CellForm):
     def label(self, units: Units) -> str:
         return self.measure.label(units)
 
-    def value(self, cell: CellKind, units: Units) -> float:
+    def value(self, cell: SheetCellKind, units: Units) -> float:
         return self.measure.file_number(self.written(cell, units), units)
 
-    def written(self, cell: CellKind, units: Units) -> float | Decimal:
+    def written(self, cell: SheetCellKind, units: Units) -> float | Decimal:
         """Return the number as it stands in the cell, in the workbook's unit."""
         if isinstance(cell, int | float) and not isinstance(cell, bool):
             return cell
@@ -251,7 +251,7 @@ class Whole(CellForm):
     def label(self, units: Units) -> str:
         return self.unit
 
-    def value(self, cell: CellKind, units: Units) -> int:
+    def value(self, cell: SheetCellKind, units: Units) -> int:
         return _whole(cell, Sentence("a whole number"))
 
     def cell(self, value: Any, units: Units) -> float:
@@ -262,7 +262,7 @@ class Whole(CellForm):
 class Gear(CellForm):
     """One gear: a number, R for reverse, N or P for neutral."""
 
-    def value(self, cell: CellKind, units: Units) -> int:
+    def value(self, cell: SheetCellKind, units: Units) -> int:
         gears = gears_written(cell)
         if len(gears) != 1:
             raise NotAccepted(Sentence("one gear: R, N or a number"))
@@ -278,7 +278,7 @@ class Gears(CellForm):
 
     or_every: bool = True
 
-    def value(self, cell: CellKind, units: Units) -> list[int] | str:
+    def value(self, cell: SheetCellKind, units: Units) -> list[int] | str:
         if self.or_every and as_text(cell).casefold() in {EVERY, "every", "every gear", "all gears"}:
             return EVERY
         return gears_written(cell)
@@ -293,7 +293,7 @@ class Names(CellForm):
 
     options: tuple[str, ...] = ()
 
-    def value(self, cell: CellKind, units: Units) -> list[str]:
+    def value(self, cell: SheetCellKind, units: Units) -> list[str]:
         lines = isinstance(cell, str) and "\n" in cell
         names = [name.strip() for name in re.split(r"\n" if lines else r"[,;]", str(cell) if lines else as_text(cell))]
         names = [name for name in names if name]
@@ -315,7 +315,7 @@ class Names(CellForm):
 class Wholes(CellForm):
     """Several whole numbers, with blanks or commas between."""
 
-    def value(self, cell: CellKind, units: Units) -> list[int]:
+    def value(self, cell: SheetCellKind, units: Units) -> list[int]:
         wanted = Sentence("whole numbers with blanks between, such as 1 2 3")
         if isinstance(cell, str):
             return [_whole(part, wanted) for part in _SEPARATED.split(cell.strip()) if part]
@@ -325,7 +325,7 @@ class Wholes(CellForm):
         return " ".join(map(str, value))
 
 
-def gears_written(cell: CellKind) -> list[int]:
+def gears_written(cell: SheetCellKind) -> list[int]:
     """Return the gears that a cell names.
 
     Raises
@@ -361,7 +361,7 @@ def gear_shown(gear: int) -> str | int:
     return _LETTERS.get(gear, gear)
 
 
-def as_text(cell: CellKind) -> str:
+def as_text(cell: SheetCellKind) -> str:
     """Return a cell as text: a whole number without its decimal point, a day as it is written in a file.
 
     >>> as_text(8.0), as_text(" 12' "), as_text(0.5)
@@ -376,7 +376,7 @@ def as_text(cell: CellKind) -> str:
     return str(cell).strip()
 
 
-def _whole(cell: CellKind, wanted: Sentence) -> int:
+def _whole(cell: SheetCellKind, wanted: Sentence) -> int:
     if isinstance(cell, str):
         cell = decimal_number(cell.replace("−", "-"))
     if isinstance(cell, int | float) and not isinstance(cell, bool) and float(cell).is_integer():

@@ -10,13 +10,22 @@ from atleak.catalogue.workbook.cells import (
     NEUTRAL,
     REVERSE,
     CellForm,
-    CellKind,
+    SheetCellKind,
     Units,
     as_text,
     gear_shown,
     gears_written,
 )
-from atleak.catalogue.workbook.shapes import Description, Row, Sheet, SheetColumn, Values, by_id, owner_of, point_of
+from atleak.catalogue.workbook.shapes import (
+    Description,
+    SheetColumn,
+    Values,
+    WorkbookRow,
+    WorkbookSheet,
+    by_id,
+    owner_of,
+    point_of,
+)
 from atleak.common.errors import KeySteps, one_of
 from atleak.common.file_faults import NotAccepted
 from atleak.common.sentences import Sentence
@@ -37,7 +46,7 @@ _MARKED, _UNMARKED = {"x", "yes", "on", "1", "●", "•", "✓", "✔", "+", "a
 
 
 @dataclass(frozen=True)
-class SetPressures(Sheet):
+class SetPressures(WorkbookSheet):
     """What regulators are set to: a row for each pressure that is stated.
 
     Columns are circuit, what it is set by, which point, gear or circuit, at which current or duty, pressure, ratio and
@@ -51,9 +60,9 @@ class SetPressures(Sheet):
                 pairs = zip(self.columns, (name, *values), strict=True)
                 yield {column.heading: value for column, value in pairs if value is not None}
 
-    def fill(self, rows: Sequence[Row], into: Description) -> None:
+    def fill(self, rows: Sequence[WorkbookRow], into: Description) -> None:
         circuits = by_id(into, "circuits")
-        own: dict[str, list[Row]] = {}
+        own: dict[str, list[WorkbookRow]] = {}
         for row in rows:
             if (name := owner_of(row, self._headings[0], {LINE_SHEET: None, **circuits}, into)) is not None:
                 own.setdefault(name, []).append(row)
@@ -72,7 +81,7 @@ class SetPressures(Sheet):
     def _headings(self) -> tuple[str, ...]:
         return tuple(column.heading for column in self.columns)
 
-    def _stated(self, rows: Sequence[Row], at: KeySteps, into: Description) -> Any:
+    def _stated(self, rows: Sequence[WorkbookRow], at: KeySteps, into: Description) -> Any:
         """Return ``set_kpa`` as the file states it; None, and a fault, where the rows do not go together."""
         _, by, which, level, pressure, ratio, offset = self._headings
         way = rows[0].values.get(by)
@@ -124,7 +133,7 @@ class SetPressures(Sheet):
             return None
         return {"gear": named} if way == BY_GEAR else named
 
-    def _gears(self, row: Row, heading: str, into: Description) -> list[str]:
+    def _gears(self, row: WorkbookRow, heading: str, into: Description) -> list[str]:
         try:
             return [str(gear) for gear in gears_written(row.values[heading])]
         except NotAccepted as error:
@@ -155,7 +164,7 @@ def _set_rows(stated: Any) -> Iterator[tuple[Any, ...]]:
 class Mark(CellForm):
     """A mark in the apply chart."""
 
-    def value(self, cell: CellKind, units: Units) -> bool:
+    def value(self, cell: SheetCellKind, units: Units) -> bool:
         text = as_text(cell).casefold()
         if text in _MARKED | _UNMARKED:
             return text in _MARKED
@@ -166,7 +175,7 @@ class Mark(CellForm):
 
 
 @dataclass(frozen=True)
-class ApplyChart(Sheet):
+class ApplyChart(WorkbookSheet):
     """In which gears circuits are applied: a row for each circuit, a column for each gear."""
 
     def columns_for(self, data: Mapping[str, Any]) -> tuple[SheetColumn, ...]:
@@ -185,7 +194,7 @@ class ApplyChart(Sheet):
                 marks = {str(gear_shown(gear)): True for gear in table["gears"]}
                 yield {self.columns[0].heading: table["id"], **marks}
 
-    def fill(self, rows: Sequence[Row], into: Description) -> None:
+    def fill(self, rows: Sequence[WorkbookRow], into: Description) -> None:
         heading = self.columns[0].heading
         circuits = by_id(into, "circuits")
         for row in rows:

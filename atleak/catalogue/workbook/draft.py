@@ -18,7 +18,15 @@ from atleak.catalogue.controller_file import written_toml
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Shelf, id_from_name
 from atleak.catalogue.workbook.cells import CellForm, Number, Units, as_text
-from atleak.catalogue.workbook.shapes import HEAD_DEFAULTS, Description, Row, Sheet, SheetColumn, SheetFault, Spot
+from atleak.catalogue.workbook.shapes import (
+    HEAD_DEFAULTS,
+    Description,
+    SheetColumn,
+    SheetFault,
+    Spot,
+    WorkbookRow,
+    WorkbookSheet,
+)
 from atleak.catalogue.workbook.sheets import Offered
 from atleak.common.errors import CatalogueError, InputError
 from atleak.common.file_faults import NotAccepted
@@ -27,7 +35,7 @@ from atleak.common.sentences import Sentence, any_of, in_a_row
 _LENGTHS = {"mm": 1e-3, "µm": 1e-6, "inch": 0.0254}
 
 
-def doubts(sheet: Sheet, rows: Iterable[Row], units: Units) -> Iterator[tuple[Spot, Sentence]]:
+def doubts(sheet: WorkbookSheet, rows: Iterable[WorkbookRow], units: Units) -> Iterator[tuple[Spot, Sentence]]:
     """Yield the cells whose numbers are accepted and yet look like those of another unit, each with what to ask.
 
     An inch sheet with a spool of 7.2, say: 183 mm is none of a valve body, 7.2 mm is.
@@ -49,7 +57,11 @@ def doubts(sheet: Sheet, rows: Iterable[Row], units: Units) -> Iterator[tuple[Sp
 
 
 def in_cells(
-    error: CatalogueError, into: Description, sheets: Iterable[Sheet], rows: Mapping[str, Sequence[Row]], units: Units
+    error: CatalogueError,
+    into: Description,
+    sheets: Iterable[WorkbookSheet],
+    rows: Mapping[str, Sequence[WorkbookRow]],
+    units: Units,
 ) -> Iterator[SheetFault | InputError]:
     """Yield the faults of tables as those of the cells that say them; one that no cell says stays as it is.
 
@@ -67,7 +79,7 @@ def in_cells(
             continue
         columns = declared[spot.sheet].columns
         column = next((column for column in columns if column.heading == spot.heading), None)
-        row = next((row for row in rows[spot.sheet] if row.spot.row == spot.row), Row(spot, {}, {}))
+        row = next((row for row in rows[spot.sheet] if row.spot.row == spot.row), WorkbookRow(spot, {}, {}))
         of_head = into.spots.get((HEAD_DEFAULTS, *steps[-1:]))
         if column is None:
             yield SheetFault(spot, each.problem, each.value, each.expected, each.nearest)
@@ -78,7 +90,7 @@ def in_cells(
             yield SheetFault(of_head, each.problem, each.value, each.expected, each.nearest)
 
 
-def fault_of_cell(error: InputError, column: SheetColumn, row: Row, units: Units) -> SheetFault:
+def fault_of_cell(error: InputError, column: SheetColumn, row: WorkbookRow, units: Units) -> SheetFault:
     """Return a fault of the tables as one of the cell in which the value was typed, or is missing."""
     spot = row.at(column.heading)
     if column.heading not in row.cells:
@@ -98,7 +110,7 @@ def fault_of_cell(error: InputError, column: SheetColumn, row: Row, units: Units
     )
 
 
-def _converted(column: SheetColumn, row: Row, units: Units) -> Sentence:
+def _converted(column: SheetColumn, row: WorkbookRow, units: Units) -> Sentence:
     """Say what a number is in the unit of the file, where that is another one, since limits are stated in it."""
     value, kind = row.values.get(column.heading), column.kind
     if not isinstance(kind, Number) or not isinstance(value, float) or kind.value(1.0, units) == 1.0:
@@ -106,7 +118,7 @@ def _converted(column: SheetColumn, row: Row, units: Units) -> Sentence:
     return Sentence(" (it is {value:.6g} {unit})", value=value, unit=kind.label(Units()))
 
 
-def _other_unit(column: SheetColumn, row: Row, units: Units) -> Sentence:
+def _other_unit(column: SheetColumn, row: WorkbookRow, units: Units) -> Sentence:
     """Ask for the unit in which a length would be a usual one, where it is none as it stands."""
     kind, cell = column.kind, row.cells[column.heading]
     if not isinstance(kind, Number) or kind.measure.usual == (0.0, 0.0) or column.heading not in row.values:
@@ -137,7 +149,7 @@ class Subject:
     """A kind of entry that can be typed: its sheets, the first of which is its head, and how its file is checked."""
 
     shelf: Shelf[Any]
-    sheets: tuple[Sheet, ...]
+    sheets: tuple[WorkbookSheet, ...]
     names: Mapping[str, Offered] = field(default_factory=dict)  # that drop-downs offer
 
     @property
@@ -145,7 +157,7 @@ class Subject:
         """Return the folder of the catalogue."""
         return self.shelf.kind
 
-    def sheet(self, name: str) -> Sheet:
+    def sheet(self, name: str) -> WorkbookSheet:
         """Return a sheet by its name."""
         return next(sheet for sheet in self.sheets if sheet.name == name)
 
@@ -276,7 +288,9 @@ def checked(draft: Draft) -> Checked:
     return Checked(into.data, None if faults else entry, tuple(faults), tuple(asked.values()), tuple(into.notes))
 
 
-def _doubts(draft: Draft, entry: Any, into: Description, rows: Mapping[str, Sequence[Row]]) -> Iterable[SheetFault]:
+def _doubts(
+    draft: Draft, entry: Any, into: Description, rows: Mapping[str, Sequence[WorkbookRow]]
+) -> Iterable[SheetFault]:
     """Yield what looks like a number of another unit as it was typed, then what is unusual in its file."""
     for sheet in draft.subject.sheets:
         yield from (SheetFault(*doubt) for doubt in doubts(sheet, rows[sheet.name], draft.units))
@@ -289,7 +303,7 @@ def _doubts(draft: Draft, entry: Any, into: Description, rows: Mapping[str, Sequ
 # --- cells --------------------------------------------------------------------------------------------------------
 
 
-def _rows(draft: Draft, sheet: Sheet, into: Description) -> list[Row]:
+def _rows(draft: Draft, sheet: WorkbookSheet, into: Description) -> list[WorkbookRow]:
     """Read the cells of a table; each that cannot be read is a fault."""
     rows = []
     for number, cells in enumerate(draft.rows(sheet.name), start=1):
@@ -307,16 +321,16 @@ def _rows(draft: Draft, sheet: Sheet, into: Description) -> list[Row]:
             except NotAccepted as error:
                 problem = Sentence("cannot be read")
                 into.faults.append(SheetFault(spot._replace(heading=heading), problem, text, error.wanted))
-        rows.append(Row(spot, dict(cells), values))
+        rows.append(WorkbookRow(spot, dict(cells), values))
     return rows
 
 
-def _column(sheet: Sheet, heading: str) -> SheetColumn | None:
+def _column(sheet: WorkbookSheet, heading: str) -> SheetColumn | None:
     declared = next((column for column in sheet.columns if column.heading == heading), None)
     return declared or sheet.further_column(heading)
 
 
-def _in_unit(sheet: Sheet, heading: str, text: str, before: Units, after: Units) -> str:
+def _in_unit(sheet: WorkbookSheet, heading: str, text: str, before: Units, after: Units) -> str:
     column = _column(sheet, heading)
     if column is None or column.kind.label(before) == column.kind.label(after):
         return text

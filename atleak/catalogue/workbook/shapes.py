@@ -45,7 +45,7 @@ class SheetFault:
 
 
 @dataclass(frozen=True)
-class Row:
+class WorkbookRow:
     """A row that holds something: what stands in its cells, and the values of those that could be read."""
 
     spot: Spot  # without a heading
@@ -95,12 +95,12 @@ class Description:
         listed: list[dict[str, Any]] = self.data.setdefault(key, [])
         return listed
 
-    def fault(self, row: Row, heading: str | None, problem: Sentence, expected: Sentence | None = None) -> None:
+    def fault(self, row: WorkbookRow, heading: str | None, problem: Sentence, expected: Sentence | None = None) -> None:
         """Report a cell."""
         cell = row.cells.get(heading) if heading else None
         self.faults.append(SheetFault(row.at(heading), problem, cell, expected))
 
-    def unknown(self, row: Row, heading: str, problem: Sentence, known: Sequence[str]) -> str | None:
+    def unknown(self, row: WorkbookRow, heading: str, problem: Sentence, known: Sequence[str]) -> str | None:
         """Report a name that is none of those known; return the one that was surely meant, if any."""
         cell = row.cells.get(heading)
         nearest = None if cell is None else nearest_name(str(cell), known)
@@ -202,7 +202,7 @@ class KnownOfAll(SheetColumn):
 
 
 @dataclass(frozen=True)
-class Sheet:
+class WorkbookSheet:
     """A sheet of the workbook, declared once."""
 
     name: str
@@ -216,7 +216,7 @@ class Sheet:
         """Yield the sheet's rows for a controller's tables."""
         raise NotImplementedError
 
-    def fill(self, rows: Sequence[Row], into: Description) -> None:
+    def fill(self, rows: Sequence[WorkbookRow], into: Description) -> None:
         """Add what the rows say to a description."""
         raise NotImplementedError
 
@@ -233,7 +233,7 @@ class Sheet:
         given = ((column.heading, column.of(table)) for column in self.columns if column.is_stated)
         return {heading: value for heading, value in given if value is not None}
 
-    def _read(self, row: Row, at: KeySteps, into: Description) -> Values:
+    def _read(self, row: WorkbookRow, at: KeySteps, into: Description) -> Values:
         """Return the table that a row states, and remember its cells."""
         table: Values = {}
         into.mark(at, row.spot)
@@ -261,7 +261,7 @@ class Sheet:
 
 
 @dataclass(frozen=True)
-class Form(Sheet):
+class Form(WorkbookSheet):
     """One table, a key on each line."""
 
     is_form: bool = field(default=True, init=False)
@@ -272,7 +272,7 @@ class Form(Sheet):
             table = table.get(step, {})
         yield self._values(table)
 
-    def fill(self, rows: Sequence[Row], into: Description) -> None:
+    def fill(self, rows: Sequence[WorkbookRow], into: Description) -> None:
         for row in rows:
             stated = self._read(row, self.at, into)
             if stated:
@@ -280,7 +280,7 @@ class Form(Sheet):
 
 
 @dataclass(frozen=True)
-class Tables(Sheet):
+class Tables(WorkbookSheet):
     """A list of tables, one on each row. Where the file takes one value or a list of them, ``one`` names both keys."""
 
     one: tuple[str, str] = ("", "")
@@ -290,7 +290,7 @@ class Tables(Sheet):
         for table in data.get(self._key, ()):
             yield self._values({**table, several: [table[single]]} if single in table else table)
 
-    def fill(self, rows: Sequence[Row], into: Description) -> None:
+    def fill(self, rows: Sequence[WorkbookRow], into: Description) -> None:
         for row in rows:
             entries = into.entries(self._key)
             entries.append(self._read(row, (self._key, len(entries)), into))
@@ -301,14 +301,14 @@ class Tables(Sheet):
 
 
 @dataclass(frozen=True)
-class NamedTables(Sheet):
+class NamedTables(WorkbookSheet):
     """Tables by name, one on each row; the first column is the name."""
 
     def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
         for name, table in data.get(str(self.at[0]), {}).items():
             yield {self.columns[0].heading: name, **self._values(table)}
 
-    def fill(self, rows: Sequence[Row], into: Description) -> None:
+    def fill(self, rows: Sequence[WorkbookRow], into: Description) -> None:
         heading = self.columns[0].heading
         for row in rows:
             name = row.values.get(heading)
@@ -324,7 +324,7 @@ class NamedTables(Sheet):
 
 
 @dataclass(frozen=True)
-class Parts(Sheet):
+class Parts(WorkbookSheet):
     """Tables that belong to those of another sheet, whose id stands in the first column."""
 
     under: str = ""  # key of their list: "lands"
@@ -334,7 +334,7 @@ class Parts(Sheet):
             for table in owner.get(self.under, ()):
                 yield {self.columns[0].heading: owner["id"], **self._values(table)}
 
-    def fill(self, rows: Sequence[Row], into: Description) -> None:
+    def fill(self, rows: Sequence[WorkbookRow], into: Description) -> None:
         owners = by_id(into, str(self.at[0]))
         for row in rows:
             owner = owner_of(row, self.columns[0].heading, owners, into)
@@ -345,7 +345,7 @@ class Parts(Sheet):
 
 
 @dataclass(frozen=True)
-class ValuesByPoint(Sheet):
+class ValuesByPoint(WorkbookSheet):
     """One key of tables of another sheet: a number, or one for each operating point; columns are id, point, number."""
 
     def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
@@ -356,7 +356,7 @@ class ValuesByPoint(Sheet):
                 row = {owner: table["id"], point: name, number: value}
                 yield {heading: value for heading, value in row.items() if value is not None}
 
-    def fill(self, rows: Sequence[Row], into: Description) -> None:
+    def fill(self, rows: Sequence[WorkbookRow], into: Description) -> None:
         owner, point, number = (column.heading for column in self.columns)
         owners = by_id(into, str(self.at[0]))
         for row in rows:
@@ -400,7 +400,7 @@ def by_id(into: Description, key: str) -> dict[str, tuple[int, Values]]:
     return tables
 
 
-def owner_of(row: Row, heading: str, owners: Mapping[str, Any], into: Description) -> str | None:
+def owner_of(row: WorkbookRow, heading: str, owners: Mapping[str, Any], into: Description) -> str | None:
     """Return the id of the table that a row belongs to; a fault where there is no such table.
 
     Then it is the id that was probably meant, if any, so that what rests on the row is not called missing as well.
@@ -416,7 +416,7 @@ def owner_of(row: Row, heading: str, owners: Mapping[str, Any], into: Descriptio
     return None
 
 
-def point_of(row: Row, heading: str, into: Description) -> str | None:
+def point_of(row: WorkbookRow, heading: str, into: Description) -> str | None:
     """Return the operating point that a cell names; None, and a fault, where there is no such point."""
     name = row.values.get(heading)
     points = [str(table["name"]) for table in into.data.get("operating_points", ()) if "name" in table]

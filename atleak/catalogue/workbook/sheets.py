@@ -60,10 +60,10 @@ from atleak.catalogue.workbook.shapes import (
     KnownOfAll,
     NamedTables,
     Parts,
-    Sheet,
     SheetColumn,
     Tables,
     ValuesByPoint,
+    WorkbookSheet,
 )
 from atleak.common.file_faults import model_in
 
@@ -215,7 +215,7 @@ HEAD = Form(
 )
 _CIRCUIT = SheetColumn("Circuit", (), required=True, names="circuit", width=20)
 
-SHEETS: tuple[Sheet, ...] = (
+SHEETS: tuple[WorkbookSheet, ...] = (
     HEAD,
     NamedTables(
         "Materials",
@@ -357,7 +357,7 @@ LISTS = "Lists"
 
 
 @cache
-def examples(sheet: Sheet) -> tuple[Mapping[str, Any], ...]:
+def examples(sheet: WorkbookSheet) -> tuple[Mapping[str, Any], ...]:
     """Return the rows of a sheet that show how it is filled in."""
     text = (Path(__file__).parent / "example.toml").read_text(encoding="utf-8")
     return tuple(sheet.rows(tomllib.loads(text)))

@@ -21,7 +21,7 @@ import pandas as pd
 
 from atleak.common.errors import InputError, Place, RoadTestError
 from atleak.common.sentences import Sentence
-from atleak.readers.logs.headings import Row
+from atleak.readers.logs.headings import HeadRow
 from atleak.readers.logs.log_cells import MISSING, OFF, Decimal, kind_of_cells, without_unit
 from atleak.readers.logs.log_file import HEAD_BYTES, LARGE, LogFile
 from atleak.readers.logs.log_table import WHITESPACE, Layout, LogTable, find_dialect, find_table, split_line
@@ -39,8 +39,8 @@ from atleak.readers.logs.text_lines import (
 _BLOCK = 1 << 15
 """Numbers in a block: 256 kB."""
 
-Item = TypeVar("Item")
-Result = TypeVar("Result")
+_Item = TypeVar("_Item")
+_Result = TypeVar("_Result")
 
 
 class Filled:
@@ -69,11 +69,11 @@ class Filled:
         self._met += len(part)
 
 
-def in_turn(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+def in_turn(work: Callable[[_Item], _Result], items: Iterable[_Item]) -> Iterator[_Result]:
     """Yield what work makes of every item, a few of them at once: numpy and pandas leave the cores free."""
     cores = min(4, os.cpu_count() or 1)
     with ThreadPoolExecutor(cores) as pool:
-        waiting: deque[Future[Result]] = deque()
+        waiting: deque[Future[_Result]] = deque()
         for item in items:
             waiting.append(pool.submit(work, item))
             if len(waiting) > cores:
@@ -120,7 +120,7 @@ class Delimited(LogTable):
     start: int
     end: int
     breaks_off: bool
-    sample: tuple[Row, ...]
+    sample: tuple[HeadRow, ...]
     quoted: bool
     spaced: bool
     per_line: tuple[int, int] | None
@@ -350,7 +350,7 @@ def open_delimited(source: LogFile) -> Delimited | None:
     if dialect is None:
         return None
     delimiter, decimal = dialect.delimiter, dialect.decimal
-    rows: list[Row] = []
+    rows: list[HeadRow] = []
     layout = None
     for count in (_LOOK, 4 * _LOOK, 16 * _LOOK, len(head)):
         rows += [split_line(text.decode(line), delimiter) for line in head[len(rows) : count]]

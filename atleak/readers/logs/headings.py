@@ -13,7 +13,7 @@ from atleak.readers.dates import words
 from atleak.readers.logs.log_cells import is_clock
 from atleak.readers.logs.names import clean_unit, is_unit, match_name, split_unit
 
-Row = list[str]
+HeadRow = list[str]
 _LONGEST_UNIT = 10  # characters; what is longer is a name
 # names that spreadsheets give to columns without any
 _NAMELESS = re.compile(r"(?:column|spalte|kolumna|colonne|coluna|columna|столбец)[ _]?\d+\Z")
@@ -48,7 +48,7 @@ class Heading:
         return bool(_NOT_OF_THE_CAR.search(self.source))
 
 
-def headings_of(header: Sequence[Row], width: int) -> tuple[Heading, ...]:
+def headings_of(header: Sequence[HeadRow], width: int) -> tuple[Heading, ...]:
     """Return the headings of a table's columns from the rows above its data."""
     names = [row for row in header if not _is_sources(row)]
     sources = next((row for row in header if _is_sources(row)), [])
@@ -60,7 +60,7 @@ def headings_of(header: Sequence[Row], width: int) -> tuple[Heading, ...]:
     return tuple(_heading(index, names, units, sources) for index in range(columns))
 
 
-def _heading(index: int, names: Sequence[Row], units: Row, sources: Row) -> Heading:
+def _heading(index: int, names: Sequence[HeadRow], units: HeadRow, sources: HeadRow) -> Heading:
     written = [row[index] for row in names if index < len(row) and row[index]]
     split = [split_unit(name) for name in written]
     unit = next((part.unit for part in split if part.unit is not None), None)
@@ -74,7 +74,7 @@ def _heading(index: int, names: Sequence[Row], units: Row, sources: Row) -> Head
     return Heading(index, label, tuple(dict.fromkeys(part.text for part in split)), unit, source, stamped)
 
 
-def names_columns(header: Sequence[Row]) -> bool:
+def names_columns(header: Sequence[HeadRow]) -> bool:
     """Return whether rows above the data name columns: a spreadsheet's own *Column1*, *Column2* name nothing."""
     return any(cell and not _NAMELESS.match(words(cell)) for row in header for cell in row)
 
@@ -90,12 +90,12 @@ def _is_stamp(cell: str) -> bool:
     return match is not None and match.quantity == "time"
 
 
-def _is_sources(row: Row) -> bool:
+def _is_sources(row: HeadRow) -> bool:
     filled = [cell.strip().lower() for cell in row if cell]
     return bool(filled) and all(map(_SOURCE.match, filled)) and any(cell[0].isdigit() for cell in filled)
 
 
-def _units_place(header: Sequence[Row]) -> int | None:
+def _units_place(header: Sequence[HeadRow]) -> int | None:
     """Return which row above the data holds units: mostly units, or some below a row of names that differ."""
     if len(header) < 2:
         return None
@@ -114,7 +114,7 @@ def _units_place(header: Sequence[Row]) -> int | None:
     return -place if count else None
 
 
-def _clear_units(row: Row) -> int:
+def _clear_units(row: HeadRow) -> int:
     """Return how many cells are units beyond doubt; 0 where the row also holds names."""
     filled = [clean_unit(cell) for cell in row if cell.strip()]
     units = [cell for cell in filled if is_unit(cell) and (len(cell) > 1 or cell in "%°")]
@@ -124,17 +124,17 @@ def _clear_units(row: Row) -> int:
     return len(units)
 
 
-def _straight(names: list[Row], width: int) -> list[Row]:
+def _straight(names: list[HeadRow], width: int) -> list[HeadRow]:
     """Leave out rows of descriptions that are shifted against the data: shorter than the table, without a blank."""
 
-    def straight(row: Row) -> bool:
+    def straight(row: HeadRow) -> bool:
         end = filled_width(row)
         return abs(end - width) <= 1 or not all(row[:end])
 
     return [row for row in names if straight(row)] or names
 
 
-def units_share(row: Row) -> float:
+def units_share(row: HeadRow) -> float:
     """Return which share of a row's cells are units."""
     filled = [cell for cell in row if cell.strip() and cell.strip() != "-"]
     if not filled:
@@ -142,12 +142,12 @@ def units_share(row: Row) -> float:
     return sum(is_unit(cell) for cell in filled) / len(filled)
 
 
-def known_names(row: Row) -> int:
+def known_names(row: HeadRow) -> int:
     """Return how many cells of a row name a quantity."""
     return sum(match_name(split_unit(cell).text) is not None for cell in row if cell)
 
 
-def filled_width(row: Row) -> int:
+def filled_width(row: HeadRow) -> int:
     """Return the number of cells up to the last one that is not blank."""
     return max((index + 1 for index, cell in enumerate(row) if cell), default=0)
 
@@ -164,12 +164,12 @@ _TYPE_UNITS = {
 }  # fmt: skip
 
 
-def defined_above(rows: Sequence[Row], width: int) -> tuple[Heading, ...] | None:
+def defined_above(rows: Sequence[HeadRow], width: int) -> tuple[Heading, ...] | None:
     """Return the headings that the lines above a table define instead of a row of names; None where they do not."""
     return _in_blocks(rows, width) or _in_sections(rows, width)
 
 
-def _in_blocks(rows: Sequence[Row], width: int) -> tuple[Heading, ...] | None:
+def _in_blocks(rows: Sequence[HeadRow], width: int) -> tuple[Heading, ...] | None:
     """Return the channels defined in blocks ``Channel : …``, ``ID : …``, ``Type : …`` above data without names.
 
     The first column of the data is the clock, the others follow the order of the blocks.
@@ -194,7 +194,7 @@ def _in_blocks(rows: Sequence[Row], width: int) -> tuple[Heading, ...] | None:
 _SECTION = re.compile(r"\[([^\[\]]+)\]\Z")
 
 
-def _in_sections(rows: Sequence[Row], width: int) -> tuple[Heading, ...] | None:
+def _in_sections(rows: Sequence[HeadRow], width: int) -> tuple[Heading, ...] | None:
     """Return the channels that sections ``[header]`` or ``[column names]`` name, with ``[channel units]``.
 
     Names with blanks stand whole in ``[header]``, a line each; the units are those of the last channels.
@@ -222,7 +222,7 @@ def _in_sections(rows: Sequence[Row], width: int) -> tuple[Heading, ...] | None:
     return tuple(headings)
 
 
-def with_stated_units(headings: tuple[Heading, ...], rows: Sequence[Row]) -> tuple[Heading, ...]:
+def with_stated_units(headings: tuple[Heading, ...], rows: Sequence[HeadRow]) -> tuple[Heading, ...]:
     """Return the headings with the units that a measurement file's head states, ``Y_Unit_Label``, where they have none.
 
     One column of x stands before all others, or before each (``X_Columns Multi``).

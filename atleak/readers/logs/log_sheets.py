@@ -18,7 +18,7 @@ from atleak.common.errors import RoadTestError
 from atleak.readers.cells.extent import cut
 from atleak.readers.dates import words
 from atleak.readers.logs.delimited import every_nth
-from atleak.readers.logs.headings import Heading, Row, nameless
+from atleak.readers.logs.headings import Heading, HeadRow, nameless
 from atleak.readers.logs.log_cells import MISSING, OFF, Decimal, without_unit
 from atleak.readers.logs.log_file import LogFile
 from atleak.readers.logs.log_table import Layout, LogTable, find_table
@@ -104,7 +104,7 @@ class LogSheet(LogTable):
         return self.layout.has_header or (self.titled and self._is_a_pair_without_names)
 
     @cached_property
-    def sample(self) -> tuple[Row, ...]:  # type: ignore[override]
+    def sample(self) -> tuple[HeadRow, ...]:  # type: ignore[override]
         """Return the first data rows as text."""
         body = self.cells.head(self.layout.start + 400)[self.layout.start :]
         return tuple([text_of_cell(cell, self.decimal) for cell in row] for row in body)
@@ -207,7 +207,7 @@ def _sheet(name: str, cells: SheetCells) -> LogSheet | None:
     return None
 
 
-def _without_blank_end(row: Row) -> Row:
+def _without_blank_end(row: HeadRow) -> HeadRow:
     """Return a row without the blank cells at its end, but never less than two cells wide."""
     end = max((index + 1 for index, cell in enumerate(row) if cell), default=0)
     return row if end > len(row) // 2 else row[: max(end, 1)]

@@ -12,7 +12,7 @@ import pandas as pd
 from atleak.readers.cells.extent import cut
 from atleak.readers.logs.headings import (
     Heading,
-    Row,
+    HeadRow,
     defined_above,
     headings_of,
     names_columns,
@@ -36,8 +36,8 @@ class Layout:
     width: int
     headings: tuple[Heading, ...]
     has_header: bool
-    preamble: tuple[Row, ...]
-    header_rows: tuple[Row, ...]
+    preamble: tuple[HeadRow, ...]
+    header_rows: tuple[HeadRow, ...]
     cell_units: Mapping[int, str] = field(default_factory=dict)
     above: int = 0
 
@@ -46,7 +46,7 @@ class LogTable:
     """A table of any file format: its layout, some rows as a sample, how many there are, and columns on request."""
 
     layout: Layout
-    sample: tuple[Row, ...]
+    sample: tuple[HeadRow, ...]
     decimal: Decimal
     rows: int  # more or less
 
@@ -66,7 +66,7 @@ class LogTable:
         return self.layout.width
 
     @property
-    def preamble(self) -> tuple[Row, ...]:
+    def preamble(self) -> tuple[HeadRow, ...]:
         """Return the rows above the header."""
         return self.layout.preamble
 
@@ -96,7 +96,7 @@ class LogTable:
         raise NotImplementedError
 
 
-def split_line(line: str, delimiter: str) -> Row:
+def split_line(line: str, delimiter: str) -> HeadRow:
     """Return the cells of one line without the blanks and quotes around them."""
     if delimiter == WHITESPACE:
         return line.split()
@@ -165,7 +165,7 @@ def _scored_dialect(lines: Sequence[str]) -> tuple[float, Dialect] | None:
     return (best_score[0], best_dialect) if best_dialect is not None else None
 
 
-def find_table(rows: Sequence[Row], decimal: Decimal, width: int | None = None) -> Layout | None:
+def find_table(rows: Sequence[HeadRow], decimal: Decimal, width: int | None = None) -> Layout | None:
     """Return the table among rows of cells: the longest block of data rows with the rows that name its columns."""
     widths = Counter(
         len(row)
@@ -201,7 +201,7 @@ def find_table(rows: Sequence[Row], decimal: Decimal, width: int | None = None) 
 _FEW = 3  # lines with as many cells as the table above it, which are no other table
 
 
-def _expected_kinds(rows: Sequence[Row], width: int, decimal: Decimal) -> list[CellKind]:
+def _expected_kinds(rows: Sequence[HeadRow], width: int, decimal: Decimal) -> list[CellKind]:
     expected: list[CellKind] = []
     body = rows[len(rows) // 3 :] or rows
     for column in range(width):
@@ -211,7 +211,7 @@ def _expected_kinds(rows: Sequence[Row], width: int, decimal: Decimal) -> list[C
     return expected
 
 
-def _is_data(row: Row, expected: list[CellKind], width: int, decimal: Decimal) -> bool:
+def _is_data(row: HeadRow, expected: list[CellKind], width: int, decimal: Decimal) -> bool:
     if len(row) < 2 or len(row) < width // 2:
         return False
     good = bad = readable = 0
@@ -226,7 +226,7 @@ def _is_data(row: Row, expected: list[CellKind], width: int, decimal: Decimal) -
     return readable > 0 and good > bad
 
 
-def is_name_row(row: Row, width: int, decimal: Decimal) -> bool:
+def is_name_row(row: HeadRow, width: int, decimal: Decimal) -> bool:
     """Return whether a row can name columns (or their units): mostly text, wide enough."""
     filled = [cell for cell in row if cell]
     if len(row) < 2 or (width > 3 and len(row) < width / 2) or not filled:
@@ -236,13 +236,13 @@ def is_name_row(row: Row, width: int, decimal: Decimal) -> bool:
     return kinds["number"] <= 0.3 * len(filled) and (wordy >= 0.4 * len(filled) or units_share(row) > 0.5)
 
 
-def is_comment(row: Row) -> bool:
+def is_comment(row: HeadRow) -> bool:
     """Return whether a row is a blank line, a marker or a comment between data rows."""
     filled = [cell for cell in row if cell]
     return len(filled) <= 1 or row[0].startswith(_COMMENTS)
 
 
-def _longest_block(rows: Sequence[Row], flags: list[bool], width: int, decimal: Decimal) -> int | None:
+def _longest_block(rows: Sequence[HeadRow], flags: list[bool], width: int, decimal: Decimal) -> int | None:
     """Return the first row of the block with most data rows; comments and its own header repeated do not end it.
 
     Rows as wide as the table count before all others: lines of the head may hold numbers, too.
@@ -267,8 +267,8 @@ def _longest_block(rows: Sequence[Row], flags: list[bool], width: int, decimal: 
     return best
 
 
-def _rows_above(rows: Sequence[Row], start: int, width: int, decimal: Decimal) -> tuple[list[Row], int]:
-    header_rows: list[Row] = []
+def _rows_above(rows: Sequence[HeadRow], start: int, width: int, decimal: Decimal) -> tuple[list[HeadRow], int]:
+    header_rows: list[HeadRow] = []
     index, skipped = start - 1, 0
     while index >= 0 and len(header_rows) < 4:
         row = rows[index]
@@ -282,7 +282,7 @@ def _rows_above(rows: Sequence[Row], start: int, width: int, decimal: Decimal) -
     return header_rows, index + 1
 
 
-def _uncommented(row: Row) -> Row:
+def _uncommented(row: HeadRow) -> HeadRow:
     first = row[0]
     if len(first) > 1 and first.startswith(_COMMENTS[:3]):
         first = first.lstrip("#%/ ")

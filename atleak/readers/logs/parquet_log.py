@@ -13,7 +13,7 @@ import pandas as pd
 from atleak.common.errors import Place, RoadTestError
 from atleak.common.sentences import Sentence
 from atleak.readers.logs.delimited import Filled
-from atleak.readers.logs.headings import Row, headings_of, names_columns
+from atleak.readers.logs.headings import HeadRow, headings_of, names_columns
 from atleak.readers.logs.log_cells import Decimal, kind_of_cells, unit_in_cells, without_unit
 from atleak.readers.logs.log_file import LogFile, open_source
 from atleak.readers.logs.log_sheets import text_of_cell
@@ -33,7 +33,7 @@ class ParquetLog(LogTable):
     layout: Layout
     kinds: tuple[str, ...]
     rows: int
-    sample: tuple[Row, ...]
+    sample: tuple[HeadRow, ...]
     decimal: Decimal
 
     def read(self, columns: Sequence[int], every: int = 1) -> pd.DataFrame:

@@ -251,7 +251,7 @@ class LeftOutRow:
                 assigner.say(code, text, level)
 
 
-class Rows(NamedTuple):
+class LogRows(NamedTuple):
     """The rows of a table, and how many of its lines are none."""
 
     frame: pd.DataFrame
@@ -280,7 +280,7 @@ def lines_of(frame: pd.DataFrame) -> np.ndarray:
 
 def rows_of_log(
     frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner
-) -> Rows:
+) -> LogRows:
     """Leave out comments, markers, repeated headers and blank rows at the end, each counted in a message.
 
     Raises
@@ -299,7 +299,7 @@ def rows_of_log(
         attributes, frame = frame.attrs, frame.iloc[:end]
         frame.attrs = attributes
     left.say(assigner)
-    return Rows(frame, left.rows)
+    return LogRows(frame, left.rows)
 
 
 _REMARKS = 0.3  # part of a log's lines that may have a word in place of the time: more are no remarks

@@ -29,7 +29,7 @@ from atleak.readers.logs.protocol import TableResult, bytes_of
 from atleak.readers.logs.remembered_columns import NOT_LOGGED
 from atleak.readers.logs.rows import (
     LeftOutRow,
-    Rows,
+    LogRows,
     check_clock_stated_again,
     columns_of_numbers,
     rows_of_log,
@@ -358,7 +358,7 @@ def own_times(
 
 
 def _read_own_times(
-    clock_columns: dict[int, Candidate], rows: Rows, columns: dict[int, np.ndarray], channels: Sequence[Candidate],
+    clock_columns: dict[int, Candidate], rows: LogRows, columns: dict[int, np.ndarray], channels: Sequence[Candidate],
     table: LogTable, assigner: Assigner, motions: Sequence[Motion],
 ) -> TableResult:  # fmt: skip
     clocks_by_column: dict[int, Clock] = {}

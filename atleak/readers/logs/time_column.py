@@ -19,7 +19,7 @@ from atleak.readers.logs.headings import nameless
 from atleak.readers.logs.log_cells import TEXT, cause, holds, is_clock, is_destroyed, to_float
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.names import split_unit
-from atleak.readers.logs.rows import Rows
+from atleak.readers.logs.rows import LogRows
 from atleak.readers.logs.units import given
 
 
@@ -109,7 +109,7 @@ def _rounded(seconds: np.ndarray) -> bool:
 
 
 def best_clock(
-    times: list[Candidate], rows: Rows, table: LogTable, assigner: Assigner, motions: Sequence[Motion]
+    times: list[Candidate], rows: LogRows, table: LogTable, assigner: Assigner, motions: Sequence[Motion]
 ) -> tuple[str, Clock]:
     """Return the name and the clock of the time column that serves best, or a clock counted from the interval.
 
@@ -163,7 +163,7 @@ def _best(readable: list[tuple[Candidate, Clock]]) -> tuple[Candidate, Clock]:
     return readable[max(range(len(readable)), key=worth)]
 
 
-def _counted(table: LogTable, assigner: Assigner, rows: Rows) -> Clock:
+def _counted(table: LogTable, assigner: Assigner, rows: LogRows) -> Clock:
     """Return a clock that counts rows by the interval that is stated.
 
     Raises

@@ -33,7 +33,7 @@ from atleak.common.errors import InputError, Place
 from atleak.common.sentences import Sentence
 from atleak.readers.process.child import Request, receive, send
 
-Item = TypeVar("Item")
+_Item = TypeVar("_Item")
 
 CHILDREN = 2
 """Files read at the same time; a third waits. Each may take the memory of its budget."""
@@ -97,14 +97,14 @@ PARQUET = replace(MDF, kind=Sentence("Parquet file"))
 
 
 def read_apart(
-    function: Callable[..., Iterator[Item]],
+    function: Callable[..., Iterator[_Item]],
     source: bytes | Path,
     file: str,
     error: type[InputError],
     budget: ProcessBudget,
     explain: Callable[..., Iterator[object]] | None = None,
     **asked: Any,
-) -> list[Item]:
+) -> list[_Item]:
     """Call a reading function in a child process and return all it yields about a file.
 
     Parameters
@@ -134,13 +134,13 @@ def read_apart(
 
 
 def read_apart_in_parts(
-    function: Callable[..., Iterator[Item]],
+    function: Callable[..., Iterator[_Item]],
     source: bytes | Path,
     file: str,
     error: type[InputError],
     budget: ProcessBudget,
     **asked: Any,
-) -> Generator[Item]:
+) -> Generator[_Item]:
     """Call a reading function in a child process and yield what it yields, as it comes.
 
     It does what `read_apart` does, but a file may be larger than memory: each part has the budget of the whole, and
@@ -155,7 +155,7 @@ def read_apart_in_parts(
 
 
 def _items(
-    function: Callable[..., Iterator[Item]],
+    function: Callable[..., Iterator[_Item]],
     source: bytes | Path,
     file: str,
     error: type[InputError],
@@ -164,7 +164,7 @@ def _items(
     asked: Mapping[str, Any],
     *,
     streamed: bool,
-) -> Generator[Item]:
+) -> Generator[_Item]:
     memory, seconds = budget.limits(len(source) if isinstance(source, bytes) else source.stat().st_size)
     kind, content = "end", dict[str, Any]()
     try:

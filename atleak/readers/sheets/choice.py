@@ -16,7 +16,7 @@ from atleak.readers.cells.sheet import Sheet
 from atleak.readers.sheets.controller_names import ControllerNames, Sizes
 from atleak.readers.sheets.diameters import PlaceKey, filled_down
 from atleak.readers.sheets.layout import continued, find_tables, turned
-from atleak.readers.sheets.rows import Rows
+from atleak.readers.sheets.rows import SheetRows
 from atleak.readers.sheets.table import EXPECTED_SHEET, HeadedTable, best_header
 from atleak.readers.sheets.words import is_repeat_title, letters
 
@@ -225,7 +225,7 @@ def _of_size(table: HeadedTable, sizes: Sizes) -> list[str]:
     return list(filter(None, found))
 
 
-def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsError]:
+def require_one_measurement(read: Sequence[SheetRows], file: str) -> list[ReadingsError]:
     """Return the problems where two tables of a sheet hold the same diameters and nothing calls them repeats.
 
     Raises
@@ -234,7 +234,7 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
         where two sheets do: which is meant, only the user knows.
     """
     problems: list[ReadingsError] = []
-    first: dict[tuple[str, Part, str], list[tuple[Rows, PlaceKey]]] = defaultdict(list)
+    first: dict[tuple[str, Part, str], list[tuple[SheetRows, PlaceKey]]] = defaultdict(list)
     asked: dict[str | None, None] = {}
     reported: set[tuple[int, int]] = set()
     for before, rows in zip((None, *read), read, strict=False):
@@ -270,7 +270,7 @@ def require_one_measurement(read: Sequence[Rows], file: str) -> list[ReadingsErr
     return problems
 
 
-def _goes_on(before: Rows | None, rows: Rows) -> int | None:
+def _goes_on(before: SheetRows | None, rows: SheetRows) -> int | None:
     """Return the first row under headings printed again, where it goes on with the station of the row above them."""
     if before is None or before.table.sheet.name != rows.table.sheet.name or not before.entries or not rows.entries:
         return None
@@ -279,7 +279,7 @@ def _goes_on(before: Rows | None, rows: Rows) -> int | None:
     return rows.entries[0].row if first == last and not rows.table.title else None
 
 
-def _twice(rows: Rows, other: Rows, key: PlaceKey, place: Place) -> ReadingsError:
+def _twice(rows: SheetRows, other: SheetRows, key: PlaceKey, place: Place) -> ReadingsError:
     return ReadingsError(
         Sentence(
             "component {component}, {part}, plane {plane} stands in this table and in the one in {where} already: "

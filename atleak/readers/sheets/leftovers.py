@@ -29,7 +29,7 @@ from atleak.readers.sheets.controller_names import (
     numbers_of,
 )
 from atleak.readers.sheets.diameters import nominal_headings
-from atleak.readers.sheets.rows import Rows
+from atleak.readers.sheets.rows import SheetRows
 from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import (
     Words,
@@ -72,7 +72,7 @@ class Account:
         stated = [unit for name in self.units if (unit := find_unit(name, "length")) is not None]
         self._units = tuple(dict.fromkeys((*stated, MILLIMETRE, INCH)))
 
-    def enter(self, rows: Rows) -> None:
+    def enter(self, rows: SheetRows) -> None:
         """Account for a table that was read, and judge its columns that were not."""
         table, sheet, columns = rows.table, rows.table.sheet, rows.columns
         done = self._enter(table, table.rows)
@@ -175,7 +175,7 @@ class Account:
                     self._done[sheet.name].add((row, column))
         return self._done[sheet.name]
 
-    def _is_figure(self, rows: Rows, index: int) -> bool:
+    def _is_figure(self, rows: SheetRows, index: int) -> bool:
         """Return whether a column holds specifications, means or raw readings by its heading; it is left aside."""
         table, role = rows.table, rows.table.role(index)
         if role not in ("specification", "mean", "raw") and not _is_of_gauge(table, index):
@@ -186,7 +186,7 @@ class Account:
             self._leave_column(table, index, self._sizes_in(rows, index), role)
         return True
 
-    def _is_of_controller(self, rows: Rows, index: int) -> bool:
+    def _is_of_controller(self, rows: SheetRows, index: int) -> bool:
         """Return whether this is the form's own column of nominal diameters, unchanged since it was written."""
         name, unit, _ = rows.table.heading(index).partition(" [")
         if not unit or name not in nominal_headings():
@@ -200,7 +200,7 @@ class Account:
             for row, keys in rows.of_row.items()
         )
 
-    def _is_quantity(self, rows: Rows, index: int) -> bool:
+    def _is_quantity(self, rows: SheetRows, index: int) -> bool:
         """Return whether a column holds another quantity; not one in mm that has the size of the diameters."""
         table = rows.table
         other = table.role(index) == "quantity" or _in_another_unit(table, index)
@@ -209,14 +209,14 @@ class Account:
         self._leave_column(table, index, self._sizes_under(table, index), "quantity")
         return True
 
-    def _sizes_in(self, rows: Rows, index: int) -> list[tuple[int, int]]:
+    def _sizes_in(self, rows: SheetRows, index: int) -> list[tuple[int, int]]:
         """Return the cells of a column that have a diameter's size; whole numbers only where near their row's."""
         return sorted({*self._sizes_under(rows.table, index), *self._near(rows, index)})
 
     def _sizes_under(self, table: HeadedTable, index: int) -> list[tuple[int, int]]:
         return [(row, index) for row in table.rows if self._is_size(table.sheet, row, index, headed=table)]
 
-    def _is_rival(self, rows: Rows, index: int) -> bool:
+    def _is_rival(self, rows: SheetRows, index: int) -> bool:
         """Return whether an unread column could be the measurement as well; remarks and counts could not."""
         if not self._is_diameter(rows, index):
             return False
@@ -230,13 +230,13 @@ class Account:
             return False
         return True
 
-    def _is_diameter(self, rows: Rows, index: int) -> bool:
+    def _is_diameter(self, rows: SheetRows, index: int) -> bool:
         """Return whether a column holds the diameters of its rows: in most cells, and not in one of many."""
         filled = sum(not is_blank(rows.table.sheet.cell(row, index)) for row in rows.of_row)
         near = len(self._near(rows, index))
         return 2 * near > filled and (near > 1 or 2 * near > len(rows.of_row))
 
-    def _differs(self, rows: Rows, index: int) -> bool:
+    def _differs(self, rows: SheetRows, index: int) -> bool:
         """Return whether a column is further from the diameters of most rows than readings of one place may be."""
         read: dict[int, list[float]] = defaultdict(list)
         for entry in rows.entries:
@@ -252,7 +252,7 @@ class Account:
     def _units_of(self, table: HeadedTable, index: int) -> tuple[Unit, ...]:
         return _units(table, index) or self._units
 
-    def _near(self, rows: Rows, index: int) -> list[tuple[int, int]]:
+    def _near(self, rows: SheetRows, index: int) -> list[tuple[int, int]]:
         """Return the cells of a column that come near the nominal diameter of their row."""
         units = self._units_of(rows.table, index)
         return [
@@ -278,7 +278,7 @@ class Account:
             level: MessageLevel = "warning" if role in (None, "remark") else "info"
             self.messages.append(Message(level, "column_aside", text, table.heading_place(index)))
 
-    def _slipped(self, rows: Rows) -> None:
+    def _slipped(self, rows: SheetRows) -> None:
         """Report a number of the size of a diameter in a row whose diameter is empty."""
         table, sheet = rows.table, rows.table.sheet
         usual = {index for index in range(sheet.width) if self._is_usual(rows, index)}
@@ -293,7 +293,7 @@ class Account:
                     self.problems.append(_slip(table, row, index))
                     self._done[sheet.name].add((row, index))
 
-    def _is_usual(self, rows: Rows, index: int) -> bool:
+    def _is_usual(self, rows: SheetRows, index: int) -> bool:
         """Return whether numbers of that size are usual in a column of another quantity: 18.2 °C, say."""
         sheet = rows.table.sheet
         return rows.table.role(index) == "quantity" and any(self._is_size(sheet, row, index) for row in rows.of_row)
@@ -401,7 +401,7 @@ def _name(table: HeadedTable, index: int) -> Sentence:
     return Sentence("{column} (without a heading)", column=table.sheet.place(0, index).column)
 
 
-def _lacks_value(rows: Rows, row: int) -> bool:
+def _lacks_value(rows: SheetRows, row: int) -> bool:
     """Return whether a row leaves one of its diameters empty."""
     sheet = rows.table.sheet
     return any(
@@ -465,7 +465,7 @@ class _Said:
     is_sheet: bool
 
 
-def units_apart(read: Sequence[Rows]) -> list[ReadingsError]:
+def units_apart(read: Sequence[SheetRows]) -> list[ReadingsError]:
     """Return the error where titles, names of sheets or a column call what is read more than one unit.
 
     The parts of two units fit each other well enough to pass for one: nothing else would show it.
@@ -482,7 +482,7 @@ def units_apart(read: Sequence[Rows]) -> list[ReadingsError]:
     return [] if column is None else [column]
 
 
-def _titles(rows: Rows) -> Iterator[_Said]:
+def _titles(rows: SheetRows) -> Iterator[_Said]:
     sheet = rows.table.sheet
     last = max(entry.row for entry in rows.entries)
     said = [(text, sheet.place(row), False) for row, text in _lines(sheet, rows.table.last, last)]
@@ -521,7 +521,7 @@ def _by_titles(named: Sequence[_Said]) -> ReadingsError:
     )
 
 
-def _column(filled: Sequence[Rows]) -> ReadingsError | None:
+def _column(filled: Sequence[SheetRows]) -> ReadingsError | None:
     """Return the error for a column of serial numbers or vehicles, where several stand beside the readings."""
     values: dict[str, dict[str, set[tuple[str, ...]]]] = defaultdict(lambda: defaultdict(set))
     places: dict[str, Place] = {}

@@ -58,7 +58,7 @@ from atleak.readers.sheets.land_values import LandValues, read_land_values
 from atleak.readers.sheets.leftovers import Account, units_apart
 from atleak.readers.sheets.plausibility import check
 from atleak.readers.sheets.repeats import require_known
-from atleak.readers.sheets.rows import Rows, read_rows
+from atleak.readers.sheets.rows import SheetRows, read_rows
 from atleak.readers.sheets.table import HeadedTable, best_header
 from atleak.readers.sheets.words import is_word
 
@@ -224,9 +224,9 @@ def read_readings(
 
 def _read_all(
     tables: Sequence[HeadedTable], names: ControllerNames, unit: Unit | None, where: Mapping[str, str] | None
-) -> list[Rows]:
+) -> list[SheetRows]:
     """Return the rows of tables, until there are so many faults that the file is something else."""
-    read: list[Rows] = []
+    read: list[SheetRows] = []
     for table in tables:
         if sum(len(rows.problems) for rows in read) > FAULTS:
             break
@@ -240,7 +240,7 @@ def _of_gauges_alone(pressures: PressureTable) -> Readings:
     return Readings(file, digest, sheet, "mm", False, "tidy", readings=(), pressures=pressures)
 
 
-def _contradictions(read: Sequence[Rows], converted: Converted, *, with_temperatures: bool) -> list[Message]:
+def _contradictions(read: Sequence[SheetRows], converted: Converted, *, with_temperatures: bool) -> list[Message]:
     told: list[Message] = []
     for rows in read:
         told += agreement.agreement_messages(rows.table, rows.columns, rows.entries, converted.readings)
@@ -276,7 +276,7 @@ def _score(sheet: Sheet) -> float:
 def _account(
     chosen: SheetChoice,
     of_lands: LandValues,
-    read: Sequence[Rows],
+    read: Sequence[SheetRows],
     names: ControllerNames,
     converted: Converted,
     given_unit: Unit | None,
@@ -307,13 +307,13 @@ def _none_left(result: Readings, table: HeadedTable) -> ReadingsError:
     return ReadingsError(problem, place=place, expected=Sentence("at least one diameter, or two coordinates"))
 
 
-def _layout(converted: Converted, read: Sequence[Rows]) -> Literal["table", "tidy", "columns"]:
+def _layout(converted: Converted, read: Sequence[SheetRows]) -> Literal["table", "tidy", "columns"]:
     if any(reading.coordinates is not None for reading in converted.readings):
         return "table"
     return "columns" if any(len({each.group for each in rows.table.values}) > 1 for rows in read) else "tidy"
 
 
-def _about_sheet(read: Sequence[Rows], sheet: Sheet) -> list[Message]:
+def _about_sheet(read: Sequence[SheetRows], sheet: Sheet) -> list[Message]:
     messages = []
     if sheet.note:
         messages.append(Message("info", "read_as", sheet.note, Place(sheet.file)))

@@ -66,7 +66,7 @@ _KEYS: Mapping[str, tuple[Callable[[Cell], Any], Sentence, Sentence]] = {
 
 
 @dataclass
-class Rows:
+class SheetRows:
     """The diameters of a table as written, and what is wrong with it.
 
     ``cells`` are those that were read or left aside with a word, by row and column; ``of_row`` is what the rows that
@@ -85,11 +85,11 @@ class Rows:
 
 def read_rows(
     table: HeadedTable, names: ControllerNames, given_unit: Unit | None, where: Mapping[str, str] | None = None
-) -> Rows:
+) -> SheetRows:
     """Read every diameter of a table, and note everything that is wrong with it."""
     columns = find_columns(table, names)
     if columns.problems:
-        return Rows(table, columns, problems=columns.problems)
+        return SheetRows(table, columns, problems=columns.problems)
     reader = _Reader(table, columns, names, given_unit)
     reader.read(where or {})
     return reader.rows
@@ -98,7 +98,7 @@ def read_rows(
 class _Reader:
     def __init__(self, table: HeadedTable, columns: Columns, names: ControllerNames, given_unit: Unit | None) -> None:
         self.table, self.columns, self.names, self.given_unit = table, columns, names, given_unit
-        self.sheet, self.rows = table.sheet, Rows(table, columns)
+        self.sheet, self.rows = table.sheet, SheetRows(table, columns)
         self.asides = Asides(table, columns, names)
         self.blanks: dict[HeadedColumn, dict[int, None]] = defaultdict(dict)
         self.overridden: set[str] = set()

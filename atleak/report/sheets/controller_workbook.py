@@ -19,7 +19,7 @@ from xlsxwriter.utility import xl_col_to_name, xl_rowcol_to_cell
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.workbook.cells import CellForm, ChoiceCell, Gear, Measure, Number, Units, Whole, Wholes, YesNo
-from atleak.catalogue.workbook.shapes import Sheet, SheetColumn
+from atleak.catalogue.workbook.shapes import SheetColumn, WorkbookSheet
 from atleak.catalogue.workbook.sheets import (
     EXAMPLE_MARK,
     FORM_HEADINGS,
@@ -105,7 +105,7 @@ class SheetWriter:
         self.book, self.styles, self.data, self.units = book, styles, data, units
         self.columns: dict[tuple[str, str], tuple[int, int, int]] = {}  # first and last row, column, all from 0
 
-    def form(self, page: Worksheet, sheet: Sheet) -> None:
+    def form(self, page: Worksheet, sheet: WorkbookSheet) -> None:
         """Write a sheet with one key on each line."""
         self._begin(page, sheet)
         for column, (heading, width) in enumerate(zip((NOTE_HEADING, *FORM_HEADINGS), _FORM_WIDTHS, strict=True)):
@@ -133,7 +133,7 @@ class SheetWriter:
             _offer(page, row, row, 2, line)
         page.freeze_panes(_HEADINGS + 1, 2)
 
-    def table(self, page: Worksheet, sheet: Sheet) -> None:
+    def table(self, page: Worksheet, sheet: WorkbookSheet) -> None:
         """Write a sheet with a column for each key."""
         self._begin(page, sheet)
         styles, columns = self.styles, sheet.columns_for(self.data or {})
@@ -183,7 +183,7 @@ class SheetWriter:
             self.book.define_name(_defined_name(names), f"=OFFSET({start},0,0,{count},1)")
         lists.hide()
 
-    def _begin(self, page: Worksheet, sheet: Sheet) -> None:
+    def _begin(self, page: Worksheet, sheet: WorkbookSheet) -> None:
         page.write_string(_TITLE, 0, sheet.name, self.styles["title"])
         page.write_string(_ABOUT, 0, sheet.about, self.styles["about"])
         page.set_tab_color(SHEET_COLOURS["heading" if sheet.needed else "border"])

@@ -21,7 +21,7 @@ from atleak.catalogue.instruments import Part
 from atleak.common.sentences import Sentence
 from atleak.common.style import SHEET_COLOURS
 from atleak.common.wording import Wording
-from atleak.measurements.measuring_plan import DIRECTIONS, PARTS, REPEATS
+from atleak.measurements.measuring_plan import DIRECTIONS, PLAN_PARTS, REPEATS
 from atleak.measurements.readings import NOMINAL_HEADING, Reading
 from atleak.report.sheets.paging import RowBlock
 
@@ -117,7 +117,7 @@ def formats_of(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
 
 
 @dataclass(frozen=True)
-class Row:
+class FormRow:
     """One reading that is to be taken, and what it was if it was taken."""
 
     land: Land
@@ -133,35 +133,35 @@ class Row:
         return self.land.nominal_of(self.part)
 
 
-_Key = Callable[[Row], tuple[Any, ...]]
+_Key = Callable[[FormRow], tuple[Any, ...]]
 
 
-def of_component(row: Row) -> tuple[Any, ...]:
+def of_component(row: FormRow) -> tuple[Any, ...]:
     """Return what the rows of a component have alike."""
     return (row.land.component,)
 
 
-def of_part(row: Row) -> tuple[Any, ...]:
+def of_part(row: FormRow) -> tuple[Any, ...]:
     """Return what the rows of a part have alike."""
     return *of_component(row), row.part
 
 
-def of_round(row: Row) -> tuple[Any, ...]:
+def of_round(row: FormRow) -> tuple[Any, ...]:
     """Return what the rows have alike that are measured without lifting the part off."""
     return *of_part(row), row.repeat
 
 
-def of_plane(row: Row) -> tuple[Any, ...]:
+def of_plane(row: FormRow) -> tuple[Any, ...]:
     """Return what the rows of a plane have alike within a round."""
     return *of_round(row), row.plane
 
 
-def of_direction(row: Row) -> tuple[Any, ...]:
+def of_direction(row: FormRow) -> tuple[Any, ...]:
     """Return what the rows of a direction have alike within a plane."""
     return *of_plane(row), row.direction
 
 
-def rows_of_form(controller: Controller, readings: Iterable[Reading], blank_rows: bool) -> list[Row]:
+def rows_of_form(controller: Controller, readings: Iterable[Reading], blank_rows: bool) -> list[FormRow]:
     """Return the rows in the order of measuring that the sheet states, `how_to_measure.order` of the texts."""
     given: dict[tuple[Any, ...], dict[int, Reading]] = defaultdict(dict)
     directions: dict[tuple[str, Part, str], list[float | None]] = defaultdict(list)
@@ -172,7 +172,7 @@ def rows_of_form(controller: Controller, readings: Iterable[Reading], blank_rows
         if reading.direction not in known:
             known.append(reading.direction)
 
-    def rows_of_part(component: str, part: Part) -> Iterator[Row]:
+    def rows_of_part(component: str, part: Part) -> Iterator[FormRow]:
         for land in controller.lands_of(component):
             for plane in land.planes:
                 measured = directions[component, part, plane]
@@ -180,16 +180,16 @@ def rows_of_form(controller: Controller, readings: Iterable[Reading], blank_rows
                 for direction in sorted([*measured, *wanted], key=lambda angle: -1.0 if angle is None else angle):
                     repeats = given[component, part, plane, direction]
                     for repeat in {*repeats, *(range(1, REPEATS + 1) if blank_rows else ())}:
-                        yield Row(land, part, plane, direction, repeat, repeats.get(repeat))
+                        yield FormRow(land, part, plane, direction, repeat, repeats.get(repeat))
 
     components = dict.fromkeys(land.component for land in controller.lands)
-    parts = [rows_of_part(component, part) for component in components for part in PARTS]
+    parts = [rows_of_part(component, part) for component in components for part in PLAN_PARTS]
     return [row for rows in parts for row in sorted(rows, key=lambda row: row.repeat)]
 
 
 def runs_of_cells(
-    numbered: Sequence[tuple[int, Row]], pages: Sequence[int], key: _Key
-) -> Iterator[tuple[int, int, Row]]:
+    numbered: Sequence[tuple[int, FormRow]], pages: Sequence[int], key: _Key
+) -> Iterator[tuple[int, int, FormRow]]:
     """Return first number, last number and first row of every run of rows with the same key on the same page."""
     for _, block in groupby(zip(numbered, pages, strict=True), key=lambda each: (each[1], key(each[0][1]))):
         inside = [entry for entry, _ in block]
@@ -197,7 +197,7 @@ def runs_of_cells(
 
 
 def blocks_of(
-    rows: Sequence[Row], keys: Sequence[_Key] = (of_component, of_part, of_round, of_plane)
+    rows: Sequence[FormRow], keys: Sequence[_Key] = (of_component, of_part, of_round, of_plane)
 ) -> list[RowBlock]:
     """Return the numbers of rows of components, within them of parts, of the rounds of measuring, of planes."""
     key, *finer = keys

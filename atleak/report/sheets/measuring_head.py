@@ -21,7 +21,7 @@ from atleak.common.sentences import Name, Sentence
 from atleak.common.style import SHEET_COLOURS
 from atleak.common.unit_systems import ShownUnit, unit_system
 from atleak.common.wording import Wording
-from atleak.measurements.measuring_plan import DIRECTIONS, PARTS
+from atleak.measurements.measuring_plan import DIRECTIONS, PLAN_PARTS
 from atleak.report.charts.drawing import directions_svg, upright_svg
 from atleak.report.pdf.typesetting import Drawing, pngs_of
 from atleak.report.sheets.measuring_columns import PUMP_SIDE, PUMP_TIP, FormColumn
@@ -127,7 +127,7 @@ def _instruments_of(job: Job) -> dict[Part, str]:
     One alone is for both, and of several the first is for spools, unless one that comes with atleak measures only one
     of the two.
     """
-    spools, bores = map(instruments_for, PARTS)
+    spools, bores = map(instruments_for, PLAN_PARTS)
     names = [each.name for each in job.instruments if each.name]
     names.sort(key=lambda name: (name in bores) - (name in spools))
     return {

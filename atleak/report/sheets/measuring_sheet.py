@@ -20,7 +20,7 @@ from atleak.common.sentences import Name, Sentence
 from atleak.common.unit_systems import MM, UM, Quantity
 from atleak.common.wording import Wording, wording
 from atleak.measurements.gauge_readings import PressureTable
-from atleak.measurements.measuring_plan import PARTS
+from atleak.measurements.measuring_plan import PLAN_PARTS
 from atleak.measurements.own_lands import OwnLands
 from atleak.measurements.readings import Reading
 from atleak.report.sheets.lands_sheet import LANDS, write_lands
@@ -33,7 +33,7 @@ from atleak.report.sheets.measuring_columns import (
     SHEET,
     UNWORN_END,
     FormColumn,
-    Row,
+    FormRow,
     blocks_of,
     formats_of,
     of_component,
@@ -257,7 +257,7 @@ class _Sheet:
             sheet.set_row(row, height)
         draw_head(sheet, code_text(controller, fields), say)
 
-    def body(self, rows: Sequence[Row], *, drawn: bool) -> None:
+    def body(self, rows: Sequence[FormRow], *, drawn: bool) -> None:
         """Write a row for every reading; what several rows share is merged, on each page anew, with its spool drawn."""
         self.breaks = self.paging.breaks(blocks_of(rows))  # none cuts a component, or a part or plane of a large one
         for row in range(len(rows)):
@@ -299,7 +299,7 @@ class _Sheet:
                 shown = None if metres is None else self._shown(metres)
                 put(self.sheet, row, column, shown, self.formats["input"])
 
-    def _part_name(self, entry: Row) -> str:
+    def _part_name(self, entry: FormRow) -> str:
         return self.say.sentence(FORM_PART_NAMES[entry.land.part_name if entry.part == "spool" else "sleeve"])
 
     def _label(self, first: int, last: int, column: int, value: str | float | None, name: str) -> None:
@@ -313,7 +313,7 @@ class _Sheet:
         """Return a length in the unit of the headings, to a tenth of a nanometre: the decimal digits as typed."""
         return round(float(self.say.convert(metres * MM, "length")), 7 if self.say.unit("length") == "mm" else 8)
 
-    def _deviation(self, row: int, first: int, entry: Row) -> None:
+    def _deviation(self, row: int, first: int, entry: FormRow) -> None:
         one, other, size = (f"{column.letter}{row + 1}" for column in _MEASURED)
         given = f"${FormColumn.NOMINAL.letter}${first + 1}"
         nominal = given if self.say.unit("length") == "mm" else _in_mm(given)
@@ -352,7 +352,9 @@ class _Sheet:
         sheet.data_validation(first, _MEASURED[0], last, _MEASURED[-1], sizes)
         self._choose((first, last), FormColumn.TAKEN_AT, [say.sentence(UNWORN_END)])
         parts = [
-            self._part_name(Row(land, part, "", None, 1, None)) for land in self.controller.lands for part in PARTS
+            self._part_name(FormRow(land, part, "", None, 1, None))
+            for land in self.controller.lands
+            for part in PLAN_PARTS
         ]
         self._choose((first, last), FormColumn.PART, dict.fromkeys(parts))
         self._choose((first, last), FormColumn.DIRECTION, map(str, _ANGLES), others=True)

@@ -16,7 +16,7 @@ from atleak.common.errors import InputError
 from atleak.common.verdicts import BANDS, Verdict
 from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.fleet.columns import DATA_SETS, ERROR_KINDS, HASH, Rows, columns_of
-from atleak.fleet.rows import error_rows, rows_of_unit
+from atleak.fleet.rows import error_rows, rows_of_result
 from atleak.job.result import issued_record
 from atleak.measurements.job_card import Job, Transmission, Vehicle
 from atleak.version import __version__
@@ -54,7 +54,7 @@ def record(sample: Diagnosis) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def rows(sample: Diagnosis) -> Rows:
-    return rows_of_unit(Named(), sample, JOB, seconds=0.5, tries=2)
+    return rows_of_result(Named(), sample, JOB, seconds=0.5, tries=2)
 
 
 def test_the_rows_of_lands_and_conditions_are_those_of_the_record(rows: Rows, record: dict[str, Any]) -> None:
@@ -88,7 +88,7 @@ def _with_places(record: dict[str, Any]) -> dict[str, Any]:
 
 def test_the_rows_of_circuits_are_those_of_the_record(three_circuits: Controller, hipol: Fluid, limits: Limits) -> None:
     diagnosis = diagnose(three_circuits, hipol, limits)
-    told = rows_of_unit(Named(), diagnosis).tables["circuits"].to_pylist()
+    told = rows_of_result(Named(), diagnosis).tables["circuits"].to_pylist()
     assert told == [
         {HASH: Named.input_sha256, "condition": condition["name"], **circuit}
         for condition in issued_record(diagnosis)["conditions"]
@@ -178,7 +178,7 @@ def test_the_classes_of_temperature_stand_in_the_units_of_their_names(rows: Rows
 
 def test_a_unit_of_which_nothing_is_known_has_a_row_too(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
     bare = Named(group=None, labels=())
-    rows = rows_of_unit(bare, diagnose(four_speed, hipol, limits))
+    rows = rows_of_result(bare, diagnose(four_speed, hipol, limits))
     assert set(rows.tables) == {"units", "lands", "conditions"}
     (told,) = rows.tables["units"].to_pylist()
     assert (told["verdict"], told["decision"], told["lands_measured"]) == ("not_measured", None, 0)
@@ -190,7 +190,7 @@ def test_a_unit_of_which_nothing_is_known_has_a_row_too(four_speed: Controller, 
 def test_the_mileage_of_the_record_stands_where_none_was_computed_with(
     four_speed: Controller, hipol: Fluid, limits: Limits
 ) -> None:
-    rows = rows_of_unit(Named(), diagnose(four_speed, hipol, limits), JOB)
+    rows = rows_of_result(Named(), diagnose(four_speed, hipol, limits), JOB)
     assert rows.tables["units"]["mileage_km"].to_pylist() == [90e3]
 
 
@@ -223,4 +223,4 @@ def test_rows_travel_between_processes_with_their_columns(rows: Rows) -> None:
 def test_a_valve_body_whose_id_names_no_folder_is_refused(sample: Diagnosis) -> None:
     odd = replace(sample, controller=replace(sample.controller, id="x" * 201))
     with pytest.raises(InputError, match=r"too long for the name of a folder .*200 characters at most"):
-        rows_of_unit(Named(), odd)
+        rows_of_result(Named(), odd)

@@ -15,7 +15,7 @@ from atleak.common.verdicts import Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.equations.proportions import newcombe_interval, wilson_interval
 from atleak.fleet.results import Results
-from atleak.fleet.rows import rows_of_unit
+from atleak.fleet.rows import rows_of_result
 from atleak.fleet.summary import summed_up
 from atleak.fleet.sums import FleetSummary, ValveBody
 from tests.unit.fleet.few_units import Measured, Unit, results_of
@@ -253,7 +253,7 @@ def test_a_unit_that_was_diagnosed_is_summed_up_to_its_own_result(
 ) -> None:
     diagnosis = sample_diagnoses["workshop"]
     with Results.open(tmp_path, for_writing=True) as results:
-        results.add([rows_of_unit(Named(), diagnosis, JOB)])
+        results.add([rows_of_result(Named(), diagnosis, JOB)])
     summary = summed_up(Results.open(tmp_path), by="supplier")
     (body,), (unit,) = summary.bodies, summary.worst
     assert (body.controller, summary.headings) == (diagnosis.controller.id, ("group", "batch", "supplier"))

@@ -13,7 +13,7 @@ from atleak.analysis.rates import ENOUGH_UNITS, SHOWN_QUANTILES
 from atleak.job.parts import JobParts
 from atleak.job_book.book import Book
 from atleak.job_book.units_of_a_kind import AcrossUnits, LandAcross, across_units, standing
-from atleak.job_book.visits import unit_of_job
+from atleak.job_book.visits import unit_of_visit
 
 MakeJob = Callable[..., JobParts]
 UM = 1e-6
@@ -63,7 +63,7 @@ def test_the_quantiles_are_those_of_the_clearances(book: Book, small_job: MakeJo
     assert land.clearances == pytest.approx(expected, abs=1e-9)
     assert land.wear == pytest.approx(expected / 16e-6 - 1.0, abs=1e-4)
     # and this unit's place among the others
-    [place] = standing(book, across, unit_of_job(book, jobs[3].id))
+    [place] = standing(book, across, unit_of_visit(book, jobs[3].id))
     others = np.delete(clearances, 3)
     assert place.narrower == int((others < clearances[3] - 1e-9).sum())
     assert place.as_wide == int((abs(others - clearances[3]) < 1e-9).sum())
@@ -73,6 +73,6 @@ def test_the_quantiles_are_those_of_the_clearances(book: Book, small_job: MakeJo
 
 def test_too_few_units_say_no_place(book: Book, small_job: MakeJob) -> None:
     saved = book.save(small_job(**unit("A")))
-    [place] = standing(book, across_units(book, "minimal_example"), unit_of_job(book, saved.id))
+    [place] = standing(book, across_units(book, "minimal_example"), unit_of_visit(book, saved.id))
     assert (place.others, place.enough) == (0, False)
     assert np.isnan(place.part)

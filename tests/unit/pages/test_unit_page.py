@@ -12,7 +12,7 @@ from atleak.common.wording import signed
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts
 from atleak.job_book.book import Book, open_book
-from atleak.job_book.visits import unit_of_job, visits_of_unit
+from atleak.job_book.visits import unit_of_visit, visits_of_unit
 from atleak.measurements.job_card import Job
 from pages.shared import unit
 from tests.unit.pages.conftest import go, texts
@@ -35,7 +35,7 @@ def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest)
     declined = {"component": "tcc_regulator", "land": 1, "decision": "declined", "reason": "too dear", "work": "sleeve"}
     first = saved(book, 11.036, 2024, 100_000.0)
     last = saved(book, 11.042, 2026, 160_000.0, repair_decisions=[declined])
-    this = unit_of_job(book, last)
+    this = unit_of_visit(book, last)
     book.engine.dispose()
     app.query_params["unit"] = str(this)
     go(app, "11_Unit")
@@ -68,7 +68,7 @@ def test_a_visit_without_a_sheet_tells_the_mileage_and_what_was_repaired_at_it()
     done = {"component": "tcc_regulator", "land": 1, "decision": "done"}
     record = {"date": "2026-05-01", "vehicle": {"mileage_km": 170_000.0}, "transmission": {"serial": "0147"}}
     last = book.save(job_parts(case.diagnose(), Job(**record, repair_decisions=[done]), case)).id
-    seen = unit.seen(visits_of_unit(book, unit_of_job(book, last)))
+    seen = unit.seen(visits_of_unit(book, unit_of_visit(book, last)))
     book.engine.dispose()
     assert seen.history.present == 170_000.0
     land = seen.history.land(("tcc_regulator", 1))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.measurements.measuring_plan import PARTS, Order, Plan, PlanCell
+from atleak.measurements.measuring_plan import PLAN_PARTS, Order, Plan, PlanCell
 
 PAIRS = ["pressure_regulator", "tcc_regulator", "solenoid_modulator", "accumulator"]
 
@@ -18,14 +18,14 @@ def test_every_land_has_two_directions_and_two_repeats_of_both_parts(minimal: Co
 
 def test_all_spools_come_before_all_bores(minimal: Controller) -> None:
     parts = [cell.part for cell in Plan().cells(minimal)]
-    assert parts == sorted(parts, key=PARTS.index)
+    assert parts == sorted(parts, key=PLAN_PARTS.index)
 
 
 @pytest.mark.parametrize(
     ("order", "runs"),
     [
-        (Order.COMPONENTS, [(name, part) for name in PAIRS for part in PARTS]),
-        (Order.PARTS, [(name, part) for part in PARTS for name in PAIRS]),
+        (Order.COMPONENTS, [(name, part) for name in PAIRS for part in PLAN_PARTS]),
+        (Order.PARTS, [(name, part) for part in PLAN_PARTS for name in PAIRS]),
     ],
 )
 def test_one_part_of_a_component_is_measured_in_one_go(minimal: Controller, order: Order, runs: list) -> None:
@@ -47,7 +47,7 @@ def test_the_cells_of_one_part_stand_as_on_the_printed_sheet(minimal: Controller
 def test_only_the_lands_that_are_wanted_have_cells(minimal: Controller) -> None:
     plan = Plan(directions=3, repeats=1, lands=(("accumulator", 1),))
     assert [(cell.component, cell.part, cell.direction) for cell in plan.cells(minimal)] == [
-        ("accumulator", part, angle) for part in PARTS for angle in (0.0, 60.0, 120.0)
+        ("accumulator", part, angle) for part in PLAN_PARTS for angle in (0.0, 60.0, 120.0)
     ]
 
 
