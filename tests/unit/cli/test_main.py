@@ -44,7 +44,7 @@ def test_a_fault_of_the_program_is_said_without_a_traceback(
         raise RuntimeError("the shelf fell down")
 
     monkeypatch.delenv("ATLEAK_TRACEBACK", raising=False)
-    monkeypatch.setattr("atleak.cli.catalogue.listed", broken)
+    monkeypatch.setattr("atleak.cli.catalogue.listed_entries", broken)
     assert cli.main(["limits"]) == 2
     err = capsys.readouterr().err
     assert "RuntimeError: the shelf fell down" in err
@@ -66,7 +66,7 @@ def test_an_error_of_the_system_is_said(
         raise error
 
     monkeypatch.setattr(sys, "platform", "linux")
-    monkeypatch.setattr("atleak.cli.catalogue.listed", refused)
+    monkeypatch.setattr("atleak.cli.catalogue.listed_entries", refused)
     assert cli.main(["limits"]) == 2
     assert capsys.readouterr().err.strip() == said
 
@@ -116,7 +116,7 @@ def test_a_panic_is_a_fault_of_the_program_and_no_verdict(
         raise _Panic("called `Option::unwrap()` on a `None` value")
 
     monkeypatch.delenv("ATLEAK_TRACEBACK", raising=False)
-    monkeypatch.setattr("atleak.cli.catalogue.listed", panics)
+    monkeypatch.setattr("atleak.cli.catalogue.listed_entries", panics)
     assert cli.main(["limits"]) == 2
     assert "unexpected _Panic: called `Option::unwrap()`" in capsys.readouterr().err
 
@@ -125,7 +125,7 @@ def test_whoever_interrupts_gets_no_message(run: Run, monkeypatch: pytest.Monkey
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("atleak.cli.catalogue.listed", interrupted)
+    monkeypatch.setattr("atleak.cli.catalogue.listed_entries", interrupted)
     assert run("limits") == (130, "", "")
 
 

@@ -249,7 +249,7 @@ def test_a_job_is_loaded_as_it_was_at_one_moment(
         book.save(small_job(11.06, number="after"), id=saved.id, version=saved.version)
         return unit_of_job(connection, visit)
 
-    monkeypatch.setattr("atleak.job_book.book.unit_of", saved_meanwhile)
+    monkeypatch.setattr("atleak.job_book.book.unit_of_job", saved_meanwhile)
     stored = book.load(saved.id)
     assert stored.file.job.number == "before"
     assert stored.file.case.readings == small_job(11.04).case.readings

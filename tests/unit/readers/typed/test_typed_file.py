@@ -180,6 +180,6 @@ def test_a_fault_of_atleak_is_not_taken_for_an_edited_file(
 ) -> None:
     content = written_sheet(careful_entries, judge(careful_entries, minimal).counting, minimal)
     assert content is not None
-    monkeypatch.setattr("atleak.readers.typed_sheet.Cell", None)
+    monkeypatch.setattr("atleak.readers.typed_sheet.PlanCell", None)
     with pytest.raises(InputError, match=r"atleak could not make sense of it: TypeError"):
         typed_in(content, Readings("a", "", None, "mm", False, "tidy", ()), minimal)
