@@ -66,7 +66,7 @@ def _controllers(options: argparse.Namespace) -> int:
         }
         for controller in known.entries.values()
     ]
-    heading = ",\n".join(Evidence)  # in one column, which leaves room for the names
+    heading = ", ".join(Evidence)
     shown = [{**row, heading: ", ".join(str(row["known_from"][evidence]) for evidence in Evidence)} for row in rows]
     status = _list(known, rows, ["id", "name", "lands", "gaps", heading], options, shown)
     if options.json != "-":
