@@ -55,18 +55,31 @@ WHOLE = (
 # A page that is tested leaves itself behind as the main module, which every process that a later test spawns would run.
 _MAIN = sys.modules["__main__"]
 
-# What is set in every language is set in these each time, and in the others in the longer round.
-LANGUAGES = ("en", "pl")
+# What is set in every language is set in English each time, a few things in Polish too, and all of it in every language
+# in the longer round.
+IN_POLISH_TOO = (
+    "test_every_language_is_archival_and_says_its_words",
+    "test_a_sheet_of_any_language_and_units_is_read_back_as_the_same",
+    "test_the_first_page_says_what_is_wrong_how_bad_it_is_and_what_to_do",
+)
+
+# The job book's own tests run on both databases each time, those of what is built on it on PostgreSQL in the longer
+# round.
+ON_POSTGRESQL = ("test_book.py", "test_erase.py", "test_safety.py")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items: list[pytest.Function]) -> None:
     folders = [ROOT / "tests" / name for name in WHOLE]
     for item in items:
+        chosen = getattr(item, "callspec", None)  # of a test with parameters
+        given = {} if chosen is None else chosen.params
         if any(item.path.is_relative_to(folder) for folder in folders):
             item.add_marker("whole")
-            given = getattr(item, "callspec", None)  # of a test with parameters
-            if given is not None and given.params.get("language", "en") not in LANGUAGES:
+            language = given.get("language", "en")
+            if language != "en" and not (language == "pl" and item.originalname in IN_POLISH_TOO):
                 item.add_marker("slow")
+        if given.get("database") == "postgresql" and item.path.name not in ON_POSTGRESQL:
+            item.add_marker("slow")
 
 
 def pytest_collection_finish() -> None:
@@ -98,7 +111,7 @@ def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest
     return report
 
 
-FEW_DRAWS = 1_024
+FEW_DRAWS = 256
 
 
 def drawing(draws: int, of_circuits: int) -> Iterator[None]:

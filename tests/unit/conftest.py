@@ -6,7 +6,7 @@ import importlib.util
 import re
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import Any
@@ -29,6 +29,12 @@ from atleak.readers.logs import read_road_test
 from atleak.readers.sheets.measuring_sheet import read_readings
 
 Edited = Callable[..., Path]
+
+
+def two_of(values: Iterable[Any]) -> list[Any]:
+    """The values of parameters: the first two in every round, the others in the slow one."""
+    found = [pytest.param(*(each if isinstance(each, tuple) else (each,))) for each in values]
+    return [*found[:2], *(pytest.param(*each.values, marks=pytest.mark.slow) for each in found[2:])]
 
 
 @pytest.fixture(scope="session", autouse=True)

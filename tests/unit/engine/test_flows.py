@@ -17,7 +17,7 @@ from atleak.engine.flows import ENDS, SOURCES, FlowKind, FlowPlace, Flows, flows
 from atleak.engine.profile import PAPER
 from atleak.engine.projection import Projection, project
 from atleak.measurements.readings import Readings
-from tests.unit.conftest import with_clearances
+from tests.unit.conftest import two_of, with_clearances
 
 Build = Callable[..., Readings]
 LINE = FlowPlace(FlowKind.SECTION, "p_g")
@@ -32,7 +32,9 @@ def conditions(diagnosis: Diagnosis) -> Iterator[tuple[Projection, Flows]]:
         yield projection, flows_at(diagnosis.model, projection.condition)
 
 
-@pytest.fixture(scope="module", params=[*catalogue_files("controllers"), "three_circuits"])
+@pytest.fixture(
+    scope="module", params=two_of(dict.fromkeys(["three_circuits", "five_speed_2005", *catalogue_files("controllers")]))
+)
 def unit(
     request: pytest.FixtureRequest, three_circuits: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> Diagnosis:

@@ -7,13 +7,15 @@ from types import ModuleType
 
 import pytest
 
+from tests.unit.conftest import two_of
+
 
 @pytest.fixture(scope="module")
 def benchmark(benchmark_of: Callable[[str], ModuleType]) -> ModuleType:
     return benchmark_of("gauges")
 
 
-@pytest.mark.parametrize("body", ["five_speed_2005", "zf_6hp26", "chrysler_41te"])
+@pytest.mark.parametrize("body", two_of(["five_speed_2005", "chrysler_41te", "zf_6hp26"]))
 def test_losses_are_found_and_sound_circuits_are_left_alone(benchmark: ModuleType, body: str) -> None:
     counts = benchmark.counted(body, 0.005, "each reading", range(20))
     assert counts["sound"] > 40
