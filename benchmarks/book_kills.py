@@ -6,7 +6,7 @@ A process saves new jobs and earlier ones with another sheet, record and picture
 that it was told is safe. After some of them it gets SIGKILL. Then the book is opened again: every job must hold the
 version that was acknowledged last, or the whole of the one that was under way; it must open, its files must have their
 SHA-256, and its stored result must be that of its sheet. PostgreSQL is a server of its own on loopback. Wants a system
-that forks. ``--small``: 50 and 20.
+that forks. ``--small``: 25 and 10.
 """
 
 from __future__ import annotations
@@ -175,7 +175,7 @@ def server() -> Iterator[postgresql.Server | None]:
 
 
 def main(arguments: argparse.Namespace) -> None:
-    on_sqlite, on_server = (50, 20) if arguments.small else (arguments.sqlite, arguments.postgresql)
+    on_sqlite, on_server = (25, 10) if arguments.small else (arguments.sqlite, arguments.postgresql)
     with tempfile.TemporaryDirectory() as folder:
         whole = kill("SQLite", f"sqlite:///{Path(folder) / 'book.sqlite'}", on_sqlite)
     with server() as running:

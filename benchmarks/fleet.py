@@ -11,7 +11,7 @@ fleet has all of them, and the second half after it, so that a machine whose spe
 
 Printed are the rates, what a unit costs in processor time of all processes together, and the workers' memory. Goals:
 the fleet at 0.9 of the plain processes' rate or more; a unit in the fleet at most 10 % dearer than the diagnosis of its
-files alone; memory that stays within 10 % from a tenth of the run on; every result the same. ``--small``: 80 units.
+files alone; memory that stays within 10 % from a tenth of the run on; every result the same. ``--small``: 16 units.
 """
 
 from __future__ import annotations
@@ -213,7 +213,7 @@ def fleet(table: Path, out: Path, spent: Spent) -> tuple[Finished, Memory]:
 
 
 def main(arguments: argparse.Namespace) -> None:
-    count = 80 if arguments.small else arguments.units
+    count = 16 if arguments.small else arguments.units
     alone, together = Spent(), Spent()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
