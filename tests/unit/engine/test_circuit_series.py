@@ -76,7 +76,7 @@ def agrees(model: LeakageModel, channels: dict[str, np.ndarray], series: Leakage
 
 
 @pytest.mark.parametrize("name", PROFILES)
-@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize("number", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_a_sample_is_what_the_engine_computes_at_its_condition(
     three_circuits: Controller, hipol: Fluid, name: str, number: int
 ) -> None:
