@@ -161,7 +161,7 @@ def test_what_leaves_the_sections_is_what_reaches_the_sump(three_circuits: Contr
     assert into_sump == pytest.approx(reached, rel=0.0, abs=6 * BALANCED * largest)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", [*range(10), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(10, 40))])
 def test_sweeps_from_above_and_scipy_end_at_the_same_pressures(three_circuits: Controller, seed: int) -> None:
     builder, sections = drawn(three_circuits, seed)
     network = builder.network()
