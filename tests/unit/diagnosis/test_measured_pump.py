@@ -192,8 +192,10 @@ def leakiest(unit: Controller, fluid: Fluid) -> tuple[str, int]:
     return max(unit.lands, key=lambda land: new.drawn_by(land.key)).key
 
 
-@pytest.mark.parametrize("name", two_of(SHIPPED))
-@pytest.mark.parametrize("side_um", [70.0, 100.0])
+@pytest.mark.parametrize(
+    ("name", "side_um"),
+    two_of(zip(SHIPPED * 2, (70.0, 100.0, 70.0, 100.0, 70.0, 100.0), strict=True)),
+)
 def test_a_worn_pump_is_named_first_and_no_unworn_valve(
     name: str, side_um: float, judge: Judge, sheet_of: SheetOf, capsys: pytest.CaptureFixture[str]
 ) -> None:
