@@ -25,7 +25,7 @@ from atleak.common.wording import languages
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller
     from atleak.measurements.road_test import RoadTest
-    from atleak.report.pdf.fonts import OwnFont
+    from atleak.report.printed_fonts import OwnFont
 
 
 # --- options ------------------------------------------------------------------------------------------------------
@@ -130,7 +130,7 @@ def print_font(options: argparse.Namespace, formats: Collection[str], asked: str
         if options.font is not None:
             doubt_option("--font", [asked])
         return None
-    from atleak.report.pdf.fonts import font_at, kept_font
+    from atleak.report.printed_fonts import font_at, kept_font
 
     return kept_font() if options.font is None else font_at(options.font)
 

@@ -77,21 +77,25 @@ class FleetSections:
 
     # --- the whole
 
-    def facts(self) -> list[tuple[str, str]]:
-        """Return what the summary is of."""
+    def known(self) -> list[tuple[str, str | int]]:
+        """Return what the summary is of, numbers as they are."""
         say, summary = self.say, self.summary
         bodies = summary.bodies
-        known = {
+        known: dict[str, str | int] = {
             "folder": summary.folder,
-            "units": say.number(summary.counts.units, 0),
-            "judged": say.number(summary.counts.judged, 0),
-            "visits": say.number(summary.visits, 0),
-            **({"body": self._name(bodies[0])} if len(bodies) == 1 else {"bodies": say.number(len(bodies), 0)}),
-            "failed": say.number(sum(each.count for each in summary.errors), 0),
+            "units": summary.counts.units,
+            "judged": summary.counts.judged,
+            "visits": summary.visits,
+            **({"body": self._name(bodies[0])} if len(bodies) == 1 else {"bodies": len(bodies)}),
+            "failed": sum(each.count for each in summary.errors),
             "by": self.words.heading() or say("fleet_summary.by_nothing"),
             "atleak": summary.atleak,
         }
         return [(say(f"fleet_summary.fact_{name}"), value) for name, value in known.items()]
+
+    def facts(self) -> list[tuple[str, str]]:
+        """Return what the summary is of, in words."""
+        return [(name, each if isinstance(each, str) else self.say.number(each, 0)) for name, each in self.known()]
 
     def head(self) -> Section:
         """Say what the summary is of, and what leads."""
@@ -252,7 +256,7 @@ class FleetSections:
         return self._section("conditions", self._conditions(body) if body.conditions else ())
 
     def _conditions(self, body: ValveBody) -> Iterator[SectionPart]:
-        yield self.tables.conditions([body]).only("condition", "share", "held", "required", "red")
+        yield self.tables.conditions([body]).only("condition", "share.units", "share", "held", "required", "red")
         yield from self._notes(
             self.say("fleet_summary.note_conditions"), note_partly=max(at.partly for at in body.conditions)
         )

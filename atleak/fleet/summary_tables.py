@@ -267,7 +267,7 @@ class FleetTables:
             self._text("decision", lambda unit: say.get("decisions", unit.decision) if unit.decision else None),
             self._text("decided_by", lambda unit: words.decided_by(unit) or None, width=240),
             self._count("lands_past"),
-            self._text("lands_measured", words.lands_measured, say("columns.measured")),
+            self._text("lands_measured", words.lands_measured, say("columns.measured").lower()),
             self._number("share_max", "percent", "max_share_percent"),
             self._text("group", group or "label", words=words.heading() or say("fleet_summary.group"), width=100),
             self._text("told_by", lambda unit: unit.serial or unit.vin or unit.number, parts=told_by, width=100),

@@ -11,6 +11,7 @@ from __future__ import annotations
 import datetime as dt
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -312,7 +313,9 @@ class _Writer:
         sections = FleetSections(self.words, _OVERVIEW)
         verdicts, know, *_ = sections.verdicts(), sections.know()
         page = SummaryPage(self.book, sheet, _COLUMNS)
-        row = page.section(page.section(0, sections.head()), verdicts)
+        head = sections.head()
+        row = page.section(0, replace(head, parts=head.parts[:-1]))
+        row = page.section(page.pairs(row, sections.known()) + 1, verdicts)
         sheet.set_row(0, 24)
         self.book.put(sheet, 0, 0, self.say("fleet_summary.title"), self.book.title)
         if self.summary.counts.units:

@@ -21,7 +21,7 @@ from atleak.job.zip_file import read_job_file
 from atleak.measurements.job_card import Job
 from atleak.report.json.diagnosis import diagnosis_record, to_json
 from atleak.report.pdf import missing_characters, write_pdf
-from atleak.report.pdf.fonts import OwnFont
+from atleak.report.printed_fonts import OwnFont
 from atleak.report.xlsx import write_workbook
 
 REPORT_KINDS: dict[str, SealedKind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "record"}

@@ -11,7 +11,7 @@ from atleak.common.errors import AtleakError
 from atleak.common.wording import Wording
 from atleak.measurements.job_card import Job
 from atleak.report.pdf import missing_characters
-from atleak.report.pdf.fonts import forget_font, keep_font, kept_file, kept_font
+from atleak.report.printed_fonts import forget_font, keep_font, kept_file, kept_font
 from pages.shared import drop_zone, show
 
 _KEY = "workshop-data-font"

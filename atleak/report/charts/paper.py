@@ -27,7 +27,7 @@ from atleak.report.charts.paper_axes import (
     upright_title,
     widest,
 )
-from atleak.report.pdf.fonts import fitting, width_of
+from atleak.report.printed_fonts import fitting, width_of
 
 _ROW, _MARK, _THIN = 14.0, 4.5, 0.7  # [pt] of a row, and of each further mark in it; height of a bar, of its row
 _LEFT, _RIGHT = 48.0, 14.0  # [pt] of a field: for its values and title, and to the edge

@@ -23,7 +23,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from atleak.common.style import PAPER_INKS, Look
 from atleak.common.wording import Wording
-from atleak.report.pdf.fonts import FONTS, fitting, width_of
+from atleak.report.printed_fonts import FONTS, fitting, width_of
 
 if TYPE_CHECKING:
     from matplotlib.typing import RcKeyType

@@ -24,8 +24,8 @@ from atleak.measurements.job_card import Job
 from atleak.report.charts.chart import LayerOf, RowChart, layers_of
 from atleak.report.charts.paper import drawn_on_paper as printed_chart
 from atleak.report.pdf.blocks import Block, bullets, joined, listed, named_facts, picture, signatures, text
-from atleak.report.pdf.fonts import OwnFont
 from atleak.report.pdf.typesetting import common_data, compile_pdf, write_pictures
+from atleak.report.printed_fonts import OwnFont
 from atleak.report.tables.comparison import differing_sentence, how_sure, visit_caveats, with_uncertainty
 from atleak.report.tables.first_sentence import measured_sentence
 from atleak.report.tables.table import VERDICT, Column, span

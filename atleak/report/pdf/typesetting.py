@@ -32,7 +32,7 @@ from atleak.common.wording import Wording
 from atleak.measurements.job_card import Job, clean_text
 from atleak.report.charts.drawing import shortened
 from atleak.report.pdf.blocks import joined
-from atleak.report.pdf.fonts import BOX_FONT, FONTS, OWN_FONT, OwnFont, box_font, characters_of
+from atleak.report.printed_fonts import BOX_FONT, FONTS, OWN_FONT, OwnFont, box_font, characters_of
 from atleak.version import __version__
 
 DOTS = 150  # of an inch: on paper, where a sheet is shrunk, about 200

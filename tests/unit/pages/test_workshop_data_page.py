@@ -8,7 +8,7 @@ from streamlit.testing.v1 import AppTest
 from atleak.catalogue.entries import own_files, write_own
 from atleak.catalogue.limits import load_limits
 from atleak.common.verdicts import Verdict
-from atleak.report.pdf.fonts import FONTS, keep_font, kept_file
+from atleak.report.printed_fonts import FONTS, keep_font, kept_file
 from tests.unit.pages.conftest import texts
 
 pytestmark = pytest.mark.page("24_Workshop_data")

@@ -16,7 +16,16 @@ from atleak.cli.shared import print_font
 from atleak.common.errors import InputError
 from atleak.measurements.job_card import Job
 from atleak.report.pdf import missing_characters, write_pdf
-from atleak.report.pdf.fonts import FONTS, fitting, forget_font, keep_font, kept_file, kept_font, read_font, width_of
+from atleak.report.printed_fonts import (
+    FONTS,
+    fitting,
+    forget_font,
+    keep_font,
+    kept_file,
+    kept_font,
+    read_font,
+    width_of,
+)
 
 NAME = "王小明"
 

@@ -24,7 +24,7 @@ from atleak.common.errors import InputError, OutputError, Place, reason_of
 from atleak.common.files import home, made_folder, replace_file
 from atleak.common.sentences import Sentence
 
-FONTS = Path(__file__).parents[1] / "fonts"
+FONTS = Path(__file__).parent / "fonts"
 _TEXT, _OTHERS = "NotoSans-Regular.ttf", ("NotoSans-Bold.ttf", "DejaVuSans.ttf")
 _UNKNOWN = 0.6  # width of a character that is set in another font, against the size
 
