@@ -19,6 +19,7 @@ _WIDTH = 0.86  # of a box, of its class
 _ABOVE = 0.27  # the middle of a row, parts of its height: where its name stands
 _THICK = 0.7  # of a bar here, of what it is on paper, where its name stands beside it
 _ROOM = 4.0  # [%] of a bar's length that a number in it takes
+_APART, _BESIDE = 0.01, 1.35  # of the longest row: how far its words stand behind it, and how much room they take
 _MIDDLE = SCREEN.leakage  # colour of medians
 
 
@@ -56,7 +57,7 @@ def _rows(chart: RowChart) -> Figure:
         )
     if any(chart.beside) and not chart.stacked:
         figure.add_scatter(
-            x=ends,
+            x=[end + _APART * max(ends) for end in ends],
             y=places,
             mode="text",
             text=list(chart.beside),
@@ -69,7 +70,8 @@ def _rows(chart: RowChart) -> Figure:
         figure.add_vline(x=0.0, line={"color": SCREEN.rule, "width": 1.5, "dash": "dot"})
     for name, place in zip(chart.names, places, strict=True):  # above its row: names are long, and a phone is narrow
         figure.add_annotation(x=0.0, y=place + _ABOVE, xref="x domain", text=name, xanchor="left", yanchor="bottom")
-    figure.update_xaxes(title=chart.axis, range=[0.0, 100.0] if chart.stacked else None)
+    most = 100.0 if chart.stacked else _BESIDE * max(ends) if any(chart.beside) and not chart.zero else 0.0
+    figure.update_xaxes(title=chart.axis, range=[0.0, most] if most > 0.0 else None)
     figure.update_xaxes(rangemode=None if chart.zero or chart.stacked else "tozero")
     figure.update_yaxes(range=[-_ABOVE - 0.1, rows - 0.2], showticklabels=False, showgrid=False)
     return framed(figure, 170 + 46 * max(rows, 1), barmode="stack" if chart.stacked else "overlay")
