@@ -94,7 +94,7 @@ def unit_of(name: str) -> tuple[str, _Unit]:
     """Return the name of a key without its unit, and that unit.
 
     >>> unit_of("contact_length_mm")[0], unit_of("contact_length_mm")[1].label, unit_of("land")
-    ('contact_length', 'mm', ('land', Unit(label='', size=1.0, parts=1.0)))
+    ('contact_length', 'mm', ('land', _Unit(label='', size=1.0, parts=1.0)))
     """
     for end, unit in _UNITS.items():
         if name.endswith(end):

@@ -189,7 +189,7 @@ class ResultPart:
     def controller(self) -> str | None:
         """Return the valve body's id; None where it is not known.
 
-        >>> Part("", "controller=four_speed_2023", "units").controller
+        >>> ResultPart("", "controller=four_speed_2023", "units").controller
         'four_speed_2023'
         """
         said = unquote(self.folder.partition("=")[2])

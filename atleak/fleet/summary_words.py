@@ -250,7 +250,7 @@ class FleetWords:
 def within_words(text: str, most: int) -> str:
     """Return a text of at most so many letters; an ellipsis stands for its middle, since names differ at their ends.
 
-    >>> within("a/folder/unit_17.zip", 12)
+    >>> within_words("a/folder/unit_17.zip", 12)
     'a/fol…17.zip'
     """
     if len(text) <= most:

@@ -106,9 +106,9 @@ class GaugeWords:
     def said_by(self, cell: SheetCell, kind: str) -> Said | None:
         """Return the range, the state of the engine or the tap that a cell names; None where it names none.
 
-        >>> [Words().said_by(cell, "range").range for cell in ("Reverse", 3.0, "D range")]
+        >>> [GaugeWords().said_by(cell, "range").range for cell in ("Reverse", 3.0, "D range")]
         ['R', '3', 'D']
-        >>> Words().said_by("fast idle, 1200 rpm", "engine").engine_speed
+        >>> GaugeWords().said_by("fast idle, 1200 rpm", "engine").engine_speed
         20.0
         """
         said = self._said(text_of(cell), (kind,))
@@ -121,7 +121,7 @@ class GaugeWords:
     def heading(self, cell: SheetCell) -> _Heading:
         """Return what a heading means.
 
-        >>> heading = Words({("line",): "line"}).heading("Line, slow idle [kPa]")
+        >>> heading = GaugeWords({("line",): "line"}).heading("Line, slow idle [kPa]")
         >>> heading.kind, heading.said.tap, heading.said.engine.value, heading.unit.name
         ('value', 'line', 'slow_idle', 'kPa')
         """

@@ -85,7 +85,7 @@ def in_turn(work: Callable[[_Item], _Result], items: Iterable[_Item]) -> Iterato
 def turned_columns(table: np.ndarray) -> np.ndarray:
     """Return a long table of few columns as rows of its columns.
 
-    >>> turned(np.array([[1, 2], [3, 4], [5, 6]])).tolist()
+    >>> turned_columns(np.array([[1, 2], [3, 4], [5, 6]])).tolist()
     [[1, 3, 5], [2, 4, 6]]
     """
     result = np.empty(table.shape[::-1], table.dtype)

@@ -56,9 +56,9 @@ def split_unit(name: str) -> _Name:
     Only the last group in brackets can be the unit, and only if it is one: ``Speed (OBD)(km/h)``.
 
     >>> split_unit("Catalyst Temperature (Bank 1 Sensor 1)(°C)")
-    Name(text='Catalyst Temperature (Bank 1 Sensor 1)', unit='°C')
+    _Name(text='Catalyst Temperature (Bank 1 Sensor 1)', unit='°C')
     >>> split_unit("Speed (OBD)")
-    Name(text='Speed (OBD)', unit=None)
+    _Name(text='Speed (OBD)', unit=None)
     """
     text = name.replace("\ufeff", "").strip().strip('"').strip()
     if text.count("|") >= 2:  # "Name"|"unit"|min|max|rate

@@ -61,7 +61,7 @@ class Vocabulary:
 def sheet_vocabulary(*meanings: str) -> Vocabulary:
     """Return the words for one or several meanings of ``vocabulary.toml``.
 
-    >>> "solldurchmesser" in vocabulary("specification", "specification_title")
+    >>> "solldurchmesser" in sheet_vocabulary("specification", "specification_title")
     True
     """
     return Vocabulary(word for meaning in meanings for word in _listed(meaning))

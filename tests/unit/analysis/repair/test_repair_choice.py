@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from atleak.analysis.estimate import Estimate
-from atleak.analysis.repair.plan import Basis, Choice, Move, Prices, Stated, choose
+from atleak.analysis.repair.plan import Basis, Choice, Move, Prices, StatedPrice, choose
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
@@ -185,7 +185,7 @@ def test_the_cheapest_is_chosen_where_every_price_is_known_and_the_fewest_where_
     assert (cheapest.basis, keys(cheapest)) == (Basis.CHEAPEST, {"option_1", "option_2"})
     with_work = choose(priced(*single, both), prices=Prices(labour_rate=60.0))  # 180 for the one, 210 for the two
     assert (with_work.basis, keys(with_work)) == (Basis.CHEAPEST, {"option_3"})
-    typed = choose(priced(*single, both), prices=Prices(60.0, "EUR", {"option_3": Stated(300.0, 1.0)}))
+    typed = choose(priced(*single, both), prices=Prices(60.0, "EUR", {"option_3": StatedPrice(300.0, 1.0)}))
     assert keys(typed) == {"option_1", "option_2"}
     unknown = choose(priced(single[0], both))  # land 2 alone has no price, and no option of its own
     assert keys(unknown) == {"option_3"}

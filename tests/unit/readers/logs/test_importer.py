@@ -20,7 +20,16 @@ from hypothesis import strategies as st
 from atleak.common.errors import RoadTestError
 from atleak.common.wording import wording
 from atleak.job.case import Case, SourceFile
-from atleak.readers.logs import describe, forget, read_road_test, recall, remember, signature, tidy_csv, understand
+from atleak.readers.logs import (
+    describe,
+    forget_columns,
+    read_road_test,
+    recall,
+    remember,
+    signature,
+    tidy_csv,
+    understand,
+)
 
 FIXTURES = Path(__file__).parent / "road_test_fixtures"
 
@@ -152,7 +161,7 @@ def test_mapping_is_remembered_by_the_header(tmp_path: Path) -> None:
     # what the user says now counts more
     test = read_road_test(other, remembered=store, mapping={"engine_speed": "B"}, units={"main_pressure": "kPa"})
     assert test.channels["engine_speed"].column == "B"
-    forget(store, understood.signature)
+    forget_columns(store, understood.signature)
     assert recall(store, understood.signature) is None
     store.write_text("damaged", encoding="utf-8")
     assert recall(store, understood.signature) is None

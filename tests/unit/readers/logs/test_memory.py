@@ -15,7 +15,7 @@ import pytest
 
 from atleak.common.errors import OutputError
 from atleak.common.files import damaged_before
-from atleak.readers.logs import NOT_LOGGED, forget, recall, remember
+from atleak.readers.logs import NOT_LOGGED, forget_columns, recall, remember
 from atleak.readers.logs.remembered_columns import RememberedColumns, recall_all, restore_columns
 
 WRITERS = 4  # processes, each with two threads
@@ -60,13 +60,13 @@ def test_forgetting_takes_nothing_else_with_it(tmp_path: Path) -> None:
     writer = threading.Thread(target=write)
     writer.start()
     for number in range(20):
-        forget(store, f"old {number}")
+        forget_columns(store, f"old {number}")
     writer.join()
     assert set(json.loads(store.read_text(encoding="utf-8"))) == {f"new {number}" for number in range(20)}
 
 
 def test_forgetting_what_was_never_kept_writes_nothing(tmp_path: Path) -> None:
-    forget(tmp_path / "columns.json", "never")
+    forget_columns(tmp_path / "columns.json", "never")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -75,7 +75,7 @@ def test_a_damaged_file_counts_as_empty(tmp_path: Path, content: bytes) -> None:
     store = tmp_path / "columns.json"
     store.write_bytes(content)
     assert recall(store, "a") is None
-    forget(store, "a")
+    forget_columns(store, "a")
     remember(store, "a", {"gear": "G"})
     remembered = recall(store, "a")
     assert remembered is not None
@@ -147,7 +147,7 @@ def test_what_was_forgotten_is_brought_back_as_it_was(tmp_path: Path) -> None:
     store = tmp_path / "columns.json"
     remember(store, "a", {"gear": "G"}, {"main_pressure": "bar"}, format="workbook", columns=["t", "G"])
     entry = recall_all(store)["a"]
-    forget(store, "a")
+    forget_columns(store, "a")
     assert recall_all(store) == {}
     restore_columns(store, "a", entry)
     back = recall_all(store)["a"]
