@@ -111,7 +111,7 @@ def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest
     return report
 
 
-FEW_DRAWS = 512
+FEW_DRAWS = 1_024
 
 
 def drawing(draws: int, of_circuits: int) -> Iterator[None]:

@@ -32,7 +32,7 @@ def test_a_workbook_of_several_blocks_reads_as_one(monkeypatch: pytest.MonkeyPat
     rows: list[list[object]] = [["Time (s)", "RPM (rpm)", "Gear"]]
     rows += [[i * 0.1, 900 + i if i % 7 else None, "R" if i == 60 else i // 25 + 1] for i in range(90)]
     data = workbook({"Log": rows})
-    monkeypatch.setattr(workbooks, "BLOCK", 30)
+    monkeypatch.setattr(workbooks, "_BLOCK", 30)
     blocks = list(workbooks.log_blocks(data))
     assert [(name, count) for name, count, _ in blocks] == [("Log", 30)] * 3 + [("Log", 1)]
     assert [type(column) for column in blocks[2][2]] == [bytes, bytes, list]
