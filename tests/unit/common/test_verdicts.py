@@ -102,7 +102,7 @@ for name in ("Summary", "Lands", "Rules"):
     cells = {cell.value for row in book[name].iter_rows() for cell in row}
     assert "◆ repair soon" in cells, name
 assert "◆ repair soon" in {trace.name for trace in figures.leakage_ranking(found).data}, "ranking"
-assert "repair soon" in {trace.name for trace in figures.wear(found).data}, "wear"
+assert "repair soon" in {trace.name for trace in figures.land_wear(found).data}, "wear"
 from few_units import Measured, Unit, condition, results_of, temperature_class
 
 levels = list(Verdict)
