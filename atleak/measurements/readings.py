@@ -1,8 +1,7 @@
 """Hold measured readings, and work out the clearance of every land from them.
 
 A reading is one diameter of a spool (or piston) or of its sleeve, in one plane and one direction. `clearances` averages
-the readings of each land and says what the average hides: ovality, taper, how far repeats agree, and what is
-missing.
+the readings of each land and says what the average hides: ovality, taper, how far repeats agree, what is missing.
 """
 
 from __future__ import annotations
