@@ -10,7 +10,7 @@ from statistics import fmean
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import catalogue_files
-from atleak.common.errors import Message, OtherControllerError, ReadingsError
+from atleak.common.errors import Message, OtherControllerError
 from atleak.common.sentences import Sentence, counted
 from atleak.common.units import Unit, find_unit
 from atleak.common.units import unit as unit_named
@@ -19,7 +19,7 @@ from atleak.readers.cells.sheet import rows_named
 from atleak.readers.sheets.columns import Columns
 from atleak.readers.sheets.diameters import DiameterCell
 from atleak.readers.sheets.table import HeadedTable
-from atleak.readers.sheets.words import Words, is_blank, letters, number, part_of, plain, text_of
+from atleak.readers.sheets.words import Words, is_blank, letters, part_of, plain, stated_number, text_of
 
 _ROUNDED = 1.5e-6  # [m] by which a clearance or mean of rounded diameters may differ from theirs
 _SHOWN = 5  # rows that are named one by one
@@ -78,7 +78,7 @@ class _Beside:
         """Yield each number of a column that stands beside readings: its row, the readings, itself and its unit."""
         unit = _unit(self.table.heading(index))
         for row, readings in self.rows.items():
-            stated = _stated(self.table, row, index)
+            stated = stated_number(self.table.sheet.cell(row, index))
             if stated is not None:
                 yield row, readings, stated[0], stated[1] or unit
 
@@ -181,14 +181,6 @@ def _unit(heading: str) -> Unit | None:
     return find_unit(words[-1], "length") if words and words[-1] in {"mm", "um", "µm", "μm", "inch"} else None
 
 
-def _stated(table: HeadedTable, row: int, index: int) -> tuple[float, Unit | None] | None:
-    cell = table.sheet.cell(row, index)
-    try:
-        return None if is_blank(cell) else number(cell)
-    except ReadingsError:
-        return None
-
-
 def temperatures(table: HeadedTable, columns: Columns, rows: Collection[int]) -> Iterator[Message]:
     """Tell of a column of temperatures of measuring: only the head's is taken, so 20 °C would be assumed."""
     for index in range(table.sheet.width):
@@ -238,7 +230,9 @@ def _is_correction(words: Words) -> bool:
 
 def _correction(table: HeadedTable, index: int, rows: Collection[int], columns: Columns) -> Iterator[Message]:
     read = [column.heading for group in columns.groups for column in group.values()]
-    stated = {row: said[0] for row in rows if (said := _stated(table, row, index)) is not None and said[0]}
+    stated = {
+        row: said[0] for row in rows if (said := stated_number(table.sheet.cell(row, index))) is not None and said[0]
+    }
     if not stated or any(letters(heading).any("corrected") for heading in read):
         return
     row = max(stated, key=lambda each: abs(stated[each]))

@@ -1,8 +1,7 @@
-"""Rows that hold numbers and no reading: means and sums, what their author crossed out, hid or called void.
+"""Rows that hold numbers and no reading, and readings that their author marked.
 
-What the author of a sheet marked its readings with: comments, colours, stars. Only people can say what they mean.
-
-A reading that is marked counts all the same; what is crossed out does not.
+`Exclusions` leaves out means and sums, nominal diameters, what was crossed out, hidden or called void. Comments, colours
+and stars only people can explain: a reading that is marked counts all the same, and `mark_messages` tells of it.
 """
 
 from __future__ import annotations
@@ -10,6 +9,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from functools import cached_property
 from statistics import fmean, median
 from typing import Any
 
@@ -35,12 +35,13 @@ from atleak.readers.sheets.words import (
     says_no,
     says_specification,
     says_yes,
+    stated_number,
     summary_of,
     text_of,
 )
 
-# why rows are left aside, in the order in which it is told: by the code of the message, or by how rows are hidden
-_TOLD: Mapping[str, Sentence] = {
+# why rows are left aside, in the order of the messages: by the code of the message, or by how rows are hidden
+_WHY: Mapping[str, Sentence] = {
     "summaries_left_aside": Sentence("{rows} of {what} left aside ({named})"),
     "specifications_left_aside": Sentence("{rows} of {what!r} left aside, what should be ({named})"),
     "characteristics_left_aside": Sentence("{rows} of other characteristics left aside ({what}): {named}"),
@@ -55,7 +56,7 @@ _TOLD: Mapping[str, Sentence] = {
 }
 _HIDDEN, _READ_ALL_THE_SAME = "hidden_rows", ("by a filter", "in a folded outline")
 _NO_WARNING = ("summaries_left_aside", "specifications_left_aside", "characteristics_left_aside", *_READ_ALL_THE_SAME)
-LEFT_ASIDE = (*(code for code in _TOLD if code.endswith("_left_aside")), _HIDDEN)  # codes of messages
+LEFT_ASIDE = (*(code for code in _WHY if code.endswith("_left_aside")), _HIDDEN)  # codes of messages
 _HALF_A_MICROMETRE = 0.5e-3  # in the numbers of a sheet in mm: how far a mean may be rounded
 _SHOWN = 4
 _MARKS = {"x", "✓", "✔", "1"}
@@ -67,40 +68,48 @@ _NAMES: dict[Summary, tuple[Sentence, Sentence]] = {  # of one, and of several
     "spread": (Sentence("spread"), Sentence("spreads")),
     "count": (Sentence("count"), Sentence("counts")),
 }
-_COMPUTED: dict[Summary, Callable[[Sequence[float]], float]] = {
-    "mean": fmean,
-    "sum": sum,
-    "largest": max,
-    "smallest": min,
+_COMPUTED: dict[Summary, tuple[Callable[[Sequence[float]], float], ...]] = {  # what may be meant, the usual first
+    "mean": (fmean, median),
+    "sum": (sum,),
+    "largest": (max,),
+    "smallest": (min,),
 }
 
 
-class Asides:
-    """Decides which rows under the headings are left aside, and why."""
+class Exclusions:
+    """The rows of a table that hold numbers and no reading, with the reason of each."""
 
     def __init__(self, table: HeadedTable, columns: Columns, names: ControllerNames) -> None:
         self.table, self.sheet, self.columns, self.names = table, table.sheet, columns, names
         self.struck: list[int] = []
         self._summaries: dict[int, Summary] = {}  # by row
-        self._left: dict[str, dict[Any, list[int]]] = {why: {} for why in _TOLD}  # rows by why, and what says so
+        self._left: dict[str, dict[Any, list[int]]] = {why: {} for why in _WHY}  # rows by why, and what says so
         self._keys = [column.index for column in columns.keys]
-        others = [index for index in range(self.sheet.width) if index not in columns.read]
-        self._cells = {index: table.cells(index) for index in (*self._keys, *others)}
-        self._others = others
-        self._counts, self._counts_not = (
-            [index for index in others if len(words := letters(table.heading(index))) <= 4 and words.any(asked)]
-            for asked in ("counts", "counts_not")
-        )
-        of = -1 if columns.component is None else columns.component.index
-        self._beside_component = [index for index in self._keys if of not in (-1, index) and self._cells[index]]
-        self._machine = [index for index in others if self._says_characteristics(index)]
-        # marks in some rows and nothing in others, and nowhere a "no": what is not marked does not count
-        self._marked = [
+        self._others = [index for index in range(self.sheet.width) if index not in columns.read]
+        self._cells = {index: table.cells(index) for index in (*self._keys, *self._others)}
+        self._counts, self._counts_not = map(self._asking, ("counts", "counts_not"))
+        self._machine = [index for index in self._others if self._says_characteristics(index)]
+
+    def _asking(self, meaning: str) -> list[int]:
+        """Return the columns whose heading asks whether a row counts, or does not."""
+        headings = {index: letters(self.table.heading(index)) for index in self._others}
+        return [index for index, words in headings.items() if len(words) <= 4 and words.any(meaning)]
+
+    @cached_property
+    def _ticked(self) -> list[int]:
+        """Return the columns with a tick in the rows that count, and nowhere a "no": no tick says it then."""
+        return [
             index
             for index in self._counts
-            if self._cells[index]
-            and all(says_yes(cell) and text_of(cell).lower() in _MARKS for cell in self._cells[index].values())
+            if (cells := self._cells[index].values())
+            and all(says_yes(cell) and text_of(cell).lower() in _MARKS for cell in cells)
         ]
+
+    @cached_property
+    def _beside_component(self) -> list[int]:
+        """Return the columns that say something of a diameter beside that of its component."""
+        component = self.columns.component
+        return [index for index in self._keys if component and index != component.index and self._cells[index]]
 
     def _says_characteristics(self, index: int) -> bool:
         words = letters(self.table.heading(index))
@@ -134,7 +143,7 @@ class Asides:
             heading, cell = self.table.heading(index), self._cells[index].get(row)
             if cell is not None and rejects(cell):
                 return Sentence("column {heading!r} says {said!r}", heading=heading, said=text_of(cell))
-            if cell is None and index in self._marked:
+            if cell is None and index in self._ticked:
                 return Sentence("column {heading!r} has no mark", heading=heading)
         remark = next((cell for index in self._others if is_rejected(cell := self.sheet.cell(row, index))), None)
         return None if remark is None else Sentence("a remark says {said!r}", said=text_of(remark))
@@ -212,7 +221,7 @@ class Asides:
         """Yield what was left aside, and which means or sums disagree with the readings above them."""
         if self.struck:
             self._left["struck_left_aside"] = {"struck": sorted(set(self.struck))}
-        for why, text in _TOLD.items():
+        for why, text in _WHY.items():
             groups = list(self._left[why].items())
             if why == "summaries_left_aside":
                 groups = [(_NAMES[kind][1], rows) for kind, rows in groups]
@@ -266,33 +275,36 @@ class Asides:
         return {name: value for name, value in labels.items() if value is not None}
 
     def _disagreement(self, row: int, kind: Summary, entries: Sequence[DiameterCell]) -> Iterator[Message]:
-        compute = _COMPUTED[kind]
-        before = max((other for other in self._summaries if other < row), default=-1)
-        labels = self._labels(row)
         for column in (group["diameter"] for group in self.columns.groups if "diameter" in group):
-            cell = self.sheet.cell(row, column.index)
-            stated = number_of(cell) if isinstance(cell, str) else cell
-            if isinstance(stated, bool) or not isinstance(stated, int | float):
-                continue
-            above = [entry for entry in entries if entry.row < row and entry.column == column.index]
-            same = [entry for entry in above if labels and _matches(entry, labels)]
-            sets = [each for each in (same, [entry for entry in above if entry.row > before], above) if each]
+            stated = stated_number(self.sheet.cell(row, column.index))
+            sets = [] if stated is None else self._summarised(row, column, entries)
             sizes = [[entry.raw.size for entry in each] for each in sets]
-            if not sizes or any(_agree(stated, compute(each)) for each in sizes):
-                continue
-            if kind == "mean" and any(_agree(stated, median(each)) for each in sizes):
+            if (
+                stated is None
+                or not sets
+                or any(_agree(stated[0], of(each)) for of in _COMPUTED[kind] for each in sizes)
+            ):
                 continue
             text = Sentence(
                 "the {what} {stated:.7g} stands in row {row}, but that of {rows} is {computed:.7g}: a slip in one of "
                 "them",
                 what=_NAMES[kind][0],
-                stated=stated,
+                stated=stated[0],
                 row=self.sheet.row_number(row),
                 rows=rows_named(self.sheet, [entry.row for entry in sets[0]]),
-                computed=compute(sizes[0]),
+                computed=_COMPUTED[kind][0](sizes[0]),
             )
             place = self.sheet.place(row, column.index, self.table.heading(column.index))
             yield Message("warning", "summary_disagrees", text, place)
+
+    def _summarised(
+        self, row: int, column: HeadedColumn, entries: Sequence[DiameterCell]
+    ) -> list[Sequence[DiameterCell]]:
+        """Return what a mean or sum may be of, of the diameters above it: of its labels, since the last one, all."""
+        before, labels = max((other for other in self._summaries if other < row), default=-1), self._labels(row)
+        above = [entry for entry in entries if entry.row < row and entry.column == column.index]
+        same = [entry for entry in above if labels and _matches(entry, labels)]
+        return [each for each in (same, [entry for entry in above if entry.row > before], above) if each]
 
 
 def _says_diameter(text: str) -> bool:
@@ -311,15 +323,12 @@ def _agree(stated: float, computed: float) -> bool:
 
 _QUOTED = 4  # marks that a message names
 _LONGEST = 80  # characters of a comment or legend that are quoted
-_FEW = (
-    0.01,
-    0.1,
-)  # part of the readings: so many that are coloured otherwise are marked, whether a legend says so or not
+_FEW = 0.01, 0.1  # part of the readings: so many that are coloured otherwise are marked, also without a legend
 
 At = tuple[int, int]  # row, column
 
 
-def exclusion_messages(table: HeadedTable, rows: Collection[int], columns: Columns) -> Iterator[Message]:
+def mark_messages(table: HeadedTable, rows: Collection[int], columns: Columns) -> Iterator[Message]:
     """Say which readings of a table are marked; ``rows`` are those that hold any."""
     sheet = table.sheet
     groups = [[column.index for column in group.values()] for group in columns.groups]

@@ -26,12 +26,12 @@ from atleak.readers.sheets.table import HeadedTable, find_headers, read_together
 from atleak.readers.sheets.words import (
     is_blank,
     letters,
-    number,
     number_of,
     part_in,
     part_of,
     plain,
     repeat_of,
+    stated_number,
     summary_of,
     text_of,
 )
@@ -111,15 +111,13 @@ def _is_permitted(column: HeadedColumn) -> bool:
 
 def _sum(table: HeadedTable, row: int, nominal: HeadedColumn, deviation: HeadedColumn) -> Cell:
     size, off = table.sheet.filled(row, nominal.index), table.sheet.cell(row, deviation.index)
+    whole, apart = stated_number(size), stated_number(off)
     if is_blank(off):
         return ""
-    try:
-        value, of_value = number(size)
-        apart, of_apart = number(off)
-    except ReadingsError:
+    if whole is None or apart is None:
         return f"{size} {off}"
-    unit, small = of_value or nominal.unit or MILLIMETRE, of_apart or deviation.unit or MILLIMETRE
-    return round((unit.to_si(value) + small.to_si(apart)) / MILLIMETRE.factor, _DIGITS)
+    unit, small = whole[1] or nominal.unit or MILLIMETRE, apart[1] or deviation.unit or MILLIMETRE
+    return round((unit.to_si(whole[0]) + small.to_si(apart[0])) / MILLIMETRE.factor, _DIGITS)
 
 
 def _told(table: HeadedTable, nominal: HeadedColumn, deviation: HeadedColumn) -> Message:
@@ -133,13 +131,8 @@ def _told(table: HeadedTable, nominal: HeadedColumn, deviation: HeadedColumn) ->
 
 def _says_no_unit(table: HeadedTable, deviation: HeadedColumn) -> bool:
     """Return whether neither the heading nor every cell says in which unit the deviations are."""
-    for cell in table.cells(deviation.index).values() if deviation.unit is None else ():
-        try:
-            if number(cell)[1] is None:
-                return True
-        except ReadingsError:
-            continue
-    return False
+    stated = map(stated_number, table.cells(deviation.index).values())
+    return deviation.unit is None and any(each is not None and each[1] is None for each in stated)
 
 
 _TITLE_ROWS = 4

@@ -15,14 +15,13 @@ from atleak.common.sentences import Name, Sentence, all_of, counted
 from atleak.common.units import Unit, find_unit, unit_names
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Cell, column_letter
-from atleak.readers.sheets import exclusions as author_marks
 from atleak.readers.sheets import repeats as states
 from atleak.readers.sheets.column_headings import HeadedColumn
 from atleak.readers.sheets.columns import Columns, find_columns
 from atleak.readers.sheets.controller_names import MILLIMETRE as MILLIMETRE
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.diameters import FILL_DOWN, IN_MM, DiameterCell, PlaceKey, RawValue, broken_blocks
-from atleak.readers.sheets.exclusions import Asides
+from atleak.readers.sheets.exclusions import Exclusions, mark_messages
 from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import (
     A_DIAMETER,
@@ -99,7 +98,7 @@ class _Reader:
     def __init__(self, table: HeadedTable, columns: Columns, names: ControllerNames, given_unit: Unit | None) -> None:
         self.table, self.columns, self.names, self.given_unit = table, columns, names, given_unit
         self.sheet, self.rows = table.sheet, SheetRows(table, columns)
-        self.asides = Asides(table, columns, names)
+        self.exclusions = Exclusions(table, columns, names)
         self.blanks: dict[HeadedColumn, dict[int, None]] = defaultdict(dict)
         self.overridden: set[str] = set()
 
@@ -124,8 +123,8 @@ class _Reader:
         rows.problems += broken_blocks(table, rows.entries, self.names)
         question = states.question(rows.entries, breaks, table, columns)
         rows.problems += [] if question is None else [question]
-        rows.messages += self.asides.messages(rows.entries)
-        rows.messages += author_marks.exclusion_messages(table, rows.of_row, columns)
+        rows.messages += self.exclusions.messages(rows.entries)
+        rows.messages += mark_messages(table, rows.of_row, columns)
         rows.messages += states.messages(rows.entries, table, columns, self.names.controller)
 
     def _read_all_rows(self, rows_left_out: frozenset[int]) -> tuple[int, list[states.Break]]:
@@ -141,7 +140,7 @@ class _Reader:
             if all(is_blank(cell) for cell in cells) and row not in faulty_rows:
                 continue
             holds = any(not is_blank(self.sheet.cell(row, index)) for index in values)
-            if row in rows_left_out or (holds and self.asides.takes(row)):
+            if row in rows_left_out or (holds and self.exclusions.takes(row)):
                 left_out += holds and row in rows_left_out
                 self.rows.cells.update((row, index) for index in range(len(cells)))  # a message names the row
             elif not self._read_row(row):
@@ -164,7 +163,7 @@ class _Reader:
                 rows.entries.append(DiameterCell(row, column, key, value))
                 rows.of_row.setdefault(row, []).append(key)
                 rows.cells.update((row, column.index) for column in group.values())
-        return bool(values) or row in self.asides.struck
+        return bool(values) or row in self.exclusions.struck
 
     def _is_named(self, row: int) -> bool:
         columns = self.columns
@@ -181,7 +180,7 @@ class _Reader:
 
     def _read_means_alone(self) -> None:
         """Read means as readings where their single readings are not on the sheet."""
-        for row, what in self.asides.take_back_means(tuple(self.rows.entries)):
+        for row, what in self.exclusions.take_back_means(tuple(self.rows.entries)):
             self._read_row(row)
             text = Sentence(
                 "row {row} is said to be a {what}, and its single readings are not there: read as one reading",
@@ -210,7 +209,7 @@ class _Reader:
         for group in self.columns.groups:
             given = {name: column for name, column in group.items() if not is_blank(self.sheet.cell(row, column.index))}
             if any((row, column.index) in self.sheet.marks.struck for column in given.values()):
-                self.asides.struck.append(row)
+                self.exclusions.struck.append(row)
                 self.rows.cells.update((row, column.index) for column in given.values())
             elif given:
                 yield group, None if self._half_given(row, group, given) else self._raw_value(row, given)

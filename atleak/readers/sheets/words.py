@@ -348,13 +348,19 @@ def repeat_of(cell: Cell) -> int | None:
     return int(match[1] if match else _ROMAN.get(text, "0")) or None
 
 
+def stated_number(cell: Cell) -> tuple[float, Unit | None] | None:
+    """Return a cell's number and the unit behind it; None where it holds no number."""
+    try:
+        return number(cell)
+    except ReadingsError:
+        return None
+
+
 @lru_cache(maxsize=16384)
 def number_of(text: str) -> float | None:
     """Return the number that a text is, or None."""
-    try:
-        return number(text)[0]
-    except ReadingsError:
-        return None
+    stated = stated_number(text)
+    return None if stated is None else stated[0]
 
 
 _NOT_AMONG_DIGITS = r"(?<![\d.,:/\-])"
