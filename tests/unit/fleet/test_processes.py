@@ -17,7 +17,7 @@ import pytest
 from distributed import Client
 
 from atleak.common.errors import FleetError
-from atleak.fleet import dispatch as running
+from atleak.fleet import dispatch
 from atleak.fleet.cluster import HERE, connected
 from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress, run_fleet
@@ -35,7 +35,7 @@ from pathlib import Path
 
 import psutil
 
-from atleak.fleet import cluster, running
+from atleak.fleet import cluster, dispatch
 from atleak.fleet.cluster import connected
 from atleak.fleet.results import Results
 from atleak.fleet.run import run_fleet
@@ -43,7 +43,7 @@ from tests.unit.fleet.small_units import small_unit
 
 def main():
     out, count, address = sys.argv[1:]
-    running.WRITTEN_EVERY = float(os.environ.get("WRITTEN_EVERY", running.WRITTEN_EVERY))
+    dispatch.WRITTEN_EVERY = float(os.environ.get("WRITTEN_EVERY", dispatch.WRITTEN_EVERY))
     cluster._ANSWER = float(os.environ.get("ANSWER", cluster._ANSWER))
     kills, killed = int(os.environ.get("KILLS", 0)), []
     with Results.open(Path(out), for_writing=True) as results, connected(address or None, 2) as client:
@@ -140,8 +140,8 @@ def test_units_that_harm_their_worker_cost_a_retry_and_then_one_error_each(out: 
     kept = _rows(out, "tries")
     assert kept == {
         **{unit.name: ("ok", tries) for unit in units if (tries := kept[unit.name][1]) in (1, 2)},
-        "unit 1": ("ended", 1 + running.TRIES_ALONE),
-        "unit 2": ("time limit", running.TRIES_OVERDUE),
+        "unit 1": ("ended", 1 + dispatch.TRIES_ALONE),
+        "unit 2": ("time limit", dispatch.TRIES_OVERDUE),
         "unit 3": ("time limit", 2),
         "unit 12": ("refused", kept["unit 12"][1]),
     }
