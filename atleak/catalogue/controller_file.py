@@ -18,6 +18,7 @@ from typing import Any, get_args
 import tomli_w
 from pydantic import BaseModel, ValidationError
 
+from atleak import equations
 from atleak.catalogue.controller import Controller, Gap, Land
 from atleak.catalogue.controller_parts import (
     PartReading,
@@ -186,8 +187,8 @@ def _relations(entry: ControllerFile, gaps: Iterable[Gap], reading: PartReading)
     for name, table in entry.pressures.items():
         try:
             relations[name] = read_relation(table)
-        except DomainError as error:  # diameters or lengths that cannot be those of one valve
-            reading.faults.append(reading.fault_of_table(("pressures", name), error.sentence))
+        except equations.DomainError as refused:  # diameters or lengths that cannot be those of one valve
+            reading.faults.append(reading.fault_of_table(("pressures", name), DomainError.of(refused).sentence))
     used = {pressure.section for gap in gaps for pressure in (gap.high, gap.low)}
     for section in ("p_s", "p_m"):
         if section in used and section not in entry.pressures:

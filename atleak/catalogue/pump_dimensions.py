@@ -12,6 +12,7 @@ from atleak.catalogue.pump import Pump, PumpClearances, PumpGaps, TipGaps
 from atleak.catalogue.pump_tables import PumpKind, PumpTable
 from atleak.common.errors import CatalogueError, DomainError, one_of
 from atleak.common.sentences import Sentence
+from atleak.equations import DomainError as RefusedByEquation
 from atleak.equations import pump as equations
 
 
@@ -97,8 +98,8 @@ def read_pump(table: PumpTable, reading: PartReading) -> Pump | None:
         displacement = _displacement(table, sizes, reading)
         if displacement is not None and table.kind is not None:
             gaps = _gaps(_KINDS[table.kind], sizes, displacement)
-    except DomainError as error:  # dimensions that cannot be those of one pump
-        reading.faults.append(reading.fault_of_table(("pump",), error.sentence))
+    except RefusedByEquation as refused:  # dimensions that cannot be those of one pump
+        reading.faults.append(reading.fault_of_table(("pump",), DomainError.of(refused).sentence))
     if displacement is None:
         return None
     pump = Pump(

@@ -1,8 +1,7 @@
-"""The package's own exceptions and the messages a result carries.
+"""The package's own exceptions, and the messages that a result carries.
 
-Say why a file could not be read or written, so that what the system and Python say reads in any language.
-
-Both say it in English text alone. What is usual is known here; anything else stays as they say it.
+What equations, the system and Python say in English alone is worded here, so that it reads in any language; what is not
+usual stays as they say it.
 """
 
 from __future__ import annotations
@@ -13,8 +12,10 @@ import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, TypeVar
+from functools import wraps
+from typing import Any, Literal, ParamSpec, TypeVar
 
+from atleak import equations
 from atleak.common.sentences import Sentence
 
 _NAMES_SHOWN = 40  # of those that would have been valid
@@ -34,7 +35,115 @@ class AtleakError(Exception):
 
 
 class DomainError(AtleakError, ValueError):
-    """A number outside the domain in which an equation holds."""
+    """A number outside the domain in which an equation, or what is known of a fluid, holds."""
+
+    @classmethod
+    def of(cls, refused: equations.DomainError) -> DomainError:
+        """Return what an equation refused, to be said in the reader's language."""
+        limits = {name: _OF_EQUATIONS.get(str(limit), limit) for name, limit in refused.limits.items()}
+        unit, expected = refused.unit, _OF_EQUATIONS[refused.expected].of(**limits)
+        found = Sentence("{number:g}", number=refused.found)
+        said = Sentence(
+            "{name} must be {expected}, found {found}",
+            name=_OF_EQUATIONS.get(refused.name, refused.name),
+            expected=_with_unit(expected, unit) if refused.limited_by_numbers else expected,
+            found=_with_unit(found, unit),
+        )
+        return cls(Sentence("{said} at index {place}", said=said, place=refused.index) if refused.index else said)
+
+
+def _with_unit(number: Sentence, unit: str) -> Sentence:
+    return Sentence("{number} {unit}", number=number, unit=unit) if unit else number
+
+
+# What equations expect, and the quantities that a file or a person can state so that no equation holds; any other is
+# named to programmers only.
+_OF_EQUATIONS: Mapping[str, Sentence] = {
+    str(words): words
+    for words in (
+        Sentence("positive"),
+        Sentence("zero or positive"),
+        Sentence("between {low:g} and {high:g}"),
+        Sentence("above {low:g}"),
+        Sentence("above the {other}"),
+        Sentence("above 0 and below 1"),
+        Sentence("above its working circle's, 2 a z/(Z − z)"),
+        Sentence("above the pinion's"),
+        Sentence("at least the spool's"),
+        Sentence("at most the diameter"),
+        Sentence("at most the free length"),
+        Sentence("at most the number of units"),
+        Sentence("at most the radial clearance"),
+        Sentence("below its working circle's, 2 a Z/(Z − z)"),
+        Sentence("different from the first"),
+        Sentence("larger than the wire's"),
+        Sentence("one at which ASTM D341 is finite"),
+        Sentence("one or more"),
+        Sentence("such that viscosity falls as temperature rises"),
+        Sentence("area left for control pressure (A_1 - A_2W + A_3W)"),
+        Sentence("centre distance"),
+        Sentence("density"),
+        Sentence("diameter"),
+        Sentence("diameter of the cam ring"),
+        Sentence("dynamic viscosity"),
+        Sentence("eccentricity"),
+        Sentence("free length"),
+        Sentence("gear width"),
+        Sentence("inner diameter"),
+        Sentence("kinematic viscosity"),
+        Sentence("length of a tip"),
+        Sentence("limit of the pressure"),
+        Sentence("mean coil diameter"),
+        Sentence("number of active coils"),
+        Sentence("number of lobes"),
+        Sentence("number of sealing tips"),
+        Sentence("number of teeth"),
+        Sentence("number of the ring gear's teeth"),
+        Sentence("number of vanes"),
+        Sentence("outer diameter of the land"),
+        Sentence("pump displacement"),
+        Sentence("pump speed"),
+        Sentence("radial clearance"),
+        Sentence("rod diameter"),
+        Sentence("root diameter"),
+        Sentence("rotor width"),
+        Sentence("second kinematic viscosity"),
+        Sentence("second temperature"),
+        Sentence("shear modulus"),
+        Sentence("side clearance"),
+        Sentence("sleeve diameter"),
+        Sentence("slip coefficient"),
+        Sentence("spool diameter"),
+        Sentence("spring deflection"),
+        Sentence("spring length"),
+        Sentence("spring rate"),
+        Sentence("temperature"),
+        Sentence("tip clearance"),
+        Sentence("tip diameter"),
+        Sentence("tip diameter of the ring gear"),
+        Sentence("tooth height"),
+        Sentence("tooth module"),
+        Sentence("vane width"),
+        Sentence("volumetric efficiency"),
+        Sentence("wire diameter"),
+    )
+}
+
+Arguments = ParamSpec("Arguments")
+Answer = TypeVar("Answer")
+
+
+def translates_refusals(function: Callable[Arguments, Answer]) -> Callable[Arguments, Answer]:
+    """Decorate a function that computes with equations: what they refuse is an error of the package, like any other."""
+
+    @wraps(function)
+    def computed(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Answer:
+        try:
+            return function(*args, **kwargs)
+        except equations.DomainError as refused:
+            raise DomainError.of(refused) from refused
+
+    return computed
 
 
 KeySteps = tuple[str | int, ...]

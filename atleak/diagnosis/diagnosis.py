@@ -15,7 +15,7 @@ from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import Complaint, Repair
 from atleak.common.cache import kept_with
-from atleak.common.errors import Message
+from atleak.common.errors import Message, translates_refusals
 from atleak.common.verdicts import Band, Verdict, worst
 from atleak.diagnosis.gauge_check import PressureCheck, check_pressures
 from atleak.diagnosis.land import (
@@ -412,6 +412,7 @@ class Diagnosis:
         return sum(land.state.status == "measured" for land in self.lands)
 
 
+@translates_refusals
 def diagnose(
     controller: Controller,
     fluid: Fluid,

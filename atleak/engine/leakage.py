@@ -29,7 +29,7 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.section_pressures import SECTIONS
-from atleak.common.errors import Message
+from atleak.common.errors import Message, translates_refusals
 from atleak.common.sentences import Sentence
 from atleak.common.unit_systems import PERCENT, UM, Quantity
 from atleak.engine import network as circuits
@@ -310,6 +310,7 @@ class LeakageModel:
         """Return the gaps that see a pressure drop in a gear, in the order of `network` and `gaps`."""
         return tuple(geometry.gap for geometry in self.geometries if gear in geometry.gap.gears)
 
+    @translates_refusals
     def network(self, condition: OperatingPoint, temperature: Any = None) -> circuits.Network:
         """Return the gaps, leaks and feeds of the condition's gear, with its fluid, as a network.
 
@@ -457,6 +458,7 @@ class LeakageModel:
         """Return μ [Pa·s] by the profile's viscosity model; NaN outside the fluid's data."""
         return self.fluid.dynamic_viscosity(temperature, self.profile.viscosity)
 
+    @translates_refusals
     def pump_capacity(self, engine_speed: Any, main_pressure: Any, temperature: Any) -> Any:
         """Return what the pump delivers [m³/s] at an engine speed [1/s]; never below zero."""
         return self.pump.capacity(engine_speed, main_pressure, self._viscosity_for_slip(temperature))

@@ -12,7 +12,7 @@ import numpy as np
 from atleak.catalogue.circuits import Circuit, Leak, PermissiblePressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import STATED, OperatingPoint
-from atleak.common.errors import InputError, Message, one_of
+from atleak.common.errors import InputError, Message, one_of, translates_refusals
 from atleak.common.sentences import Name, Sentence
 from atleak.common.unit_systems import KPA, PERCENT, Quantity
 from atleak.engine.balance import Balance
@@ -124,6 +124,7 @@ class Projection:
         return self.share_of(self.drawn_by(key))
 
 
+@translates_refusals
 def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     """Compute leakage, pump flow and share at one condition.
 
@@ -282,6 +283,7 @@ def stated_condition(
     return controller.with_line(replace(point, label=label))
 
 
+@translates_refusals
 def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[LandClearance, ...]:
     """Widen every cold radial clearance by a fraction of itself: the sleeve opens, the spool keeps its diameter.
 

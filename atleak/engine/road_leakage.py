@@ -19,7 +19,7 @@ from atleak.catalogue.circuit_tables import State
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import IDLE_SPEED, OperatingPoint
-from atleak.common.errors import Message, Place, RoadTestError
+from atleak.common.errors import Message, Place, RoadTestError, translates_refusals
 from atleak.common.sentences import Name, Sentence, in_a_row
 from atleak.common.unit_systems import KPA, Quantity
 from atleak.engine.extremes import Extremes, Instant, first_largest, share_of_samples, sustained_window
@@ -334,6 +334,7 @@ class RoadLeakage:
         return self.extremes.max_share
 
 
+@translates_refusals
 def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: OperatingPoint) -> RoadLeakage:
     """Compute leakage and pump flow of every sample of a road test.
 

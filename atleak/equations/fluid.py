@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.common.errors import DomainError
-from atleak.common.sentences import Sentence
+from atleak.equations import DomainError
 from atleak.equations._domain import above, positive, refuse, result, values, within
 
 #: Temperatures for which the source study states its regressions [°C].
@@ -149,13 +148,12 @@ def astm_d341_coefficients(
     """
     t_1 = above("temperature", temperature_1, ABSOLUTE_ZERO, "°C")
     t_2 = above("temperature", temperature_2, ABSOLUTE_ZERO, "°C")
-    refuse("second temperature", t_2, t_1 == t_2, Sentence("different from the first"), "°C")
+    refuse("second temperature", t_2, t_1 == t_2, "different from the first", "°C")
     nu_1 = above("kinematic viscosity", viscosity_1, ASTM_D341_LOWEST_VISCOSITY, "m²/s")
     nu_2 = above("kinematic viscosity", viscosity_2, ASTM_D341_LOWEST_VISCOSITY, "m²/s")
     rising = (nu_2 - nu_1) * np.sign(t_2 - t_1) > 0.0
-    refuse(
-        "second kinematic viscosity", nu_2, rising, Sentence("such that viscosity falls as temperature rises"), "m²/s"
-    )
+    name = "second kinematic viscosity"
+    refuse(name, nu_2, rising, "such that viscosity falls as temperature rises", "m²/s")
     x_1, x_2 = np.log10(t_1 - ABSOLUTE_ZERO), np.log10(t_2 - ABSOLUTE_ZERO)
     y_1 = np.log10(np.log10(1e6 * nu_1 + ASTM_D341_SHIFT))
     y_2 = np.log10(np.log10(1e6 * nu_2 + ASTM_D341_SHIFT))
@@ -216,9 +214,7 @@ def astm_d341(temperature: ArrayLike, A: ArrayLike, B: ArrayLike) -> Any:
             np.exp(nu, out=nu)
     except FloatingPointError:
         lowest = float(np.nanmin(t))
-        raise DomainError(
-            Sentence("temperature must be one at which ASTM D341 is finite, found {lowest:g} °C", lowest=lowest)
-        ) from None
+        raise DomainError("temperature", "one at which ASTM D341 is finite", lowest, "°C") from None
     nu -= ASTM_D341_SHIFT
     nu *= 1e-6
     return result(nu)

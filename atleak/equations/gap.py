@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.common.sentences import Sentence
 from atleak.equations._domain import not_negative, positive, refuse, result, values
 
 #: Below this Reynolds number gap flow is laminar for certain [-]: choice of this project, half of the 2000 from which
@@ -477,5 +476,5 @@ def _eccentricity(eccentricity: ArrayLike, clearance: Any) -> Any:
     """Return the eccentricity, none below zero and none above the clearance."""
     e = not_negative("eccentricity", eccentricity, "m")
     if e.ndim or e != 0.0:
-        refuse("eccentricity", e, e > clearance, Sentence("at most the radial clearance"), "m")
+        refuse("eccentricity", e, e > clearance, "at most the radial clearance", "m")
     return e

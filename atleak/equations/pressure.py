@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.common.sentences import Sentence
-from atleak.equations._domain import POSITIVE, not_negative, positive, refuse, result, values
+from atleak.equations._domain import not_negative, positive, refuse, result, values
 
 
 def annulus_area(diameter: ArrayLike, rod_diameter: ArrayLike = 0.0) -> Any:
@@ -43,7 +42,7 @@ def annulus_area(diameter: ArrayLike, rod_diameter: ArrayLike = 0.0) -> Any:
     """
     d = positive("diameter", diameter, "m")
     rod = not_negative("rod diameter", rod_diameter, "m")
-    refuse("rod diameter", rod, rod > d, Sentence("at most the diameter"), "m")
+    refuse("rod diameter", rod, rod > d, "at most the diameter", "m")
     return result((math.pi / 4.0) * ((d - rod) * (d + rod)))
 
 
@@ -118,7 +117,7 @@ def spring_rate(
     wire = positive("wire diameter", wire_diameter, "m")
     coils = positive("number of active coils", active_coils)
     mean = positive("mean coil diameter", mean_coil_diameter, "m")
-    refuse("mean coil diameter", mean, mean <= wire, Sentence("larger than the wire's"), "m")
+    refuse("mean coil diameter", mean, mean <= wire, "larger than the wire's", "m")
     ratio = wire / mean
     return result(g * wire * (ratio * ratio * ratio) / (8.0 * coils))
 
@@ -155,7 +154,7 @@ def spring_deflection(free_length: ArrayLike, length: ArrayLike) -> Any:
     """
     free = positive("free length", free_length, "m")
     installed = positive("spring length", length, "m")
-    refuse("spring length", installed, installed > free, Sentence("at most the free length"), "m")
+    refuse("spring length", installed, installed > free, "at most the free length", "m")
     return result(free - installed)
 
 
@@ -220,7 +219,7 @@ def control_pressure(
     main = not_negative("area A_g1", a_g1, "m²") - not_negative("area A_g2", a_g2, "m²")
     # What subtraction leaves of equal areas is no area.
     nothing = control <= 1e-12 * values(a_1)
-    refuse("area left for control pressure (A_1 - A_2W + A_3W)", control, nothing, POSITIVE, "m²")
+    refuse("area left for control pressure (A_1 - A_2W + A_3W)", control, nothing, "positive", "m²")
     return result((p_g * main + values(spring_force)) / control)
 
 

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.common.sentences import Sentence
 from atleak.equations._domain import not_negative, refuse, result, values
 from atleak.equations.statistics import normal_quantile
 
@@ -44,8 +43,8 @@ def wilson_interval(count: ArrayLike, of: ArrayLike, coverage: float = 0.95) -> 
     [0.0624, 0.1605]
     """
     x, n = np.broadcast_arrays(not_negative("count", count), values(of))
-    refuse("number of units", n, n < 1.0, Sentence("one or more"), "")
-    refuse("count", x, x > n, Sentence("at most the number of units"), "")
+    refuse("number of units", n, n < 1.0, "one or more")
+    refuse("count", x, x > n, "at most the number of units")
     z = float(normal_quantile(0.5 + 0.5 * coverage))
     middle, half = 2.0 * x + z**2, z * np.sqrt(z**2 + 4.0 * x * (1.0 - x / n))
     width = 2.0 * (n + z**2)

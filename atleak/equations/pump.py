@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.common.sentences import Sentence
-from atleak.equations._domain import STATED_NAMES, not_negative, positive, refuse, result, values, within
+from atleak.equations._domain import not_negative, positive, refuse, result, values, within
 from atleak.equations.gap import entry_loss_terms, restricted_flow
 
 #: Working pressure angle of a pump's involute gears where only their outlines are known [rad]: the usual 20°, choice of
@@ -260,17 +259,16 @@ def crescent_displacement(
     13656
     """
     z, ring_z = positive("number of teeth", teeth), positive("number of the ring gear's teeth", ring_teeth)
-    refuse("number of the ring gear's teeth", ring_z, ring_z <= z, Sentence("above the pinion's"), "")
+    refuse("number of the ring gear's teeth", ring_z, ring_z <= z, "above the pinion's")
     a = positive("centre distance", centre_distance, "m")
     b = positive("gear width", width, "m")
     over = 0.5 * positive("tip diameter", tip_diameter, "m")
     ring = 0.5 * positive("tip diameter of the ring gear", ring_tip_diameter, "m")
     ratio = z / ring_z
     working, ring_working = a * z / (ring_z - z), a * ring_z / (ring_z - z)
-    outside = Sentence("above its working circle's, 2 a z/(Z − z)")
-    refuse("tip diameter", 2.0 * over, over <= working, outside, "m")
-    beneath = Sentence("below its working circle's, 2 a Z/(Z − z)")
-    refuse("tip diameter of the ring gear", 2.0 * ring, ring >= ring_working, beneath, "m")
+    refuse("tip diameter", 2.0 * over, over <= working, "above its working circle's, 2 a z/(Z − z)", "m")
+    too_far = ring >= ring_working
+    refuse("tip diameter of the ring gear", 2.0 * ring, too_far, "below its working circle's, 2 a Z/(Z − z)", "m")
     pitch = _base_pitch(2.0 * working, z)
     swept = over * over - working * working + ratio * (ring_working * ring_working - ring * ring)
     return result(math.pi * b * (swept - (1.0 - ratio) * pitch * pitch / 12.0))
@@ -289,7 +287,7 @@ def _base_pitch(working_diameter: Any, teeth: Any) -> Any:
 def _diameters(name: str, large: ArrayLike, other: str, small: ArrayLike) -> tuple[Any, Any]:
     """Return two diameters, the first above the second."""
     over, under = positive(name, large, "m"), positive(other, small, "m")
-    refuse(name, over, over <= under, Sentence("above the {other}", other=STATED_NAMES.get(other, other)), "m")
+    refuse(name, over, over <= under, "above the {other}", "m", other=other)
     return over, under
 
 

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.common.sentences import Sentence
 from atleak.equations._domain import not_negative, refuse, result, values
 
 _NORMAL = NormalDist()
@@ -67,7 +66,7 @@ def normal_quantile(probability: ArrayLike) -> Any:
     1.644854
     """
     p = values(probability)
-    refuse("probability", p, (p <= 0.0) | (p >= 1.0), Sentence("above 0 and below 1"), "")
+    refuse("probability", p, (p <= 0.0) | (p >= 1.0), "above 0 and below 1")
     quantiles = np.full(p.shape, np.nan)
     known = ~np.isnan(p)
     quantiles[known] = np.asarray(_each_quantile(p[known]), dtype=float)

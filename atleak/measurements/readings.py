@@ -18,7 +18,7 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
 from atleak.catalogue.instruments import Instruments, Part, load_instruments
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.words import PART_WORDS, angle, in_mm, in_um, named
-from atleak.common.errors import Message, Place, ReadingsError
+from atleak.common.errors import Message, Place, ReadingsError, translates_refusals
 from atleak.common.sentences import Sentence
 from atleak.common.unit_systems import Quantity
 from atleak.equations import clearance as clearance_equations
@@ -286,6 +286,7 @@ class _PartMean:
         )
 
 
+@translates_refusals
 def clearances(
     readings: Readings | None,
     controller: Controller,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from atleak.common.errors import DomainError
+from atleak.equations import DomainError
 from atleak.equations.proportions import newcombe_interval, wilson_interval
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import integrate, special, stats
 
-from atleak.common.errors import DomainError
+from atleak.equations import DomainError
 from atleak.equations import statistics as equations
 from tests.unit.equations import referees
 

@@ -38,8 +38,8 @@ def test_core_never_imports_streamlit() -> None:
 # From the ground up. A module imports its own room and those of the floors below: nothing from above, and nothing from
 # the other room of its floor. `docs/architecture.md` says what each holds. A room is a folder of the package.
 FLOORS = (
-    ("common",),
     ("equations",),
+    ("common",),
     ("catalogue",),
     ("measurements",),
     ("engine", "readers"),
@@ -102,6 +102,15 @@ def test_imports_lead_down() -> None:
     assert {module: names for module, names in wrong.items() if names} == {}
 
 
+def test_equations_need_numpy_alone() -> None:
+    modules = [f"import atleak.{module}" for module in MODULES if module.startswith("equations.")]
+    others = "[m for m in sys.modules if m.startswith('atleak.') and not m.startswith('atleak.equations')]"
+    libraries = "[m for m in ('pandas', 'pydantic', 'scipy') if m in sys.modules]"
+    code = "\n".join([*modules, f"import sys; print({others}, {libraries})"])
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "['atleak.version'] []"
+
+
 def test_every_room_of_the_floors_is_there() -> None:
     assert set(FLOOR_OF) == {_room(module) for module in MODULES if module not in OUTSIDE}
     assert sum(map(len, FLOORS)) == len(FLOOR_OF), "a room stands on two floors"
@@ -110,7 +119,7 @@ def test_every_room_of_the_floors_is_there() -> None:
 @pytest.mark.parametrize(
     ("module", "taken"),
     [
-        ("equations.gap", "diagnosis.diagnosis"),  # upward
+        ("equations.gap", "common.errors"),  # upward: whoever computes with the equations alone needs nothing else
         ("readers.sheets.rows", "engine.leakage"),  # sideways: the readers know no engine
         ("engine.leakage", "readers.sheets.rows"),  # and the engine no reader
         ("common.files", "__init__"),  # the public names are for users

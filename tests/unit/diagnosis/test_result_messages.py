@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import datetime as dt
+import pickle
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
+from atleak import equations
 from atleak.analysis.history.series import Visit, visits_in_order
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import RuleKind
-from atleak.common.errors import DomainError
+from atleak.common.errors import DomainError, translates_refusals
 from atleak.common.sentences import Sentence, in_a_row, some
 from atleak.common.unit_systems import Quantity
 from atleak.common.wording import wording
@@ -21,7 +23,9 @@ from atleak.diagnosis.rules import Rule
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.road_leakage import evaluate_road_test
-from atleak.equations._domain import positive
+from atleak.equations._domain import positive, within
+from atleak.equations.fluid import astm_d341
+from atleak.equations.pump import face_slip
 from atleak.measurements.gauge_readings import Engine, GaugeCell
 from atleak.measurements.readings import clearances
 from atleak.measurements.road_test import RoadTest
@@ -59,10 +63,27 @@ def test_a_mileage_that_falls_is_said_in_the_reader_s_distances() -> None:
 
 
 def test_a_number_outside_an_equation_s_domain_is_said_in_the_reader_s_language() -> None:
-    with pytest.raises(DomainError) as refused:
-        positive("spring rate", [1.0, -2.5], "N/m")
-    assert str(refused.value) == "spring rate must be positive, found -2.5 N/m at index 1"
+    with pytest.raises(DomainError, match=r"^spring rate must be positive, found -2\.5 N/m at index 1$") as refused:
+        translates_refusals(positive)("spring rate", [1.0, -2.5], "N/m")
     assert GERMAN.sentence(refused.value.sentence) == "Federrate: muss positiv sein, ist −2,5 N/m an der Stelle 1"
+
+
+@pytest.mark.parametrize(
+    ("check", "german"),
+    [
+        (lambda: within("volumetric efficiency", 1.5, 0.0, 1.0), "muss zwischen 0 und 1 sein, ist 1,5"),
+        (lambda: within("temperature", 200.0, -40.0, 100.0, "°C"), "muss zwischen −40 und 100 °C sein, ist 200 °C"),
+        (lambda: face_slip(1e-5, 0.04, 0.05), "muss größer als: Innendurchmesser sein, ist 0,04 m"),
+        (lambda: astm_d341(-270.0, 8.9, 3.5), "muss eine, bei der ASTM D341 endlich ist, sein, ist −270 °C"),
+    ],
+)
+def test_what_an_equation_refuses_reads_alike_alone_and_in_the_program(check: Callable[[], None], german: str) -> None:
+    with pytest.raises(equations.DomainError) as alone:
+        check()
+    with pytest.raises(DomainError) as refused:
+        translates_refusals(check)()
+    assert str(pickle.loads(pickle.dumps(alone.value))) == str(refused.value)
+    assert GERMAN.sentence(refused.value.sentence).endswith(german)
 
 
 def test_where_a_gauge_or_a_log_showed_a_value_is_said_in_the_reader_s_language(sample: Diagnosis) -> None:

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atleak.common.errors import DomainError
-from atleak.equations import clearance
+from atleak.equations import DomainError, clearance
 from tests.unit.equations import referees
 
 spools = st.floats(2e-3, 50e-3)

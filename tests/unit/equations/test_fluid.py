@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from atleak.common.errors import DomainError
-from atleak.equations import fluid
+from atleak.equations import DomainError, fluid
 
 # Data sheets: kinematic viscosity at 100 °C, and how many times that at 40 °C.
 sheets = st.tuples(st.floats(2e-6, 30e-6), st.floats(1.5, 15.0))

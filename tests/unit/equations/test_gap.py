@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_bvp
 from scipy.optimize import brentq
 
-from atleak.common.errors import DomainError
-from atleak.equations import gap
+from atleak.equations import DomainError, gap
 from tests.unit.equations import referees
 
 GAP = {

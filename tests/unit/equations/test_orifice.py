@@ -11,8 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from atleak.common.errors import DomainError
-from atleak.equations import gap, orifice
+from atleak.equations import DomainError, gap, orifice
 
 diameters = st.floats(0.2e-3, 10e-3)
 discharges = st.floats(0.5, 1.0)

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from atleak.common.errors import DomainError
-from atleak.equations import pressure
+from atleak.equations import DomainError, pressure
 from tests.unit.equations import referees
 
 AREAS = (113.097e-6, 58.905e-6, 43.982e-6, 58.905e-6, 43.982e-6)

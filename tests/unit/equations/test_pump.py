@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from atleak.common.errors import DomainError
-from atleak.equations import pump
+from atleak.equations import DomainError, pump
 from tests.unit.equations import referees
 
 displacements = st.floats(5e-6, 5e-5)

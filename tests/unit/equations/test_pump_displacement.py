@@ -10,8 +10,7 @@ from scipy.optimize import brentq
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
-from atleak.common.errors import DomainError
-from atleak.equations import pump
+from atleak.equations import DomainError, pump
 
 Complex = np.ndarray  # outlines are points of the complex plane
 

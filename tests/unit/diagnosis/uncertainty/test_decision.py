@@ -11,11 +11,12 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.instruments import load_instruments
 from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind, Steps
-from atleak.common.errors import DomainError, InputError
+from atleak.common.errors import InputError
 from atleak.common.verdicts import Band, Verdict
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import NOTHING_ELSE, Assumptions, decide
 from atleak.diagnosis.uncertainty.decision import decide_rule
+from atleak.equations import DomainError
 from tests.unit.diagnosis.uncertainty.conftest import a_sheet, new_at, two_instruments
 
 UM = 1e-6
