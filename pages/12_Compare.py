@@ -3,8 +3,7 @@
 import streamlit as st
 
 from atleak.common.errors import AtleakError
-from atleak.report.charts import comparison_figures as figures
-from atleak.report.tables.comparison import land_table
+from atleak.report.tables.comparison import comparison_sections
 from pages.shared import comparison, panel, reader, show
 
 panel.shown()
@@ -20,27 +19,14 @@ except AtleakError as error:
 if found is None:
     st.info(say("compare.choose"))
     st.stop()
-both = found.comparison
-show.banner(both.after, comparison.sentence(both))
-show.messages(both.messages, say("about.comparison"))
-
-st.subheader(say("compare.lands"))
-lands = comparison.lands(both)
-if lands:
-    show.table(land_table(both, lands, say))
-    st.caption(say("compare.lands_note"))
-    show.chart(figures.compared_clearances(both, lands, say), "clearances")
-    st.caption(say("compare.clearances_note"))
-else:
-    st.write(say("compare.no_land"))
-with st.expander(say("compare.all_lands", count=len(both.lands))):
-    show.table(land_table(both, both.lands, say))
-
-st.subheader(say("compare.totals"))
-comparison.totals(both)
-
-st.subheader(say("compare.logs"))
-comparison.logs(both)
+head, *sections = comparison_sections(found.comparison, say, drawn=comparison.DRAWN)
+show.section(head, "compare")
+show.messages(found.comparison.messages, say("about.comparison"))
+for section in sections:
+    st.subheader(section.title)
+    if section.name == "logs":
+        comparison.draw_logs(found.comparison)
+    show.section(section, "compare")
 
 st.subheader(say("take_along.title"))
 comparison.downloads(found)

@@ -42,8 +42,10 @@ def run(options: argparse.Namespace) -> int:
 
     outputs.write(pdf=pdf, json=lambda: compared_record(compared))
     if outputs.shown:
-        from atleak.report.terminal import print_comparison
+        from atleak.report.tables.comparison import comparison_sections
+        from atleak.report.terminal import print_sections
 
-        print_comparison(compared.comparison, wording(printed["language"], printed["units"]))
+        comparison, say = compared.comparison, wording(printed["language"], printed["units"])
+        print_sections(comparison_sections(comparison, say, brief=True), comparison.messages)
     outputs.say_written()
     return 0

@@ -14,8 +14,8 @@ from atleak.common.sentences import Sentence
 from atleak.common.unit_systems import MM
 from atleak.common.wording import wording
 from atleak.readers.gauges.gauge_study import read_study
-from atleak.report.tables.gauge_study import study_record
-from atleak.report.terminal import print_gauge_study
+from atleak.report.tables.gauge_study import study_record, study_sections
+from atleak.report.terminal import print_sections
 
 
 def add_parser(commands: Any, name: str) -> None:
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     study = analysed(readings, tolerance=tolerance, alpha=alpha)
     outputs.write(json=lambda: study_record(study))
     if outputs.shown:
-        print_gauge_study(study, wording("en"))
+        print_sections(study_sections(study, wording("en")).values(), study.messages)
     outputs.say_written()
     return 0
 

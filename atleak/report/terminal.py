@@ -1,7 +1,4 @@
-"""Show a comparison of two jobs on a terminal.
-
-Show a diagnosis on a terminal.
-"""
+"""Print on a terminal: a diagnosis, what was understood of a log, sections, tables and records."""
 
 from __future__ import annotations
 
@@ -16,16 +13,15 @@ from rich.segment import Segment
 from rich.table import Table as Grid
 from rich.text import Text
 
-from atleak.analysis.comparison import Comparison
-from atleak.analysis.gauge_study import GaugeStudy
 from atleak.analysis.pressures import pressures_at
 from atleak.analysis.repair.plan import RepairStep, plan_repairs
+from atleak.common.errors import Message
 from atleak.common.printable import printable, unguarded
 from atleak.common.style import look_of
 from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM, UM
 from atleak.common.units import HHMMSS, find_unit, kinds_of
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import Wording, begun, signed, wording
+from atleak.common.wording import begun, signed, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.road_findings import RoadFindings
@@ -35,18 +31,8 @@ from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.measurements.gauge_readings import LINE_TAP
 from atleak.measurements.own_lands import LENGTHS_MEASURED, REPAIR_FITTED
-from atleak.report.tables.comparison import (
-    changed_sentence,
-    compared_condition_table,
-    compared_event_table,
-    land_table,
-    total_sentence,
-    verdicts_sentence,
-    visit_caveats,
-)
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.first_sentence import impossible_part, may_parts, pump_sentence, shown_verdict, worn_pump
-from atleak.report.tables.gauge_study import anova_table, component_table, result_sentence
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.lands import LandAtCondition, leaking_worst_first, pair_table
 from atleak.report.tables.names import positions
@@ -236,8 +222,8 @@ def print_table(content: Table) -> None:
     _print(laid_out(content), *dict.fromkeys(told))
 
 
-def print_sections(sections: Iterable[Section]) -> None:
-    """Print sections, one after the other; of a chart the numbers that it shows."""
+def print_sections(sections: Iterable[Section], messages: Iterable[Message] = ()) -> None:
+    """Print sections, one after the other, of a chart the numbers that it shows; then messages, warnings marked."""
     console = TerminalConsole()
     for section in sections:
         console.print()
@@ -247,8 +233,11 @@ def print_sections(sections: Iterable[Section]) -> None:
                 print_table(replace(part, title=""))
             elif isinstance(part, Picture) and part.numbers is not None:
                 print_table(replace(part.numbers, title=""))
+            level = part.level if isinstance(part, Paragraph) else None
             for line in _lines(part):
-                console.print(Text(line))
+                console.print(Text(line, style="" if level is None else look_of(level).style))
+    for message in messages:
+        console.print(Text(f"{'!' if message.level == 'warning' else '·'} {message.text}"))
 
 
 def _lines(part: SectionPart) -> Iterator[str]:
@@ -258,13 +247,6 @@ def _lines(part: SectionPart) -> Iterator[str]:
         yield from (f"- {item}" for item in part.items)
     elif isinstance(part, Facts):
         yield from (f"{name}: {value}" for name, value in part.rows)
-
-
-def print_gauge_study(study: GaugeStudy, say: Wording) -> None:
-    """Print what the variation is made of, the analysis behind it, and what there is to know about it."""
-    print_table(component_table(study, say))
-    print_table(anova_table(study, say))
-    _print(*map(say.sentence, (result_sentence(study, say), *study.messages, say("gauge_study.whose"))))
 
 
 def print_records(columns: Sequence[str], rows: Sequence[dict[str, Any]], whole: Sequence[str] = ()) -> None:
@@ -484,32 +466,3 @@ def _share(cell: LandAtCondition) -> Text:
         return Text(share)
     look = look_of(cell.verdict)
     return Text(f"{look.sign} {share}", style=look.style)
-
-
-_LEFT_OUT = ("wear", "share", "decision")  # of each land, before and after
-
-
-def print_comparison(comparison: Comparison, say: Wording) -> None:
-    """Print both verdicts, the lands that are flagged or changed, totals and pressures, events, and messages."""
-    console = TerminalConsole()
-    console.print(Text(f"{say.name(comparison.after.controller.name)} · {say('comparison.title')}"))
-    console.print(Text(verdicts_sentence(comparison, say), style=look_of(comparison.after.verdict).style))
-    for sentence in (changed_sentence(comparison, say), total_sentence(comparison, say)):
-        if sentence is not None:
-            console.print(Text(sentence))
-    for line in visit_caveats(comparison, say):
-        console.print(Text(line))
-    shown = [*comparison.flagged, *(land for land in comparison.changed if not land.flagged)]
-    lands = land_table(comparison, shown, say)
-    tables = [
-        lands.without(*(f"{key}_{side}" for key in _LEFT_OUT for side in ("before", "after"))),
-        compared_condition_table(comparison, say, brief=True),
-        *([] if comparison.logs is None else [compared_event_table(comparison.logs, say)]),
-    ]
-    for table in tables:
-        if table.rows:
-            console.print(laid_out(replace(table, title=say(f"compare.{table.name}"))))
-        elif table.name == "lands":
-            console.print(Text(say("compare.no_land")))
-    for message in comparison.messages:
-        console.print(Text(f"{'!' if message.level == 'warning' else '·'} {say.sentence(message.text)}"))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 
 import streamlit as st
 
-from atleak.analysis.comparison import Comparison, LandComparison
+from atleak.analysis.comparison import Comparison
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -17,27 +16,19 @@ from atleak.job_book.book import JobRow
 from atleak.job_book.compared_jobs import ComparedJobs, compare_jobs, compared_record
 from atleak.job_book.search import Query
 from atleak.job_book.visits import unit_of_visit
-from atleak.report.charts import comparison_figures as figures
+from atleak.report.charts.comparison_figures import logs_over_one_another
 from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf.comparison import write_comparison_pdf
-from atleak.report.tables.comparison import (
-    changed_sentence,
-    compared_condition_table,
-    compared_event_name,
-    compared_event_table,
-    total_sentence,
-    verdicts_sentence,
-)
+from atleak.report.tables.comparison import compared_event_name
 from atleak.report.tables.log_scales import channel_scales
 from pages.shared import files, font_form, reader, show
 from pages.shared.book import book, job_id
 from pages.shared.cases import diagnosis_of, opened_case, result_key
-from pages.shared.show import plain
 from pages.shared.state import job, session
 
 THIS, FILE = "this_job", "job_file"  # beside the ids of jobs
 LISTED = 200  # most jobs of the book to choose from
-DRAWN = 20  # most lands in the table and the figure at the head
+DRAWN = 20  # most lands in the first table and its chart
 Chosen = tuple[JobFile, JobFile]
 
 
@@ -133,50 +124,17 @@ def _compared(key: str, _jobs: Chosen, _diagnoses: tuple[Diagnosis, Diagnosis]) 
     return compare_jobs(*_jobs, _diagnoses)
 
 
-def sentence(comparison: Comparison) -> str:
-    """Return both verdicts and what changed, in markdown."""
-    say = reader.say()
-    more = [changed_sentence(comparison, say), total_sentence(comparison, say)]
-    return " ".join([f"**{plain(verdicts_sentence(comparison, say))}**", *(plain(each) for each in more if each)])
-
-
-def lands(comparison: Comparison) -> Sequence[LandComparison]:
-    """Return the lands that are shown first: those flagged at either visit, then others that changed."""
-    return [*comparison.flagged, *(land for land in comparison.changed if not land.flagged)][:DRAWN]
-
-
-def totals(comparison: Comparison) -> None:
-    """Show totals and the pressures that changed, all of them in a fold."""
-    say = reader.say()
-    brief = compared_condition_table(comparison, say, brief=True)
-    if not brief.rows:
-        st.write(say("compare.no_condition"))
-        return
-    show.table(brief)
-    st.caption(say("compare.totals_note"))
-    with st.expander(say("compare.every_pressure")):
-        show.table(compared_condition_table(comparison, say))
-
-
-def logs(comparison: Comparison) -> None:
-    """Show the two road tests over one another, event by event, or say which is missing."""
+def draw_logs(comparison: Comparison) -> None:
+    """Draw the two road tests over one another, from the start of an event that is chosen; nothing without a pair."""
     say, both = reader.say(), comparison.logs
-    if both is None:
-        missing = [name for name in ("before", "after") if getattr(comparison, name).log is None]
-        st.write(say(f"compare.no_log_{'either' if len(missing) > 1 else missing[0]}"))
+    if both is None or not both.matched:
         return
-    matched = both.matched
-    if matched:
-        pair = st.selectbox(
-            say("columns.event"), matched, format_func=lambda each: compared_event_name(each, say), key="compare-event"
-        )
-        scales = channel_scales(both.before.road_test, say)
-        show.chart(figures.logs_over_one_another(both, pair, scales, say), "logs")
-        st.caption(say("compare.logs_note"))
-    else:
-        st.write(say("compare.no_event"))
-    if both.pairs:
-        show.table(compared_event_table(both, say))
+    pair = st.selectbox(
+        say("columns.event"), both.matched, format_func=lambda each: compared_event_name(each, say), key="compare-event"
+    )
+    scales = channel_scales(both.before.road_test, say)
+    show.chart(logs_over_one_another(both, pair, scales, say), "logs")
+    st.caption(say("compare.logs_note"))
 
 
 def downloads(found: ComparedJobs) -> None:

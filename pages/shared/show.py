@@ -187,14 +187,16 @@ def section(content: Section, name: str) -> None:
     """
     for part in content.parts:
         if isinstance(part, Text):
-            (st.caption if part.small else st.write)(plain(part.words))
+            box = st.write if part.level is None else _BOX[look_of(part.level).box]
+            (st.caption if part.small else box)(plain(part.words))
         elif isinstance(part, Points):
             st.markdown("\n".join(f"- {plain(item)}" for item in part.items))
         elif isinstance(part, Facts):
             st.markdown(" · ".join(f"{plain(fact)}: **{plain(value)}**" for fact, value in part.rows))
         elif isinstance(part, Picture):
             chart(drawn(part.chart, reader.say()), f"{name}-{part.name}")
-            st.caption(plain(part.caption))
+            if part.caption:
+                st.caption(plain(part.caption))
         elif part.title:
             with st.expander(part.title):
                 table(part)

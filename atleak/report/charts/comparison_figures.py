@@ -1,77 +1,101 @@
-"""Draw two visits of one unit: clearances before and after against their limits, and two logs over one another."""
+"""Draw two visits of one unit: clearances and totals before and after, and two logs over one another."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from atleak.analysis.comparison import Comparison, EventPair, LandComparison, LogComparison
+from atleak.analysis.comparison import Comparison, ConditionComparison, EventPair, LandComparison, LogComparison
 from atleak.catalogue.limits import RuleKind
-from atleak.common.style import SCREEN, look_of
+from atleak.common.style import MOST, SCREEN, STATED_INKS, look_of
 from atleak.common.thinning import thinned
-from atleak.common.unit_systems import UM
-from atleak.common.verdicts import VERDICTS
+from atleak.common.unit_systems import PERCENT, UM
+from atleak.common.verdicts import VERDICTS, Band
 from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
+from atleak.engine.projection import Projection
 from atleak.measurements.road_test import QUANTITIES, Channel
-from atleak.report.charts.figure import Figure, by_land, framed
+from atleak.report.charts.chart import LayerOf, RowChart, layers_of
+from atleak.report.charts.figure import Figure, framed
 from atleak.report.tables.road_test import Scales
 
 _POINTS = 1500  # samples of a channel that are drawn of each log
 _STEPS = ("gear", "selector", "lock_up")  # channels that hold their value until the next sample
 
 
-def compared_clearances(comparison: Comparison, lands: Sequence[LandComparison], say: Wording) -> Figure:
-    """Draw the clearances of lands before (open) and after (filled), a line between them, with their 95 % intervals.
+def clearance_chart(lands: Sequence[LandComparison], names: Sequence[str], say: Wording) -> RowChart:
+    """Return the clearances of lands before (open) and after (filled), each by its verdict, with 95 % intervals.
 
     Marks are the mounting clearance and the lowest limit of wear or clearance, as they stand after.
     """
-    names = {land.key: f"{land.key[0]} · {land.key[1]}" for land in lands}
-    latest = {names[each.key]: each for land in lands if (each := land.after or land.before) is not None}
-    figure, um, unit = Figure(), say.convert(UM, "clearance"), say.unit("clearance")
-    number = f"%{{x:.{say.digits('clearance', 1)}f}} {unit}"
-    new = {name: land.state.land.mounting_high for name, land in latest.items()}
-    limits = {name: limit for name, land in latest.items() if (limit := _limit(land)) is not None}
-    for key, symbol, marked in (("mounting", "line-ns-open", new), ("first_limit", "triangle-down-open", limits)):
-        open_mark(figure, [*marked.values()], [*marked], say(f"figures.{key}"), symbol, um, number)
-    both = [(names[land.key], land.change) for land in lands if land.change is not None]
-    ends = [end for _, change in both for end in (change.before * um, change.after * um, None)]
-    figure.line(ends, [end for name, _ in both for end in (name, name, None)], SCREEN.soft, 2)
-    named: set[str] = set()
-    for side, opened in (("before", "-open"), ("after", "")):
-        sides = [each for land in lands if (each := getattr(land, side)) is not None and each.state.measured]
+    um = say.convert(UM, "clearance")
+    latest = [each for land in lands if (each := land.after or land.before) is not None]  # every land has one
+    marks: list[LayerOf] = [
+        (say("figures.mounting"), STATED_INKS, [each.state.land.mounting_high * um for each in latest], {}),
+        (say("figures.first_limit"), MOST, [(limit := _limit(each)) and limit * um for each in latest], {}),
+    ]
+    for side, lift in (("after", -0.2), ("before", 0.2)):
         for verdict in VERDICTS:
-            these = [land for land in sides if land.verdict == verdict]
-            if not these:
-                continue
-            look, hover = look_of(verdict), f"%{{y}} {say(f'compare.{side}')}: {number}"
-            mark = (look.screen, f"{look.marker.removesuffix('-open')}{opened}", 11, 2.0)
-            spans = [land.uncertainty.clearance_interval if land.uncertainty else None for land in these]
-            legend = {"legendgroup": verdict, "showlegend": verdict not in named}
-            values, places = [each.state.radial_clearance for each in these], [names[each.key] for each in these]
-            figure.marks(values, places, say.level(verdict), mark, factor=um, spans=spans, hover=hover, **legend)
-            named.add(verdict)
-    figure.update_xaxes(title=say("figures.clearance", unit=unit, coverage=say.percent(0.95, 0)), rangemode="tozero")
-    return by_land(figure, [*names.values()], 32, say)
+            at: list[LandDiagnosis | None] = [getattr(land, side) for land in lands]
+            here = [each if each and each.state.measured and each.verdict == verdict else None for each in at]
+            intervals = [each and each.uncertainty and each.uncertainty.clearance_interval for each in here]
+            spans = [each and (each[0] * um, each[1] * um) for each in intervals]
+            values = [None if each is None else each.state.radial_clearance * um for each in here]
+            more = {"spans": spans, "lift": lift, "open": [side == "before"] * len(lands)}
+            marks.append((f"{say(f'compare.{side}')}: {say.level(verdict)}", look_of(verdict), values, more))
+    axis = say("figures.clearance", unit=say.unit("clearance"), coverage=say.percent(0.95, 0))
+    return RowChart(names, layers_of(marks), axis)
 
 
-def open_mark(
-    figure: Figure, values: Sequence[float | None], lands: Sequence[str], name: str, symbol: str, um: float, number: str
-) -> None:
-    """Draw what clearances stand against, open, so that it covers no value; nothing without any."""
-    if any(value is not None for value in values):
-        mark = (SCREEN.rule, symbol, 13, 1.5)
-        figure.marks(values, lands, name, mark, factor=um, hover=f"%{{y}}: {name} {number}")
+def total_chart(comparison: Comparison, shown: Sequence[ConditionComparison], say: Wording) -> RowChart:
+    """Return the total before and after at each condition, in the shade of its band, beside that of the unit new.
+
+    Signs show where a band begins. An interval without an end reaches as far as anything that has one.
+    """
+    unit, alike = comparison.before, comparison.alike
+    rows = [
+        (each, side, diagnosis, at)
+        for each in shown
+        for side, diagnosis, at in (("before", unit, each.before), ("after", alike, each.alike))
+        if at is not None
+    ]
+    shares = [at.share * PERCENT for *_, at in rows]
+    new = [unit.new_at(each.projection).share * PERCENT for each, *_ in rows]
+    spans = [_share_interval(diagnosis, at) for _, _, diagnosis, at in rows]
+    ends = (*shares, *new, *(end for span in spans for end in span or ()))
+    right = max(filter(math.isfinite, ends), default=1.0)
+    drawn = [span and (min(span[0], right), min(span[1], right)) for span in spans]
+    bands = [diagnosis.band(at) or Band.GREEN for _, _, diagnosis, at in rows]
+    steps = [None if each.before is None else unit.total_rule(each.before).steps for each, *_ in rows]
+
+    def bar(band: Band) -> LayerOf:
+        values = [min(share, right) if own is band else None for share, own in zip(shares, bands, strict=True)]
+        return say.level(band), look_of(band), values, {"spans": drawn, "thick": 0.6}
+
+    def begins(band: Band) -> LayerOf:
+        limits = [None if each is None else each.limit_of(band) for each in steps]
+        values = [None if each is None or each * PERCENT >= right else each * PERCENT for each in limits]
+        return say.level(band), look_of(band), values, {"lift": -0.5}
+
+    layers = layers_of((*map(bar, Band), (say("comparison.new"), STATED_INKS, new, {}), *map(begins, Band)))
+    names = [
+        f"{say.condition(each.projection.condition)}, {say(f'comparison.{side}').lower()}" for each, side, *_ in rows
+    ]
+    return RowChart(names, layers, say("comparison.axis"), [f"{say.number(share, 1)} %" for share in shares])
+
+
+def _share_interval(diagnosis: Diagnosis, at: Projection) -> tuple[float, float] | None:
+    total = diagnosis.uncertainty.total(at.condition.name) if diagnosis.uncertainty else None
+    return None if total is None else (total.share_interval[0] * PERCENT, total.share_interval[1] * PERCENT)
 
 
 def _limit(land: LandDiagnosis) -> float | None:
     """Return the clearance at which the land first reaches a limit of wear or clearance [m]; None without one."""
-    new, levels = (
-        land.state.land.mounting_high,
-        [(rule.kind, limit) for rule in land.rules for _, limit in rule.steps.levels],
-    )
-    limits = [new * (1.0 + limit) for kind, limit in levels if kind is RuleKind.WEAR]
+    levels = [(rule.kind, limit) for rule in land.rules for _, limit in rule.steps.levels]
+    limits = [land.state.land.mounting_high * (1.0 + limit) for kind, limit in levels if kind is RuleKind.WEAR]
     limits += [limit for kind, limit in levels if kind is RuleKind.CLEARANCE]
     return min(limits, default=None)
 

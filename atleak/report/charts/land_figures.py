@@ -26,7 +26,6 @@ from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import DECISIONS, LandUncertainty, TotalUncertainty, UnitUncertainty
 from atleak.engine.projection import Projection
-from atleak.report.charts.comparison_figures import open_mark
 from atleak.report.charts.figure import Figure, by_land, framed
 
 _POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
@@ -220,9 +219,9 @@ def land_clearances(
     digits = say.digits("clearance", 1)
     names, number = list(map(_name, chosen)), f"%{{x:.{digits}f}} {name_of}"
     new = [land.sources.state.land.mounting_high for land in chosen]
-    open_mark(figure, new, names, say("figures.mounting"), "line-ns-open", um, number)
+    _open_mark(figure, new, names, say("figures.mounting"), "line-ns-open", um, number)
     limits = list(map(_clearance_limit, chosen))
-    open_mark(figure, limits, names, say("figures.limit"), "triangle-down-open", um, number)
+    _open_mark(figure, limits, names, say("figures.limit"), "triangle-down-open", um, number)
     for decision in DECISIONS:
         shown = [land for land in chosen if land.decision == decision]
         if not shown:
@@ -244,6 +243,15 @@ def land_clearances(
         )
     figure.update_xaxes(title=say("figures.clearance", unit=name_of, coverage=_coverage(unit, say)), rangemode="tozero")
     return by_land(figure, list(map(_name, chosen)), 24, say)
+
+
+def _open_mark(
+    figure: Figure, values: Sequence[float | None], lands: Sequence[str], name: str, symbol: str, um: float, number: str
+) -> None:
+    """Draw what clearances stand against, open, so that it covers no value; nothing without any."""
+    if any(value is not None for value in values):
+        mark = (SCREEN.rule, symbol, 13, 1.5)
+        figure.marks(values, lands, name, mark, factor=um, hover=f"%{{y}}: {name} {number}")
 
 
 def leakages(unit: UnitUncertainty, at: OperatingPoint, say: Wording, lands: int = 20) -> Figure:

@@ -8,17 +8,20 @@ Draw a gauge study on the screen: every reading by part and operator, and what t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from atleak.analysis.gauge_study import ACCEPTED, MARGINAL, GaugeStudy
 from atleak.analysis.source_study.variants import CURVES_WEAR, TemperatureCurve, VariantResult
-from atleak.common.style import CURVES, SCREEN
+from atleak.common.style import AS_NEW, CURVES, SCREEN, Look, look_of
 from atleak.common.thinning import thinned
 from atleak.common.unit_systems import DM3_MIN, PERCENT, UM
+from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
 from atleak.engine.extremes import Instant
+from atleak.report.charts.chart import LayerOf, RowChart, layers_of
 from atleak.report.charts.figure import Figure, framed
 
 MOST_POINTS = 2000  # that a line may have before it is thinned
@@ -253,19 +256,27 @@ def by_part_and_operator(study: GaugeStudy, say: Wording) -> Figure:
     return framed(figure, 380, 56)
 
 
-def components(study: GaugeStudy, say: Wording) -> Figure:
-    """Draw the components as shares of the study's variation, and of the tolerance where there is one [%]."""
-    figure = Figure()
-    shares = [("of_study", CURVES["blue"], "")]
+def component_chart(study: GaugeStudy, say: Wording) -> RowChart:
+    """Return the components as shares of the study's variation, and of the tolerance where there is one [%].
+
+    Marks are the bounds within which a gauge is good, or usable for some purposes.
+    """
+    names = [say(f"gauge_study_names.{component}") for component in _BARS]
+    both = [("of_study", replace(AS_NEW, screen=CURVES["blue"]))]
     if study.tolerance is not None:
-        shares.append(("of_tolerance", CURVES["ochre"], "/"))
-    for name, colour, pattern in shares:
-        values = [getattr(study.of(component), name) or 0.0 for component in _BARS]
-        names = [say(f"gauge_study_names.{component}") for component in _BARS]
-        said = {"text": list(map(say.percent, values)), "textposition": "outside", "cliponaxis": False}
-        named, look = say(f"gauge_study.{name}"), (colour, pattern)
-        figure.bars(values, names, named, look, factor=PERCENT, upright=True, hover="%{x}: %{text}", **said)
-    for limit, dash in ((ACCEPTED, "dot"), (MARGINAL, "dash")):
-        figure.add_hline(y=limit * PERCENT, line={"color": SCREEN.rule, "dash": dash, "width": 1.5})
-    figure.update_yaxes(title="%", rangemode="tozero")
-    return framed(figure, 360, 56, barmode="group", showlegend=True)
+        both.append(("of_tolerance", replace(AS_NEW, screen=CURVES["ochre"], pattern="/")))
+
+    def bars(number: int, name: str, look: Look) -> LayerOf:
+        values = [(getattr(study.of(component), name) or 0.0) * PERCENT for component in _BARS]
+        named = say(f"gauge_study.{name}")
+        told = [f"{row}: {say.number(value, 1)} % {named}" for row, value in zip(names, values, strict=True)]
+        lift = 0.0 if len(both) == 1 else 0.22 - 0.44 * number
+        return named, look, values, {"told": told, "thick": 0.8 / len(both), "lift": lift}
+
+    def bound(key: str, level: Verdict, share: float) -> LayerOf:
+        of_gauge = [share * PERCENT if component == "grr" else None for component in _BARS]
+        return say(f"gauge_study.{key}"), look_of(level), of_gauge, {"lift": -0.6}
+
+    bounds = bound("marginal", Verdict.WATCH, ACCEPTED), bound("refused", Verdict.REPLACE, MARGINAL)
+    layers = (*(bars(number, *each) for number, each in enumerate(both)), *bounds)
+    return RowChart(names, layers_of(layers), "%")

@@ -2,33 +2,37 @@
 
 from __future__ import annotations
 
-import math
 import tempfile
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-from atleak.analysis.comparison import Comparison, ConditionComparison, LandComparison
+from atleak.analysis.comparison import Comparison, LandComparison
 from atleak.analysis.comparison.results import SIDES
-from atleak.common.style import DEFAULT_PAPER, STATED_INKS, find_paper, look_of
-from atleak.common.unit_systems import KPA, PERCENT, UM
-from atleak.common.verdicts import Band, Verdict
+from atleak.common.style import DEFAULT_PAPER, find_paper
+from atleak.common.unit_systems import KPA, UM
+from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, isolated, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
-from atleak.engine.projection import Projection
 from atleak.measurements.job_card import Job
-from atleak.report.charts.chart import LayerOf, RowChart, layers_of
-from atleak.report.charts.paper import drawn_on_paper as printed_chart
-from atleak.report.pdf.blocks import Block, bullets, joined, listed, named_facts, picture, signatures, text
+from atleak.report.charts.paper import drawn_on_paper
+from atleak.report.pdf.blocks import joined, section_blocks, signatures
 from atleak.report.pdf.typesetting import common_data, compile_pdf, write_pictures
 from atleak.report.printed_fonts import OwnFont
-from atleak.report.tables.comparison import differing_sentence, how_sure, visit_caveats, with_uncertainty
+from atleak.report.tables.comparison import (
+    differing_sentence,
+    how_sure,
+    total_picture,
+    visit_caveats,
+    with_uncertainty,
+)
 from atleak.report.tables.first_sentence import measured_sentence
-from atleak.report.tables.table import VERDICT, Column, span
+from atleak.report.tables.section import Picture, Points, Section, SectionPart, Text
+from atleak.report.tables.table import VERDICT, Column, Table, span
 
 PAIRS = range(12, 2, -1)  # how many pairs the page lists, as many as fit; the report of each job has them all
 LEFT = 6  # most pairs that it names as still to be repaired
@@ -83,7 +87,7 @@ def write_comparison_pdf(
             "facts": page.facts(),
             "sides": page.sides(),
             "lengths": len(page.lengths),
-            "sections": [section for section in page.sections() if section["blocks"]],
+            "sections": [*page.sections()],
         }
         return compile_pdf("comparison", Path(folder), data, after.date, say, font)
 
@@ -117,7 +121,7 @@ class _Page:
             "serial": either("transmission.serial"),
             "controller": say.name(self.comparison.after.controller.name),
         }
-        rows: list[list[str]] = named_facts("facts", say, **facts)["rows"]
+        rows: list[list[str]] = [[say(f"facts.{key}"), value] for key, value in facts.items() if value]
         visits = map(self._visit, self.jobs, self.diagnoses)
         return rows + [[say(f"comparison.{side}"), visit] for side, visit in zip(SIDES, visits, strict=True) if visit]
 
@@ -142,11 +146,21 @@ class _Page:
             for side, diagnosis in zip(SIDES, self.diagnoses, strict=True)
         ]
 
-    def sections(self) -> Iterable[dict[str, Any]]:
-        """Yield the sections in their order; one without anything to say has no blocks."""
+    def sections(self) -> Iterator[dict[str, Any]]:
+        """Yield the sections in their order; of the pairs one for each length that the table may have."""
+
+        def draw(picture: Picture) -> str:
+            return drawn_on_paper(picture.chart, self.say)
+
         for name in ("wrong", "done", "result", "pairs", "totals", "know"):
-            blocks: Iterable[Block] = getattr(self, f"_{name}")()
-            yield {"title": self.say(f"comparison.{name}"), "blocks": [block for block in blocks if block]}
+            parts: Callable[..., Iterator[SectionPart]] = getattr(self, f"_{name}")
+            every = [parts(length) for length in self.lengths] if name == "pairs" else [parts()]
+            made = [
+                section_blocks(Section(name, self.say(f"comparison.{name}"), tuple(each)), draw, self.say)
+                for each in every
+            ]
+            if made[0]["blocks"]:
+                yield made[0] if len(made) == 1 else {"lengths": made}
         before, after = self.jobs
         people = {
             "technician": after.technician or before.technician,
@@ -156,7 +170,7 @@ class _Page:
 
     # --- in plain words
 
-    def _wrong(self) -> Iterable[Block]:
+    def _wrong(self) -> Iterator[SectionPart]:
         diagnosis, say, flagged = self.comparison.before, self.say, self.comparison.before.flagged
         complaint = joined(dict.fromkeys(job.complaint for job in self.jobs if job.complaint), " · ")
         said = [say("comparison.wrong_complaint", complaint=complaint)] if complaint else []
@@ -169,7 +183,7 @@ class _Page:
         else:
             said.append(say("comparison.wrong_none", measured=diagnosis.judged))
         said += filter(None, [measured_sentence(diagnosis, say), self._leading("wrong_total")])
-        yield text(" ".join(said))
+        yield Text(" ".join(said))
 
     def _leading(self, key: str) -> str | None:
         """Say what the total was where it was worst before, and is; None where no total can be compared."""
@@ -187,7 +201,7 @@ class _Page:
             how=how_sure(leading.share, say),
         )
 
-    def _done(self) -> Iterable[Block]:
+    def _done(self) -> Iterator[SectionPart]:
         """Yield the work that is noted as done, each kind with its pairs, and below what was not."""
         say = self.say
         latest = {(each.component, each.land, each.work): each for job in self.jobs for each in job.repair_decisions}
@@ -197,7 +211,7 @@ class _Page:
             if each.decision == "done":
                 works[each.work or each.repair or say("estimate.as_new")].append(self._named(each.component, each.land))
         items = [say("comparison.done_item", work=work, pairs=joined(pairs, "; ")) for work, pairs in works.items()]
-        yield bullets(items) or text(say("comparison.done_none"))
+        yield Points(items) if items else Text(say("comparison.done_none"))
         left = [each for each in decisions if each.decision in ("declined", "deferred")]
         if left:
             refused = (
@@ -208,7 +222,7 @@ class _Page:
                 )
                 for each in left
             )
-            yield text(say("comparison.not_done", items=joined(refused, "; ")), small=True)
+            yield Text(say("comparison.not_done", items=joined(refused, "; ")), small=True)
 
     def _named(self, component: str, land: int | None) -> str:
         """Name a pair as a customer reads it: by its name, with its number only where several bear that name."""
@@ -219,7 +233,7 @@ class _Page:
         several = sum(each.key[0] == component for each in self.comparison.lands) > 1
         return self.say("comparison.land", name=called, land=land) if land and several else called
 
-    def _result(self) -> Iterable[Block]:
+    def _result(self) -> Iterator[SectionPart]:
         comparison, say, after = self.comparison, self.say, self.comparison.after
         key = "unmeasured" if not after.judged else "lands" if after.flagged else "ok"
         changed, compared = len(comparison.changed), len(comparison.compared)
@@ -231,7 +245,7 @@ class _Page:
             self._leading("result_total"),
             self._pressure(),
         )
-        yield text(" ".join(filter(None, said)))
+        yield Text(" ".join(filter(None, said)))
 
     def _still_to_repair(self) -> str | None:
         """Name the pairs that are to be repaired still, the costliest first; None where there are none."""
@@ -267,10 +281,10 @@ class _Page:
 
     # --- in numbers
 
-    def _pairs(self) -> Iterable[Block]:
+    def _pairs(self, length: int) -> Iterator[SectionPart]:
         say, flagged = self.say, self.comparison.flagged
         if not flagged:
-            yield text(say("comparison.pairs_none"))
+            yield Text(say("comparison.pairs_none"))
             return
 
         def clearance(side: str, compared: LandComparison) -> float | None:
@@ -296,10 +310,9 @@ class _Page:
                 for side in SIDES
             ),
         )
-        yield {"shortened": [listed(say, flagged[:length], *columns) for length in self.lengths]}
-        more = [len(flagged) - length for length in self.lengths]
-        left = [say("comparison.more", count=count) if count > 0 else "" for count in more]
-        yield {"shortened": [text(f"{each} {say('comparison.pairs_note')}".strip(), small=True) for each in left]}
+        yield Table("pairs", columns, flagged[:length], say)
+        more = say("comparison.more", count=len(flagged) - length) if length < len(flagged) else ""
+        yield Text(f"{more} {say('comparison.pairs_note')}".strip(), small=True)
 
     def _mounting(self, land: LandComparison) -> str:
         newest = land.after or land.before
@@ -311,68 +324,13 @@ class _Page:
             return self.say("comparison.uncertain")
         return with_uncertainty(land.change, self.say)
 
-    def _totals(self) -> Iterable[Block]:
-        say = self.say
-        shown = [each for each in self.shown if each.before and each.alike and each.share]
-        if not shown:
-            return
-        said = [
-            say(
-                "comparison.chart_condition",
-                condition=say.condition(each.projection.condition),
-                before=say.percent(each.share.before),
-                after=say.percent(each.share.after),
-            )
-            for each in shown
-            if each.share is not None
-        ]
-        drawn = printed_chart(self._chart(shown), say)
-        yield picture(drawn, say("comparison.chart_alt", conditions=" ".join(said)), say("comparison.caption"))
-
-    def _chart(self, shown: Sequence[ConditionComparison]) -> RowChart:
-        """Return the total before and after at each condition, in the shade of its band, beside that of the unit new.
-
-        Signs show where a band begins. An interval without an end reaches as far as anything that has one.
-        """
-        say, unit, alike = self.say, self.comparison.before, self.comparison.alike
-        rows = [
-            (each, side, diagnosis, at)
-            for each in shown
-            for side, diagnosis, at in (("before", unit, each.before), ("after", alike, each.alike))
-            if at is not None
-        ]
-        shares = [at.share * PERCENT for *_, at in rows]
-        new = [unit.new_at(each.projection).share * PERCENT for each, *_ in rows]
-        spans = [_interval(diagnosis, at) for _, _, diagnosis, at in rows]
-        ends = (*shares, *new, *(end for span in spans for end in span or ()))
-        right = max(filter(math.isfinite, ends), default=1.0)
-        drawn = [span and (min(span[0], right), min(span[1], right)) for span in spans]
-        bands = [diagnosis.band(at) or Band.GREEN for _, _, diagnosis, at in rows]
-        steps = [None if each.before is None else unit.total_rule(each.before).steps for each, *_ in rows]
-
-        def bar(band: Band) -> LayerOf:
-            values = [min(share, right) if own is band else None for share, own in zip(shares, bands, strict=True)]
-            return say.level(band), look_of(band), values, {"spans": drawn, "thick": 0.6}
-
-        def begins(band: Band) -> LayerOf:
-            limits = [None if each is None else each.limit_of(band) for each in steps]
-            values = [None if each is None or each * PERCENT >= right else each * PERCENT for each in limits]
-            return say.level(band), look_of(band), values, {"lift": -0.5}
-
-        layers = layers_of((*map(bar, Band), (say("comparison.new"), STATED_INKS, new, {}), *map(begins, Band)))
-        names = [
-            f"{say.condition(each.projection.condition)}, {say(f'comparison.{side}').lower()}"
-            for each, side, *_ in rows
-        ]
-        return RowChart(names, layers, say("comparison.axis"), [f"{say.number(share, 1)} %" for share in shares])
+    def _totals(self) -> Iterator[SectionPart]:
+        yield from total_picture(self.comparison, self.shown, self.say)
 
     # --- below
 
-    def _know(self) -> Iterable[Block]:
+    def _know(self) -> Iterator[SectionPart]:
         say, comparison = self.say, self.comparison
-        yield bullets(filter(None, [differing_sentence(comparison, say), *visit_caveats(comparison, say)]))
-
-
-def _interval(diagnosis: Diagnosis, at: Projection) -> tuple[float, float] | None:
-    total = diagnosis.uncertainty.total(at.condition.name) if diagnosis.uncertainty else None
-    return None if total is None else (total.share_interval[0] * PERCENT, total.share_interval[1] * PERCENT)
+        known = [*filter(None, [differing_sentence(comparison, say), *visit_caveats(comparison, say)])]
+        if known:
+            yield Points(known)

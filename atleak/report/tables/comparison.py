@@ -1,8 +1,7 @@
-"""Turn a comparison into the JSON record that scripts rely on: each side by the keys of a diagnosis, and changes.
+"""Say what two visits of one unit come to: verdicts, what changed, tables of lands, totals, pressures and events.
 
-Say in a reader's language what a comparison comes to: the verdicts, what changed, the total where it was worst.
-
-Lay out a comparison as tables: lands, totals, pressures and the events of two logs.
+`comparison_sections` is what page and terminal print; `comparison_record` is what scripts read, each side by the keys
+of a diagnosis.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from atleak.analysis.comparison import (
     LandComparison,
     LogComparison,
 )
-from atleak.analysis.comparison.results import ChoiceName
+from atleak.analysis.comparison.results import SIDES, ChoiceName
 from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, UM
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -30,10 +29,13 @@ from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.projection import Projection
 from atleak.measurements.events import Event
 from atleak.measurements.road_test import RoadTest
+from atleak.report.charts.comparison_figures import clearance_chart, total_chart
 from atleak.report.json.conditions import condition_record, finite, message_record, scaled
 from atleak.report.json.diagnosis import FORMAT, head_record, land_record
+from atleak.report.tables.first_sentence import shown_verdict
 from atleak.report.tables.lands import MatrixRow
 from atleak.report.tables.names import land_words
+from atleak.report.tables.section import Picture, Section, SectionPart, Text
 from atleak.report.tables.sentences import caveats
 from atleak.report.tables.table import VERDICT, Column, Table, columns
 from atleak.version import __version__
@@ -334,3 +336,97 @@ def _mean(part: RoadTest | None, quantity: str, factor: float) -> float | None:
     if values is None or not np.isfinite(values).any():
         return None
     return float(np.nanmean(values)) * factor
+
+
+def comparison_sections(
+    comparison: Comparison, say: Wording, *, brief: bool = False, drawn: int | None = None
+) -> list[Section]:
+    """Return the sections of a comparison in a reader's words: what it comes to, lands, totals, and events of the logs.
+
+    Parameters
+    ----------
+    brief
+        whether it is as short as a terminal needs it: without notes, and without tables of all lands and pressures.
+    drawn
+        most lands in the first table and its chart, where not all are wanted.
+    """
+    said = [changed_sentence(comparison, say), total_sentence(comparison, say), *visit_caveats(comparison, say)]
+    verdicts = Text(verdicts_sentence(comparison, say), level=shown_verdict(comparison.after))
+    head = [verdicts, *map(Text, filter(None, said))]
+    title = f"{say.name(comparison.after.controller.name)} · {say('comparison.title')}"
+    named = {
+        "lands": _lands(comparison, say, drawn),
+        "totals": _totals(comparison, say),
+        "logs": _logs(comparison, say),
+    }
+    sections = [Section("comparison", title, head, level=1)]
+    for name, parts in {**named, "logs": _logs(comparison, say)}.items():
+        sections.append(Section(name, say(f"compare.{name}"), [*_briefly(parts)] if brief else [*parts]))
+    return sections
+
+
+def _briefly(parts: Iterable[SectionPart]) -> Iterator[SectionPart]:
+    """Yield what a terminal has room for: no notes, no table in full, of a land neither wear, share nor decision."""
+    for part in parts:
+        if isinstance(part, Table) and not part.title:
+            yield part.without(*(f"{key}_{side}" for key in ("wear", "share", "decision") for side in SIDES))
+        elif isinstance(part, Text) and not part.small:
+            yield part
+
+
+def _lands(comparison: Comparison, say: Wording, drawn: int | None) -> Iterator[SectionPart]:
+    """Yield the lands that are or were flagged, or changed."""
+    shown = [*comparison.flagged, *(land for land in comparison.changed if not land.flagged)][:drawn]
+    if shown:
+        yield land_table(comparison, shown, say)
+        yield Text(say("compare.lands_note"), small=True)
+        names = [_land_name(comparison, land, say) for land in shown]
+        chart, note = clearance_chart(shown, names, say), say("compare.clearances_note")
+        yield Picture("clearances", chart, say("compare.lands"), note)
+    else:
+        yield Text(say("compare.no_land"))
+    title = say("compare.all_lands", count=len(comparison.lands))
+    yield replace(land_table(comparison, comparison.lands, say), title=title)
+
+
+def _totals(comparison: Comparison, say: Wording) -> Iterator[SectionPart]:
+    """Yield totals, and the pressures that changed."""
+    brief = compared_condition_table(comparison, say, brief=True)
+    if not brief.rows:
+        yield Text(say("compare.no_condition"))
+        return
+    yield brief
+    yield Text(say("compare.totals_note"), small=True)
+    yield from total_picture(comparison, comparison.on_both_sides, say)
+    yield replace(compared_condition_table(comparison, say), title=say("compare.every_pressure"))
+
+
+def _logs(comparison: Comparison, say: Wording) -> Iterator[SectionPart]:
+    """Yield the events of both road tests side by side, or say which test is missing."""
+    if comparison.logs is None:
+        missing = [side for side in SIDES if getattr(comparison, side).log is None]
+        yield Text(say(f"compare.no_log_{'either' if len(missing) > 1 else missing[0]}"))
+        return
+    if not comparison.logs.matched:
+        yield Text(say("compare.no_event"))
+    if comparison.logs.pairs:
+        yield compared_event_table(comparison.logs, say)
+
+
+def total_picture(comparison: Comparison, conditions: Sequence[ConditionComparison], say: Wording) -> Iterator[Picture]:
+    """Yield the chart of totals before and after at some conditions; none where no total can be compared."""
+    shown = [(each, each.share) for each in conditions if each.before and each.alike and each.share]
+    if not shown:
+        return
+    said = (
+        say(
+            "comparison.chart_condition",
+            condition=say.condition(each.projection.condition),
+            before=say.percent(share.before),
+            after=say.percent(share.after),
+        )
+        for each, share in shown
+    )
+    drawn = total_chart(comparison, [each for each, _ in shown], say)
+    alt = say("comparison.chart_alt", conditions=" ".join(said))
+    yield Picture("totals", drawn, alt, say("comparison.caption"))

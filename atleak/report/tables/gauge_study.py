@@ -1,4 +1,4 @@
-"""Rows and record of a gauge study, for page, terminal and JSON alike."""
+"""Say what a gauge study comes to: its record for scripts, and its sections for page and terminal."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ from typing import Any
 
 from atleak.analysis.gauge_study import CATEGORY, SPREAD, GaugeStudy
 from atleak.common.unit_systems import PERCENT, UM
+from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
+from atleak.report.charts.study_figures import component_chart
 from atleak.report.json.conditions import message_record
 from atleak.report.json.diagnosis import FORMAT
+from atleak.report.tables.section import Picture, Section, SectionPart, Text
 from atleak.report.tables.table import Column, Table
 from atleak.version import __version__
 
@@ -68,6 +71,21 @@ def study_record(study: GaugeStudy) -> dict[str, Any]:
         "judged": study.judged,
         "messages": [message_record(message) for message in study.messages],
     }
+
+
+_VERDICTS = {"accepted": Verdict.OK, "marginal": Verdict.WATCH, "refused": Verdict.REPLACE}
+
+
+def study_sections(study: GaugeStudy, say: Wording) -> dict[str, Section]:
+    """Return the sections of a study by their names: the result, what the variation is made of, and its analysis."""
+    verdict = _VERDICTS.get(study.judged or "", Verdict.NOT_MEASURED)
+    drawn = Picture("components", component_chart(study, say), say("gauge_study.components"))
+    parts: dict[str, tuple[SectionPart, ...]] = {
+        "title": (Text(result_sentence(study, say), level=verdict),),
+        "components": (drawn, component_table(study, say), Text(say("gauge_study.whose"), small=True)),
+        "anova": (anova_table(study, say),),
+    }
+    return {name: Section(name, say(f"gauge_study.{name}"), of_name) for name, of_name in parts.items()}
 
 
 def component_table(study: GaugeStudy, say: Wording) -> Table:

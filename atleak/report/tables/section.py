@@ -19,6 +19,7 @@ class Text:
     words: str
     small: bool = False  # a note on what stands before it
     leads: bool = False  # it stays with what follows it
+    level: VerdictOrBand | None = None  # in whose colour it stands
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,9 @@ from atleak.analysis.comparison import Comparison, compare
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.diagnosis import diagnose
 from atleak.measurements.job_card import Job
+from atleak.report.charts.comparison_figures import total_chart
 from atleak.report.charts.paper import drawn_on_paper
-from atleak.report.pdf.comparison import _Page, write_comparison_pdf
+from atleak.report.pdf.comparison import write_comparison_pdf
 from atleak.report.tables import comparison as comparison_words
 from tests.unit.report.read_back import pages_of
 
@@ -118,5 +119,5 @@ def test_many_flagged_pairs_stay_on_one_page_and_are_counted(worn) -> None:
 def test_bars_of_a_pump_that_delivers_nothing_can_be_drawn(repaired: Comparison) -> None:
     (first, *_) = repaired.on_both_sides
     dry = replace(first, before=replace(first.before, pump_capacity=0.0))
-    page = _Page(repaired, BEFORE, AFTER, wording("en"))
-    assert f"{100.0 * first.alike.share:.1f} %" in drawn_on_paper(page._chart([dry]), wording("en"))
+    drawn = drawn_on_paper(total_chart(repaired, [dry], wording("en")), wording("en"))
+    assert f"{100.0 * first.alike.share:.1f} %" in drawn

@@ -11,23 +11,28 @@ from atleak.common.wording import wording
 from atleak.diagnosis.road_findings import RoadFindings
 from atleak.measurements.events import Event
 from atleak.measurements.road_test import RoadTest
-from atleak.report.charts.comparison_figures import compared_clearances, logs_over_one_another
+from atleak.report.charts.comparison_figures import clearance_chart, logs_over_one_another
 
 
 def test_every_land_has_its_clearance_of_both_visits_and_its_limit(worn_clutch) -> None:
     comparison = compare(worn_clutch, worn_clutch)
     lands = comparison.flagged
-    figure = compared_clearances(comparison, lands, wording("en"))
-    traces = [trace for trace in figure.data if trace.legendgroup]
-    before = sorted(x for trace in traces if trace.marker.symbol.endswith("-open") for x in trace.x)
-    after = sorted(x for trace in traces if not trace.marker.symbol.endswith("-open") for x in trace.x)
-    expected = sorted(land.before.state.radial_clearance * 1e6 for land in lands)
-    assert before == pytest.approx(expected, abs=1e-9)
-    assert after == pytest.approx(expected, abs=1e-9)
-    assert len({trace.name for trace in traces if trace.showlegend}) == len([t for t in traces if t.showlegend])
-    limits = next(trace for trace in figure.data if trace.name == "first limit of clearance")
-    assert len(limits.x) == len(lands)
-    assert all(trace.error_x.array is not None for trace in traces)
+    chart = clearance_chart(lands, [str(land.key) for land in lands], wording("en"))
+    expected = [land.before.state.radial_clearance * 1e6 for land in lands]
+    for side in ("Before", "After"):
+        layers = [layer for layer in chart.layers if layer.name.startswith(side)]
+        values = [next(filter(None, row), None) for row in zip(*(layer.values for layer in layers), strict=True)]
+        assert values == pytest.approx(expected, abs=1e-9)
+        assert all(layer.open == [side == "Before"] * len(lands) for layer in layers)
+        for layer in layers:
+            known = [
+                low < value < high
+                for value, (low, high) in zip(layer.values, layer.spans, strict=True)
+                if value is not None
+            ]
+            assert all(known)
+    limits = next(layer for layer in chart.layers if layer.name == "first limit of clearance")
+    assert None not in limits.values
 
 
 def test_each_log_is_drawn_from_the_start_of_its_own_event(log_of) -> None:
