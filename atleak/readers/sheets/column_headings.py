@@ -1,6 +1,6 @@
-"""What the words and numbers in the heading of a diameter say: land, plane, direction, repeat, coordinate, or else.
+"""What a single heading says of its column.
 
-What a single heading says of its column.
+That of a diameter also says land, plane, direction, repeat, coordinate, or something else: by its words and numbers.
 """
 
 from __future__ import annotations
@@ -126,18 +126,21 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
     return coordinate, _direction(role, tokens), beside[0] if repeat is None and beside else repeat
 
 
+_SAYS_ANGLE: tuple[Callable[[str, str, str], bool], ...] = (  # of a word, by those around it; the surest first
+    lambda _, word, after: is_angle(word) and after not in sheet_vocabulary("before_unit"),
+    lambda before, word, after: (
+        word in _PLAIN_ANGLES
+        and after not in sheet_vocabulary("before_unit")
+        and (before in sheet_vocabulary("of_size") or part_of(before) is not None)
+    ),
+    lambda _, word, __: "-" in word or (word.isalpha() and len(word) > 3),
+)
+
+
 def _direction(role: str, tokens: Sequence[str]) -> float | None:
-    around = [each for each in _around(tokens) if each[2] not in sheet_vocabulary("before_unit")]
-    angles = [token for _, token, _ in around if is_angle(token)]
-    angles += [
-        token
-        for before, token, _ in around
-        if token in _PLAIN_ANGLES and (before in sheet_vocabulary("of_size") or part_of(before))
-    ]
-    angles += [token for token in tokens if "-" in token or (token.isalpha() and len(token) > 3)]
-    said = [angle for each in angles if (angle := direction_of(each)) is not None]
-    if role == "diameter":
-        said += [_DIRECTED[token] for token in tokens if token in _DIRECTED]
+    angles = [word for holds in _SAYS_ANGLE for before, word, after in _around(tokens) if holds(before, word, after)]
+    said = [angle for word in angles if (angle := direction_of(word)) is not None]
+    said += [_DIRECTED[token] for token in tokens if role == "diameter" and token in _DIRECTED]
     axes = {token[0] for token in tokens if token in _ENDS}
     said += [0.0 if axes == {"x"} else 90.0] if len(axes) == 1 else []
     return next(iter(said), None)
@@ -300,61 +303,52 @@ def read_heading(text: str, index: int = 0) -> HeadedColumn | None:
 
 @lru_cache(maxsize=4096)
 def _read_heading(text: str) -> HeadedColumn | None:
-    rest, unit = unit_of_heading(text)
-    tokens = tokens_of(rest)
-    said = _Heading(Words(dict.fromkeys(tokens)), rest, unit)
-    if not said.words:
-        return None
-    of_land = _of_land(said)
-    if of_land is not None:
-        return HeadedColumn(0, text, of_land, unit=unit)
-    named, part, side = said.role, _part(said), side_of(rest)
-    spot, others = spot_of_heading(tokens)
-    role = _role_at_spot(named, others, unit) if spot else _role_of_part(named, tokens, part, side, unit)
+    said = _Heading(*unit_of_heading(text))
+    (spot, others), side = spot_of_heading(tokens_of(said.text)), side_of(said.text)
+    role = _of_land(said) or (_role_at_spot(said, others) if spot else _role_of_part(said))
     if role is None:
         return None
-    if role == "diameter" and None not in (part, side) and part != side:
+    if role == "diameter" and None not in (said.part, side) and said.part != side:
         role = "quantity"  # the outer diameter of a sleeve, say
     if role not in {"diameter", "coordinate"}:
-        return HeadedColumn(0, text, role, unit=unit, rank=_rank(said.words) if role == "component" else 0)
+        rank = _rank(said.words) if role == "component" else 0
+        return HeadedColumn(0, text, role, unit=said.unit, rank=rank)
     coordinate, direction, repeat = numbers_of_heading(role, others)
-    sized = said.says("of_size")
-    outcome = said.says("now") or (unit is None and said.says("actual", "corrected", "raw"))
-    by_place = role != named and unit is None and not sized
+    by_place = role != said.role and said.unit is None and not said.says("of_size")
+    is_outcome = said.is_outcome and repeat is None
     return HeadedColumn(
-        *(0, text, role, unit, coordinate, part or side),
-        direction=direction_of(spot["direction"]) if direction is None and "direction" in spot else direction,
+        *(0, text, role, said.unit, coordinate, said.part or side),
+        direction=direction_of(spot.get("direction", "")) if direction is None else direction,
         repeat=repeat,
         land=spot.get("land"),
         plane=spot.get("plane"),
-        otherwise=named if by_place else None,
+        otherwise=said.role if by_place else None,
         standing="corrected" if said.says("corrected") else "raw" if said.says("raw") else None,
-        tentative=(outcome and not sized and repeat is None) or by_place or (unit is None and said.is_letter),
+        tentative=is_outcome or by_place or (said.unit is None and said.is_letter),
         besides=besides_numbers(others),
     )
 
 
-def _role_at_spot(named: Role | None, others: Words, unit: Unit | None) -> Role | None:
+def _role_at_spot(said: _Heading, others: Words) -> Role | None:
     """Return what a heading is that says a land, plane or direction by its name: a diameter, or a figure of one.
 
     "Land" is the column of their numbers, "Land 1" may be a diameter there, and "Land 1 mean" is a mean.
     """
-    if named not in (None, "plane", "land", "direction", "part", "component", "repeat"):
-        return named
+    if said.role not in (None, "plane", "land", "direction", "part", "component", "repeat"):
+        return said.role
     if is_explained(others):
         return "coordinate" if others.any("coordinate") else "diameter"
-    of_others = _Heading(Words(dict.fromkeys(others)), " ".join(others), unit).role
-    return of_others if of_others in ("mean", "diameter", *SAYS_NOTHING) else named
+    of_others = _Heading(" ".join(others), said.unit).role
+    return of_others if of_others in ("mean", "diameter", *SAYS_NOTHING) else said.role
 
 
-def _role_of_part(
-    named: Role | None, tokens: Words, part: Part | None, side: Part | None, unit: Unit | None
-) -> Role | None:
+def _role_of_part(said: _Heading) -> Role | None:
     """Return what a heading is that names a part: a diameter too, where it says a direction or repeat besides."""
-    alone = part is None and unit is None
-    if side is not None and part in (None, side) and is_explained(tokens) and (named is None or not alone):
+    named, part, side, tokens = said.role, said.part, side_of(said.text), tokens_of(said.text)
+    alone, explained = part is None and said.unit is None, is_explained(tokens)
+    if side is not None and part in (None, side) and explained and (named is None or not alone):
         return "diameter" if named in (None, "component") else named
-    if named is not None or alone or not is_explained(tokens) or (part is None and not set(tokens).isdisjoint("xy")):
+    if named is not None or alone or not explained or (part is None and not set(tokens).isdisjoint("xy")):
         return named
     return "diameter" if any(each is not None for each in numbers_of_heading("diameter", tokens)) else None
 
@@ -381,11 +375,14 @@ def _of_land(said: _Heading) -> Role | None:
 
 @dataclass(frozen=True)
 class _Heading:
-    """A heading of which it is asked what its column is: its words without the unit, and that."""
+    """A heading of which it is asked what its column is: its text without the unit, and that."""
 
-    words: Words
     text: str
     unit: Unit | None
+
+    @cached_property
+    def words(self) -> Words:
+        return Words(dict.fromkeys(tokens_of(self.text)))
 
     def says(self, *meanings: str) -> bool:
         return self.words.any(*meanings)
@@ -429,6 +426,19 @@ class _Heading:
         said = self.says("actual", "now")
         return said and all(part_of(word) for word in self.words.but("of_reading", "now", "when"))
 
+    @property
+    def is_outcome(self) -> bool:
+        """Return whether it says a result without saying of what."""
+        outcome = self.says("now") or (self.unit is None and self.says("actual", "corrected", "raw"))
+        return outcome and not self.says("of_size")
+
+    @cached_property
+    def part(self) -> Part | None:
+        letter = part_of(self.text.strip())
+        if letter is not None and len(self.text.strip()) <= 2:
+            return letter
+        return next(iter(self.parts)) if len(self.parts) == 1 else None
+
     @cached_property
     def role(self) -> Role | None:
         """Return what its column is by the first of the rules that holds."""
@@ -462,7 +472,7 @@ _RULES: tuple[tuple[Role, Callable[[_Heading], bool]], ...] = (
     ("diameter", lambda it: len(it.parts) == len(it.words) == 1 and not it.says("component")),
     # "d1" is of a diameter if its cells are
     ("diameter", lambda it: it.is_letter and (it.unit is not None or it.text.strip()[1:].isdigit())),
-    ("diameter", lambda it: all(map(is_angle, it.words))),
+    ("diameter", lambda it: bool(it.words) and all(map(is_angle, it.words))),
     ("gauge", lambda it: it.says("gauge") and it.unit is not None),
 )
 
@@ -482,13 +492,6 @@ def _rank(words: Words) -> int:
 
 def both_ends(axes: set[str]) -> bool:
     return {"x1", "x2"} <= axes or {"y1", "y2"} <= axes
-
-
-def _part(said: _Heading) -> Part | None:
-    letter = part_of(said.text.strip())
-    if letter is not None and len(said.text.strip()) <= 2:
-        return letter
-    return next(iter(said.parts)) if len(said.parts) == 1 else None
 
 
 @lru_cache(maxsize=4096)

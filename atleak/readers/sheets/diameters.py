@@ -1,6 +1,7 @@
-"""Diameters as written → readings in metres: the unit where none is stated, and the numbers of the repeats.
+"""Diameters as written → readings in metres: their unit where the sheet names none, the numbers of their repeats.
 
-Cells left empty under the first of a block, filled with what stands above them, where the user says so.
+`filled_down` fills the cells left empty under the first of a block, where the user asks for it; `broken_blocks` tells
+where that cannot be what was meant.
 """
 
 from __future__ import annotations
@@ -20,14 +21,13 @@ from atleak.common.units import Unit, unit_names
 from atleak.common.units import unit as unit_named
 from atleak.common.wording import languages, own_table
 from atleak.measurements.readings import NOMINAL_HEADING, Reading
-from atleak.readers.cells.sheet import rows_named
+from atleak.readers.cells.sheet import Sheet, rows_named
 from atleak.readers.sheets.column_headings import Role
-from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, numbers_of
+from atleak.readers.sheets.controller_names import MILLIMETRE, UNITS, ControllerNames, Sizes, numbers_of
 from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import is_blank, plain, repeat_of, text_of
 
 COORDINATES_AGREE = 2e-6  # [m] between a diameter and the distance of its coordinates, both rounded to 0.001 mm
-IN_MM = 1e-3
 
 
 @dataclass(frozen=True)
@@ -150,10 +150,10 @@ def _assumed_unit(
     for entry in unitless:
         land = controller.land_of_plane(entry.key.component, entry.key.plane)
         assert land is not None  # a key is only made for planes that the controller knows
-        ratios.append(entry.raw.size / (land.nominal_diameter / IN_MM))
+        ratios.append(entry.raw.size / (land.nominal_diameter / MILLIMETRE.factor))
     middle = median(ratios)
     for unit in (unit_named(name, "length") for name in unit_names("length")):
-        if 0.8 < middle * unit.factor / IN_MM < 1.25:
+        if 0.8 < middle * unit.factor / MILLIMETRE.factor < 1.25:
             text = Sentence(
                 "the sheet names no unit: {unit} assumed, in which the diameters come near the nominal ones",
                 unit=unit.said,
@@ -174,53 +174,65 @@ _FILLED: tuple[Role, ...] = ("component", "part", "plane", "land", "direction")
 FILL_DOWN = Sentence("or --fill-down, if an empty cell means the one above it")
 
 
-def filled_down(table: HeadedTable, told: bool) -> HeadedTable:
+@dataclass
+class _Block:
+    """The labels that count in a row: those of the rows above it, until one to their left changes."""
+
+    sheet: Sheet
+    keys: Sequence[int]
+    counts: Sequence[int]  # columns of repeats
+    labelled: dict[int, int] = field(default_factory=dict)  # of each column the row with the label that counts
+    repeat: int = 0
+
+    def enter(self, row: int) -> bool:
+        """Go on to the next row; return whether it holds anything."""
+        if all(is_blank(cell) for cell in self.sheet.rows[row]):
+            self.labelled = {}
+            return False
+        given = [index for index in self.keys if not is_blank(self.sheet.filled(row, index))]
+        changed = next((index for index in given if not self._goes_on(row, index)), None)
+        repeat = next((number for index in self.counts if (number := repeat_of(self.sheet.filled(row, index)))), 0)
+        if not given and 0 < repeat <= self.repeat:
+            self.labelled = {}  # repeats that begin again under no label: one was forgotten
+        self.repeat = repeat
+        if changed is not None:
+            self.labelled = {index: at for index, at in self.labelled.items() if index < changed}
+        self.labelled |= dict.fromkeys(given, row)
+        return True
+
+    def _goes_on(self, row: int, index: int) -> bool:
+        """Return whether a label is the one that counts already."""
+        at, label = self.labelled.get(index), self.sheet.filled
+        return at is not None and plain(text_of(label(at, index))) == plain(text_of(label(row, index)))
+
+
+def filled_down(table: HeadedTable, asked: bool) -> HeadedTable:
     """Return the table with the empty cells of a block filled from the first one.
 
-    ``told`` is whether the user says that empty cells go on with the one above. Without it only the program's own form
+    ``asked`` is whether the user says that empty cells go on with the one above. Without it only the program's own form
     saved as text is filled, whose blocks are known. A label that changes ends what stands to the right of it.
     """
-    if not told and not (table.sheet.is_text and is_own_form(table)):
+    if not asked and not (table.sheet.is_text and is_own_form(table)):
         return table
     sheet = table.sheet
     keys = sorted(each.index for each in table.columns if each.role in _FILLED and each.index not in sheet.derived)
-    counts = [each.index for each in table.of("repeat")]
-    beside = [each.index for each in table.of("specification")] if not told else []
+    nominal = [] if asked else [each.index for each in table.of("specification")]
+    block = _Block(sheet, keys, [each.index for each in table.of("repeat")])
     filled: dict[tuple[int, int], tuple[int, int]] = {}
-    first: dict[int, int] = {}  # of each column the row with the label that counts now
-    repeat = 0
-    for row in table.rows:
-        if all(is_blank(cell) for cell in sheet.rows[row]):
-            first = {}
-            continue
-        given = [index for index in keys if not is_blank(sheet.filled(row, index))]
-        new = next((index for index in given if not _is_same(table, first.get(index), row, index)), None)
-        number = next((number for index in counts if (number := repeat_of(sheet.filled(row, index)))), 0)
-        if new is None and not given and 0 < number <= repeat:
-            first = {}  # repeats that begin again under no label: one was forgotten
-        repeat = number
-        if new is not None:
-            first = {index: at for index, at in first.items() if index < new}
-        first |= dict.fromkeys(given, row)
-        for index in (*keys, *beside):
-            if index in first and is_blank(sheet.filled(row, index)):
-                filled[row, index] = sheet.merged.get((first[index], index), (first[index], index))
-            elif index in beside and not is_blank(sheet.filled(row, index)):
-                first[index] = row
+    for row in filter(block.enter, table.rows):
+        for index in (*keys, *nominal):
+            if not is_blank(sheet.filled(row, index)):
+                block.labelled[index] = row
+            elif (at := block.labelled.get(index)) is not None:
+                filled[row, index] = sheet.merged.get((at, index), (at, index))
     if not filled:
         return table
     return replace(
         table,
         sheet=replace(sheet, merged={**sheet.merged, **filled}),
-        told=(*table.told, _what_was_filled(table, filled)),
+        messages=(*table.messages, _what_was_filled(table, filled)),
         filled=frozenset(row for row, _ in filled),
     )
-
-
-def _is_same(table: HeadedTable, first: int | None, row: int, index: int) -> bool:
-    if first is None:
-        return False
-    return plain(text_of(table.sheet.filled(first, index))) == plain(text_of(table.sheet.filled(row, index)))
 
 
 def _what_was_filled(table: HeadedTable, filled: Mapping[tuple[int, int], tuple[int, int]]) -> Message:

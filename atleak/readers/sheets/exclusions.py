@@ -1,7 +1,7 @@
 """Rows that hold numbers and no reading, and readings that their author marked.
 
-`Exclusions` leaves out means and sums, nominal diameters, what was crossed out, hidden or called void. Comments, colours
-and stars only people can explain: a reading that is marked counts all the same, and `mark_messages` tells of it.
+`Exclusions` leaves out means and sums, nominal diameters, what was crossed out, hidden or called void. Comments,
+colours and stars only people can explain: a reading that is marked counts all the same, and `mark_messages` says so.
 """
 
 from __future__ import annotations
@@ -276,20 +276,16 @@ class Exclusions:
 
     def _disagreement(self, row: int, kind: Summary, entries: Sequence[DiameterCell]) -> Iterator[Message]:
         for column in (group["diameter"] for group in self.columns.groups if "diameter" in group):
-            stated = stated_number(self.sheet.cell(row, column.index))
-            sets = [] if stated is None else self._summarised(row, column, entries)
+            stated, _ = stated_number(self.sheet.cell(row, column.index)) or (None, None)
+            sets = self._summarised(row, column, entries)
             sizes = [[entry.raw.size for entry in each] for each in sets]
-            if (
-                stated is None
-                or not sets
-                or any(_agree(stated[0], of(each)) for of in _COMPUTED[kind] for each in sizes)
-            ):
+            if stated is None or not sets or any(_agree(stated, of(each)) for of in _COMPUTED[kind] for each in sizes):
                 continue
             text = Sentence(
                 "the {what} {stated:.7g} stands in row {row}, but that of {rows} is {computed:.7g}: a slip in one of "
                 "them",
                 what=_NAMES[kind][0],
-                stated=stated[0],
+                stated=stated,
                 row=self.sheet.row_number(row),
                 rows=rows_named(self.sheet, [entry.row for entry in sets[0]]),
                 computed=_COMPUTED[kind][0](sizes[0]),

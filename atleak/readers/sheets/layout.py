@@ -1,8 +1,7 @@
-"""Tables that state a nominal diameter and how far the measured one is from it: the diameter is their sum.
+"""The tables of a sheet: where each begins and ends, what its title says, and whether it holds readings at all.
 
-The tables of a sheet: where each begins and ends, what its title says, and whether it holds readings at all.
-
-A sheet whose headings run down its first column → the same with rows and columns exchanged.
+What is laid out unusually becomes usual: a sheet whose headings run down its first column is turned, and a table of
+nominal diameters and deviations from them gets their sums as diameters.
 """
 
 from __future__ import annotations
@@ -19,8 +18,7 @@ from atleak.readers.cells.extent import MOST_TABLES
 from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.cells.workbook_marks import Marks
 from atleak.readers.sheets.column_headings import HeadedColumn, Role, read_heading, unit_of_heading
-from atleak.readers.sheets.controller_names import MILLIMETRE as MILLIMETRE
-from atleak.readers.sheets.controller_names import ControllerNames, Sizes, numbers_of
+from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames, Sizes, numbers_of
 from atleak.readers.sheets.labels import read_label, with_split_labels
 from atleak.readers.sheets.table import HeadedTable, find_headers, read_together
 from atleak.readers.sheets.words import (
@@ -44,7 +42,7 @@ _DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
 def with_deviations(table: HeadedTable) -> HeadedTable:
     """Return a table with diameters behind its last column, if it has none but nominal ones and deviations from them.
 
-    The columns whose numbers went into them are ``used``, and ``told`` says so.
+    The columns whose numbers went into them are ``used``, and ``messages`` say so.
     """
     pairs = [] if table.values else list(_pairs(table))
     if not pairs:
@@ -56,8 +54,8 @@ def with_deviations(table: HeadedTable) -> HeadedTable:
             yield _sum(table, row, nominal, deviation) if row > table.last else ""
 
     used = frozenset(column.index for pair in pairs for column in pair)
-    told = tuple(_told(table, *pair) for pair in pairs)
-    return replace(table.with_columns(columns, sums, used), used=used, told=told)
+    messages = tuple(_sum_message(table, *pair) for pair in pairs)
+    return replace(table.with_columns(columns, sums, used), used=used, messages=messages)
 
 
 def _pairs(table: HeadedTable) -> Iterator[tuple[HeadedColumn, HeadedColumn]]:
@@ -120,7 +118,7 @@ def _sum(table: HeadedTable, row: int, nominal: HeadedColumn, deviation: HeadedC
     return round((unit.to_si(whole[0]) + small.to_si(apart[0])) / MILLIMETRE.factor, _DIGITS)
 
 
-def _told(table: HeadedTable, nominal: HeadedColumn, deviation: HeadedColumn) -> Message:
+def _sum_message(table: HeadedTable, nominal: HeadedColumn, deviation: HeadedColumn) -> Message:
     text = Sentence(
         "diameters are those of column {nominal!r} plus the deviations of column {deviation!r}",
         nominal=nominal.name,
@@ -160,7 +158,7 @@ def continued(sheet: Sheet, table: HeadedTable, names: ControllerNames) -> Heade
             return None
         if any(_says_no_number(sheet.cell(row, column.index)) for column in table.values):
             return None
-    return replace(table, sheet=sheet, first=-1, last=-1, aside=None, used=frozenset(), told=(), filled=frozenset())
+    return replace(table, sheet=sheet, first=-1, last=-1, aside=None, used=frozenset(), messages=(), filled=frozenset())
 
 
 def _says_no_number(cell: Cell) -> bool:
@@ -226,30 +224,29 @@ def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
 
 
 def _with_counts(table: HeadedTable) -> HeadedTable:
-    """Return the table with "Measurement" or "Reading" as the repeat where it counts 1, 2, 3 beside diameters.
-
-    A column that numbers all rows through says nothing.
-    """
-    columns = list(table.columns)
-    for index in range(len(table.texts)):
-        words = letters(table.heading(index))
-        others = [column for column in table.values if column.index != index]
-        if not others or not words.any("reading") or not words.only("reading", "number"):
-            continue
-        cells = [
-            cell
-            for row, cell in table.cells(index).items()
-            if any(not is_blank(table.sheet.cell(row, column.index)) for column in others)
-        ]
-        read = [repeat_of(cell) for cell in cells if summary_of(cell, key=True) is None]
-        numbers = [number for number in read if number is not None]
-        if not numbers or len(numbers) < len(read) or sorted(set(numbers)) != list(range(1, len(set(numbers)) + 1)):
-            continue
-        restarts = any(after <= before for before, after in pairwise(numbers))
-        role: Role = "repeat" if (restarts or len(numbers) < len(cells)) and not table.of("repeat") else "remark"
-        columns = [column for column in columns if column.index != index]
-        columns.append(HeadedColumn(index, table.texts[index], role))
+    """Return the table with "Measurement" or "Reading" as the repeat where it counts 1, 2, 3 beside diameters."""
+    counting = {index: role for index in range(len(table.texts)) if (role := _role_of_count(table, index)) is not None}
+    columns = [column for column in table.columns if column.index not in counting]
+    columns += [HeadedColumn(index, table.texts[index], role) for index, role in counting.items()]
     return replace(table, columns=tuple(sorted(columns, key=lambda column: column.index)))
+
+
+def _role_of_count(table: HeadedTable, index: int) -> Role | None:
+    """Return what a column is that counts 1, 2, 3 under "Reading": one that numbers all rows through says nothing."""
+    words = letters(table.heading(index))
+    others = [column for column in table.values if column.index != index]
+    if not others or not words.any("reading") or not words.only("reading", "number"):
+        return None
+    cells = [
+        cell
+        for row, cell in table.cells(index).items()
+        if any(not is_blank(table.sheet.cell(row, column.index)) for column in others)
+    ]
+    numbers = [repeat_of(cell) or 0 for cell in cells if summary_of(cell, key=True) is None]
+    if not numbers or sorted(set(numbers)) != list(range(1, len(set(numbers)) + 1)):
+        return None
+    restarts = any(after <= before for before, after in pairwise(numbers))
+    return "repeat" if (restarts or len(numbers) < len(cells)) and not table.of("repeat") else "remark"
 
 
 def _is_single(sheet: Sheet, row: int) -> bool:
@@ -398,22 +395,21 @@ def _headed(sheet: Sheet, first: int, names: ControllerNames) -> Sheet:
     keys: list[int] = []
     titles: dict[int, str] = {}
     named = False
-    for column, heading in enumerate(headings):
-        said = read_heading(text_of(heading)) if isinstance(heading, str) and heading else None
-        below = [cell for row in range(first + 1, len(sheet.rows)) if not is_blank(cell := sheet.cell(row, column))]
-        if not below and isinstance(heading, str) and (component := names.component_in(heading)) is not None:
-            titles[column] = component
-        if not below:
-            headings[column] = heading if numbers_of(heading) else ""  # a title or a note beside nothing
+    for column, heading in enumerate(sheet.rows[first]):
+        below = [cell for row in range(first + 1, len(rows)) if not is_blank(cell := sheet.cell(row, column))]
+        if not below:  # a title or a note beside nothing
+            headings[column] = heading if numbers_of(heading) else ""
+            if isinstance(heading, str) and (component := names.component_in(heading)) is not None:
+                titles[column] = component
             continue
-        kind = _kind(below, names)
-        if kind is not None and (said is None or said.role != kind):
+        said, kind = read_heading(text_of(heading)) if isinstance(heading, str) else None, _kind(below, names)
+        role = None if said is None else said.role
+        if kind not in (None, role):
             headings[column] = _HEADINGS[kind]
-        if kind is not None or (said is not None and said.role in _KEYS):
+        if kind is not None or role in _KEYS:
             keys.append(column)
-            named = named or kind == "component" or (said is not None and said.role == "component")
-    empty = (row for row in range(first + 1, len(rows)) if all(map(is_blank, rows[row])))
-    end = next(empty, len(rows))
+        named = named or "component" in (kind, role)
+    end = next((row for row in range(first + 1, len(rows)) if all(map(is_blank, rows[row]))), len(rows))
     for column, component in () if named else titles.items():  # "Valve: accumulator" over its own rows
         headings[column] = _HEADINGS["component"]
         for cells in rows[first + 1 : end]:

@@ -193,7 +193,7 @@ def read_readings(
         messages=(
             *chosen.messages,
             *head.messages,
-            *(message for rows in read if rows.entries for message in rows.table.told),
+            *(message for rows in read if rows.entries for message in rows.table.messages),
             *(message for rows in read for message in rows.messages),
             *converted.messages,
             *_about_sheet(read, first.sheet),

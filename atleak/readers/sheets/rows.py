@@ -18,9 +18,8 @@ from atleak.readers.cells.sheet import Cell, column_letter
 from atleak.readers.sheets import repeats as states
 from atleak.readers.sheets.column_headings import HeadedColumn
 from atleak.readers.sheets.columns import Columns, find_columns
-from atleak.readers.sheets.controller_names import MILLIMETRE as MILLIMETRE
-from atleak.readers.sheets.controller_names import ControllerNames
-from atleak.readers.sheets.diameters import FILL_DOWN, IN_MM, DiameterCell, PlaceKey, RawValue, broken_blocks
+from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames
+from atleak.readers.sheets.diameters import FILL_DOWN, DiameterCell, PlaceKey, RawValue, broken_blocks
 from atleak.readers.sheets.exclusions import Exclusions, mark_messages
 from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import (
@@ -253,7 +252,10 @@ class _Reader:
             units[name] = written or self._unit(row, column)
         unit = next(iter(units.values()))
         if len(set(units.values())) > 1:  # diameter and coordinates each in its own unit
-            numbers = {name: value * ((units[name] or MILLIMETRE).factor / IN_MM) for name, value in numbers.items()}
+            numbers = {
+                name: value * ((units[name] or MILLIMETRE).factor / MILLIMETRE.factor)
+                for name, value in numbers.items()
+            }
             unit = MILLIMETRE
         column = given.get("diameter") or given["coordinate 1"]
         coordinates = None

@@ -1,6 +1,6 @@
-"""A table of a sheet: its headings and what they say its columns are, its rows, and what its title says of all.
+"""A table of a sheet: its headings, its columns and rows, and what its title says of all.
 
-Which row holds the headings, and what each column is.
+`find_headers` finds the rows that hold headings; `read_together` says what each column is by all of them.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class HeadedTable:
     nothing of the tables beside and below. ``part`` and ``component`` are what the title or the sheet's name says, with
     ``said_by`` naming it. ``aside`` is why a table holds no readings of this valve body, None where it may. ``used``
     are columns whose numbers went into others behind the last, ``filled`` rows whose labels are those of a row above,
-    and ``told`` is what is to be said of both.
+    and ``messages`` is what is to be said of both.
     """
 
     sheet: Sheet
@@ -56,7 +56,7 @@ class HeadedTable:
     said_by: Sentence | None = None
     aside: Sentence | None = None
     used: frozenset[int] = frozenset()
-    told: tuple[Message, ...] = ()
+    messages: tuple[Message, ...] = ()
     filled: frozenset[int] = frozenset()
 
     # --- headings and columns -----------------------------------------------------------------------------------------
@@ -266,32 +266,32 @@ def best_header(sheet: Sheet) -> HeadedTable | None:
 
 def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[HeadedTable]:
     """Return the headings of every table, from top to bottom. ``is_component`` knows the cells of readings."""
-    candidates = []
-    for first in range(len(sheet.rows)):
-        if not _may_hold_headings(sheet, first) or _names_component(sheet, first, is_component):
-            continue
-        decimals = _holds_decimals(sheet, first)
-        if decimals and sum(isinstance(cell, str) and read_heading(cell) is not None for cell in sheet.rows[first]) < 3:
-            continue
-        for header in _headers_at(sheet, first):
-            last = header.last
-            if last > first and (
-                decimals or _names_component(sheet, last, is_component) or _holds_decimals(sheet, last)
-            ):
-                break
-            if last > first and is_row_of_fields(sheet.rows[first]):
-                continue
-            # a row that holds a number is taken only where its headings leave no doubt
-            if _starts_table(header) and (not decimals or (header.complete and len(header.roles) > 2)):
-                candidates.append(header)
+    found = [header for first in range(len(sheet.rows)) for header in _likely_headers(sheet, first, is_component)]
     headers: list[HeadedTable] = []
     taken: set[int] = set()
-    for header in sorted(candidates, key=lambda each: (-round(each.score + _depth_bonus(each), 9), each.first)):
+    for header in sorted(found, key=lambda each: (-round(each.score + _depth_bonus(each), 9), each.first)):
         rows = range(header.first, header.last + 1)
         if taken.isdisjoint(rows):
             headers.append(header)
             taken.update(rows)
     return sorted(headers, key=lambda each: each.first)
+
+
+def _likely_headers(sheet: Sheet, first: int, is_component: Callable[[str], bool]) -> Iterator[HeadedTable]:
+    """Yield what can only be headings, one row of them or several, that begin in a row."""
+    if not _may_hold_headings(sheet, first) or _names_component(sheet, first, is_component):
+        return
+    decimals, texts = _holds_decimals(sheet, first), [cell for cell in sheet.rows[first] if isinstance(cell, str)]
+    if decimals and sum(read_heading(text) is not None for text in texts) < 3:
+        return
+    for header in _headers_at(sheet, first):
+        last = header.last
+        if last > first and (decimals or _names_component(sheet, last, is_component) or _holds_decimals(sheet, last)):
+            return
+        of_fields = last > first and is_row_of_fields(sheet.rows[first])
+        # a row that holds a number is taken only where its headings leave no doubt
+        if not of_fields and _starts_table(header) and (not decimals or (header.complete and len(header.roles) > 2)):
+            yield header
 
 
 def _depth_bonus(table: HeadedTable) -> float:
@@ -397,47 +397,23 @@ def _is_data(header: HeadedTable) -> bool:
     )
 
 
-def read_together(columns: list[HeadedColumn]) -> tuple[HeadedColumn, ...]:
-    """Correct what single headings say by what all columns say together.
+def read_together(columns: Sequence[HeadedColumn]) -> tuple[HeadedColumn, ...]:
+    """Correct what single headings say by what all of them say together, one correction after the other."""
+    for corrected in (_without_bare_parts, _lettered, _inner_beside_outer, _said_once, _counted_from_one):
+        columns = corrected(columns)
+    return tuple(columns)
 
-    A direction or part in a value's heading holds only where no column of its own says it. "Spool" and "sleeve" are
-    diameters where both stand there and nothing else is one.
-    """
-    roles = {column.role for column in columns}
+
+def _without_bare_parts(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]:
+    """Return "spool" and "sleeve" as diameters only where both stand there, and nothing else is one."""
     bare = [column for column in columns if column.role == "diameter" and part_of(column.heading) and not column.unit]
-    others = any(column.holds_value and column not in bare for column in columns)
-    if others or "part" in roles or len({column.part for column in bare}) < 2:
-        columns = [column for column in columns if column not in bare]
-    columns = _lettered(columns)
-    if any(column.part == "spool" and side_of(column.heading) for column in columns):
-        columns = [_as_inner(column) for column in columns]
-    angles = {column.direction for column in columns if column.holds_value} - {None}
-    # "x1" and "x2" without "y1" and "y2" are only the names of two coordinates
-    only_names = len(angles) == 1 and any(re.search(r"\b[xy][12]\b", column.heading.lower()) for column in columns)
-    said = {
-        "direction": "direction" in roles or only_names,
-        **{role: role in roles for role in ("part", "land", "plane")},
-    }
-    unsaid: dict[str, Any] = {name: None for name, elsewhere in said.items() if elsewhere}
-    together = [replace(column, **unsaid) if column.holds_value and unsaid else column for column in columns]
-    counted: dict[tuple[object, ...], set[int | None]] = defaultdict(set)
-    for column in together:
-        if column.holds_value:
-            counted[column.station].add(column.repeat)
-    # repeats count from 1, behind a word for them with one left out at most: 12 and 24 are something else
-    gaps = {
-        column.station
-        for column in together
-        if column.repeat is not None
-        and (
-            column.repeat > len(counted[column.station]) + tokens_of(column.heading).any("of_repeat")
-            or {None, 1} <= counted[column.station]  # "measurement 1", "measurement 2", "result"
-        )
-    }
-    return tuple(replace(column, repeat=None) if column.station in gaps else column for column in together)
+    others = any(column.role == "part" or (column.holds_value and column not in bare) for column in columns)
+    if not others and len({column.part for column in bare}) > 1:
+        return columns
+    return [column for column in columns if column not in bare]
 
 
-def _lettered(columns: list[HeadedColumn]) -> list[HeadedColumn]:
+def _lettered(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]:
     """Return diameters headed "dx" and "Dx" as of spool and bore, where both letters stand there."""
     letters = {
         column.index: match[1]
@@ -452,8 +428,44 @@ def _lettered(columns: list[HeadedColumn]) -> list[HeadedColumn]:
     ]
 
 
-def _as_inner(column: HeadedColumn) -> HeadedColumn:
-    """Return a column headed "ID" beside one headed "OD" as the bore's diameter."""
-    if column.role != "component" or side_of(column.heading) != "sleeve":
-        return column
-    return replace(column, role="diameter", part="sleeve", rank=0, tentative=column.unit is None)
+def _inner_beside_outer(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]:
+    """Return a column headed "ID" beside one headed "OD" as the bore's diameter, and not as the component's number."""
+    if not any(column.part == "spool" and side_of(column.heading) for column in columns):
+        return columns
+    return [
+        replace(column, role="diameter", part="sleeve", rank=0, tentative=column.unit is None)
+        if column.role == "component" and side_of(column.heading) == "sleeve"
+        else column
+        for column in columns
+    ]
+
+
+def _said_once(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]:
+    """Return headings of values without the part, place or direction that a column of its own says."""
+    angles = {column.direction for column in columns if column.holds_value} - {None}
+    # "x1" and "x2" without "y1" and "y2" are only the names of two coordinates
+    only_names = len(angles) == 1 and any(re.search(r"\b[xy][12]\b", column.heading.lower()) for column in columns)
+    said = {column.role for column in columns}.intersection(("part", "land", "plane", "direction"))
+    unsaid: dict[str, Any] = dict.fromkeys((*said, *(("direction",) if only_names else ())))
+    return [replace(column, **unsaid) if column.holds_value else column for column in columns]
+
+
+def _counted_from_one(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]:
+    """Return values without repeats that do not count from 1, behind a word for them with one left out at most.
+
+    12 and 24 are something else, and so are "measurement 1" and "measurement 2" beside a "result".
+    """
+    counted: dict[tuple[object, ...], set[int | None]] = defaultdict(set)
+    for column in columns:
+        if column.holds_value:
+            counted[column.station].add(column.repeat)
+    uncounted = {
+        column.station
+        for column in columns
+        if column.repeat is not None
+        and (
+            column.repeat > len(counted[column.station]) + tokens_of(column.heading).any("of_repeat")
+            or {None, 1} <= counted[column.station]
+        )
+    }
+    return [replace(column, repeat=None) if column.station in uncounted else column for column in columns]
