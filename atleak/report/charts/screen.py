@@ -36,7 +36,7 @@ def drawn(chart: Chart, say: Wording) -> Figure:
 def _rows(chart: RowChart) -> Figure:
     figure, rows = Figure(), len(chart.names)
     places = list(range(rows))[::-1]
-    ends, named = [0.0] * rows, set[str]()
+    ends, named = [0.0] * rows, set[tuple[str, Look]]()
     for layer in chart.layers:
         spans = layer.spans or [None] * rows
         here = [number for number in range(rows) if layer.values[number] is not None]
@@ -53,11 +53,10 @@ def _rows(chart: RowChart) -> Figure:
             error_x=error_bars(values, [spans[at] for at in here], 1.0, *(() if bars else (layer.look.screen,))),
             customdata=[layer.told[number] for number in here] if layer.told else None,
             hovertemplate="%{customdata}<extra></extra>" if layer.told else f"{layer.name}: %{{x:.4g}}<extra></extra>",
-            legendgroup=layer.name,
-            showlegend=layer.name not in named,
+            showlegend=None if (layer.name, layer.look) not in named else False,
             **(_bars(layer, here, values, stacked=chart.stacked) if bars else _marks(layer, here)),
         )
-        named.add(layer.name)
+        named.add((layer.name, layer.look))
     if any(chart.beside) and not chart.stacked:
         figure.add_scatter(
             x=[end + _APART * max(ends) for end in ends],
