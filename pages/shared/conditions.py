@@ -19,7 +19,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.estimate import open_words
 from atleak.report.tables.lands import leaking_worst_first
-from atleak.report.tables.repairs import no_help, option_rows, plan_ends, repair_name
+from atleak.report.tables.repairs import no_help, option_table, plan_ends, repair_name
 from atleak.report.tables.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
 from pages.shared import reader, show
 from pages.shared.show import plain
@@ -198,22 +198,10 @@ def undecided(diagnosis: Diagnosis, *, closing: bool) -> None:
 
 def _options(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> None:
     """Show the repairs that the valve body's file names for the plan's lands."""
-    rows = [
-        {
-            "number": str(row.number),
-            "repair": row.name(say),
-            "use": row.use(say),
-            "leaves": row.leaves(say),
-            "price": row.price(say),
-            "hours": row.hours(say),
-            "tool": row.option.repair.tool or "",
-            "lands": row.lands,
-        }
-        for row in option_rows(plan)
-    ]
-    if not rows:
+    options = option_table(plan, say)
+    if not options.rows:
         return
-    show.records([{say(f"repair_plan.{name}"): value for name, value in row.items()} for row in rows])
+    show.table(options)
     st.caption(say("repair_plan.planned"))
     names = {repair.id: repair_name(repair, say) for repair in diagnosis.controller.repairs}
     key = f"planned-repairs-{diagnosis.controller.sha256}-{session().generation}"

@@ -32,7 +32,7 @@ from atleak.report.tables.lands import MatrixRow, leaking_worst_first
 from atleak.report.tables.names import land_number
 from atleak.report.tables.pressures import held_table, pressure_chart
 from atleak.report.tables.pump_speed import PumpOverSpeed, pump_over_speed
-from atleak.report.tables.repairs import RepairOptionRow, no_help, option_rows, plan_ends
+from atleak.report.tables.repairs import RepairOptionRow, no_help, option_table, plan_ends
 from atleak.report.tables.road_test import RoadInstant, RoadSeries, event_table, instant_table, place_table
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
 from atleak.report.tables.sentences import circuit_sentence, replace_at, shares_add_up
@@ -128,24 +128,15 @@ class Conditions(PrintedPart):
 
     def _options(self) -> Iterator[Block]:
         """Return the repairs that the valve body's file names for the plan's lands."""
-        say, controller, rows = self.say, self.diagnosis.controller, option_rows(self.names.plan)
-        if not rows:
-            return
+        say, controller = self.say, self.diagnosis.controller
 
         def lands(row: RepairOptionRow) -> str:
             return f"{say('printed.land')} {joined(land_number(controller, key, say) for key in row.option.lands)}"
 
-        columns = (
-            Column("", digits=0, words="", of=lambda row: row.number),
-            Column("repair", width=300, of=lambda row: row.name(say)),
-            Column("use", width=150, of=lambda row: row.use(say)),
-            Column("leaves", words_of="clearance", of=lambda row: row.leaves(say)),
-            Column("price", digits=2, of=lambda row: None if row.option.repair.price is None else row.price(say)),
-            Column("hours", digits=1, of=lambda row: row.option.repair.hours),
-            Column("tool", width=150, of=lambda row: row.option.repair.tool),
-        )
-        yield text(say("texts.repair_options"), leads=True)
-        yield printed(Table("", columns, rows, say, told=lands).filled)
+        options = option_table(self.names.plan, say)
+        if options.rows:
+            yield text(say("texts.repair_options"), leads=True)
+            yield printed(replace(options.without("lands").filled, told=lands))
 
     def _totals_after(self, steps: Sequence[RepairStep]) -> Iterable[Block]:
         """Return the total after every step at every condition."""

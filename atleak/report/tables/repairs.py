@@ -1,8 +1,7 @@
-"""Rows of the repairs that a valve body's file names for a plan's steps, in a reader's language, and as a record.
+"""Say what is planned: the repairs that a valve body's file offers, what a plan costs, and where it ends.
 
-Say in a reader's language what a repair brings and where the plan ends.
-
-Say what a set of repairs brings at every condition: share, pressure held and reserve, before and after.
+What a set of repairs brings at every condition stands in a table of its own: share, pressure held and reserve, before
+and after.
 """
 
 from __future__ import annotations
@@ -109,6 +108,29 @@ def option_rows(plan: RepairPlan) -> list[RepairOptionRow]:
         for number, step in enumerate(plan.steps, start=1)
         for option in sorted(step.options, key=lambda option: option is not step.chosen)
     ]
+
+
+def option_table(plan: RepairPlan, say: Wording) -> Table:
+    """Return every option of every step of a plan: what it is, what it leaves of the step's land, what it takes."""
+
+    def repair(name: str) -> Callable[[RepairOptionRow], Any]:
+        return lambda row: getattr(row.option.repair, name)
+
+    def priced(row: RepairOptionRow) -> str | None:
+        return None if row.option.repair.price is None else row.price(say)
+
+    price = Column("price", digits=2, of=repair("price")), Column("currency", of=repair("currency"))
+    columns = (
+        Column("number", digits=0, words=say("repair_plan.number")),
+        Column("repair", width=300, of=lambda row: row.name(say)),
+        Column("use", width=150, of=lambda row: row.use(say)),
+        Column("leaves", words_of="clearance", of=lambda row: row.leaves(say)),
+        Column("price", of=priced, parts=price),
+        Column("hours", digits=1, of=repair("hours")),
+        Column("tool", width=150, of=repair("tool")),
+        Column("lands", parts=(Column("lands"), Column("id", of=repair("id")), Column("source", of=repair("source")))),
+    )
+    return Table("options", columns, option_rows(plan), say)
 
 
 def planned(row: RepairOptionRow, say: Wording) -> str:

@@ -19,7 +19,7 @@ from atleak.report.tables.estimate import open_words
 from atleak.report.tables.first_sentence import first_sentence
 from atleak.report.tables.lands import MatrixRow, condition_matrix
 from atleak.report.tables.names import spools_taken
-from atleak.report.tables.repairs import no_help, option_rows, plan_ends
+from atleak.report.tables.repairs import no_help, option_table, plan_ends
 from atleak.report.tables.sentences import caveat_marks, caveats, fluid_in_state, measuring_temperature
 from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.conditions import AS_SPOOLS_MAY_LIE, DEMAND, covers
@@ -49,18 +49,6 @@ _ISSUED = {
     "low": Sentence("leakage, low as issued [dm³/min]"),
     "high": Sentence("leakage, high as issued [dm³/min]"),
 }
-_OF_AN_OPTION = (
-    Sentence("step"),
-    Sentence("repair"),
-    Sentence("use"),
-    Sentence("id"),
-    Sentence("price"),
-    Sentence("currency"),
-    Sentence("hours"),
-    Sentence("tool"),
-    Sentence("lands"),
-    Sentence("source"),
-)
 _OF_A_STEP = (*OF_A_LAND, Sentence("total before [%]"), Sentence("total after [%]"), Sentence("band after"))
 _HOW_TO_CHANGE = (
     Sentence("Blue cells may be changed: everything in black follows from them."),
@@ -144,7 +132,7 @@ class Sheets:
     def _columns(self, plan: RepairPlan) -> tuple[int, ...]:
         """Return how many columns the tables of totals, of the order of repair and of the repairs have."""
         steps = len(_OF_A_STEP) + len(plan.ends) + 1 if plan.steps else 0
-        return 1 + len(self.live.conditions), steps, len(_OF_AN_OPTION) + 1
+        return 1 + len(self.live.conditions), steps, len(option_table(plan, self.say).parted.columns)
 
     def _complaint(self) -> list[tuple[str, Any]]:
         """Return the customer's complaint, where it shows, what explains it, and which lands to measure first."""
@@ -234,26 +222,14 @@ class Sheets:
             row = page.table(row, [*_OF_A_STEP, *ends, Sentence("helps most at")], map(self._step, plan.steps))
             self.book.colour_words(page.sheet, (first, 2), (row - 1, 2), VERDICTS)
             self.book.colour_words(page.sheet, (first, 6), (row - 1, 6), BANDS)
-            row = self._options(page, row, plan)
+            options = option_table(plan, self.say).parted
+            row = page.printed(row, options) if options.rows else row
         for sentence in (
             *plan_ends(plan, self.say),
             *open_words(self.diagnosis, self.job, self.say, closing=True),
         ):
             row = page.across(row, sentence)
         return row
-
-    def _options(self, page: SummaryPage, row: int, plan: RepairPlan) -> int:
-        """Write the repairs that the valve body's file names for the plan's lands; return the next free row."""
-        rows, say = option_rows(plan), self.say
-        if not rows:
-            return row
-        leaves = Sentence("leaves [{unit}]", unit=say.unit("clearance"))
-        cells = []
-        for each in rows:
-            repair = each.option.repair
-            said = each.number, each.name(say), each.use(say), repair.id, each.leaves(say), repair.price
-            cells.append((*said, repair.currency, repair.hours, repair.tool, each.lands, repair.source))
-        return page.table(row, [*_OF_AN_OPTION[:4], leaves, *_OF_AN_OPTION[4:]], cells)
 
     def _step(self, step: RepairStep) -> list[Any]:
         (component, land), at = step.land.key, step.at

@@ -91,14 +91,16 @@ class SummaryPage:
         row = self.across(row, section.title, bold=True)
         for part in section.parts:
             if isinstance(part, Table):
-                row = self._table(row, part) + 1
+                row = self.printed(row, part) + 1
             elif isinstance(part, Facts):
                 row = self.pairs(row, part.rows)
             for words in (part.words,) if isinstance(part, Text) else part.items if isinstance(part, Points) else ():
                 row = self.across(row, words)
         return row + 1
 
-    def _table(self, row: int, content: Table) -> int:
+    def printed(self, row: int, content: Table) -> int:
+        """Write a table; return the next row."""
+
         def cell(column: Column, item: Any) -> Any:
             value = column.cell(item, content.say)
             if not isinstance(value, float):

@@ -329,7 +329,7 @@ def test_every_language_prints_the_repairs_and_what_they_cost(language: str, pla
     texts = [block["text"] for block in blocks if block["kind"] == "text"]
     assert say("texts.repair_order_by_options") in texts
     tables = [block for block in blocks if block["kind"] == "table"]
-    table = next(each for each in tables if begun(say("printed.use")) in each["names"])
+    table = next(each for each in tables if begun(say("columns.use")) in each["names"])
     row, told = table["rows"]
     assert {"option 1", say("plan.chosen"), "12,5", "1,5"} <= set(row)
     name = say.name(diagnosis.controller.components[PR])
