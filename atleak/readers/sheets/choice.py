@@ -21,22 +21,73 @@ from atleak.readers.sheets.table import EXPECTED_SHEET, HeadedTable, best_header
 from atleak.readers.sheets.words import is_repeat_title, letters
 
 
+@dataclass(eq=False)
+class _SheetTables:
+    """A sheet as it was understood, and its tables."""
+
+    sheet: Sheet
+    tables: list[HeadedTable]
+
+    @property
+    def readable(self) -> list[HeadedTable]:
+        return [table for table in self.tables if table.readable]
+
+    @property
+    def of_lands(self) -> list[HeadedTable]:
+        return [table for table in self.tables if table.is_of_lands]
+
+    @property
+    def is_filled(self) -> bool:
+        return any(table.count_values() for table in self.readable)
+
+    @property
+    def is_of_lands(self) -> bool:
+        """Return whether it holds what lands themselves have, and no diameters."""
+        return bool(self.of_lands) and not any(table.values for table in self.tables)
+
+
 @dataclass(frozen=True)
 class SheetChoice:
-    """The tables to read, those beside them that hold no readings, and the sheets that were not asked for.
+    """The sheets of a file, and the tables of them that are the measurement."""
 
-    ``sheets`` are all of the file as they were understood, some with rows and columns exchanged.
-    ``of_lands`` hold what lands themselves have, also on a sheet of their own beside the one asked for. ``doubtful``
-    hold values of which no column says the component.
-    """
+    file: str
+    wanted: str | None  # the sheet that is asked for
+    every: Sequence[_SheetTables]
+    looked_at: Sequence[_SheetTables]
+    tables: Sequence[HeadedTable]  # to be read
 
-    sheets: tuple[Sheet, ...]
-    tables: tuple[HeadedTable, ...]
-    of_lands: tuple[HeadedTable, ...]
-    doubtful: tuple[HeadedTable, ...]
-    aside: tuple[HeadedTable, ...]
-    sheets_aside: tuple[Sheet, ...]
-    messages: tuple[Message, ...]
+    @property
+    def sheets(self) -> list[Sheet]:
+        """Return all sheets of the file as they were understood, some with rows and columns exchanged."""
+        return [each.sheet for each in self.every]
+
+    @property
+    def _others(self) -> list[_SheetTables]:
+        return [each for each in self.every if each not in self.looked_at and not each.sheet.hidden]
+
+    @property
+    def of_lands(self) -> list[HeadedTable]:
+        """Return the tables of what lands themselves have, also of a sheet of their own beside the one asked for."""
+        beside = (each for each in self._others if each.is_of_lands)
+        return [table for each in (*self.looked_at, *beside) for table in each.of_lands]
+
+    @property
+    def without_readings(self) -> list[HeadedTable]:
+        """Return the other tables beside those read: left aside, or without a column that says the component."""
+        every = (table for each in self.looked_at for table in each.tables)
+        return [table for table in every if not table.readable and not table.is_of_lands]
+
+    @property
+    def sheets_left_aside(self) -> list[Sheet]:
+        """Return the visible sheets that were not asked for."""
+        return [each.sheet for each in self._others if not each.is_of_lands]
+
+    @property
+    def messages(self) -> Iterator[Message]:
+        """Yield what is to be said of the choice."""
+        read = [each.sheet for each in self.looked_at if each.is_filled]
+        unread = [each.sheet for each in self.every if each.readable and each.sheet not in read]
+        return _about_sheets(self.file, read, unread, self.wanted)
 
 
 def choose_sheet(
@@ -51,58 +102,31 @@ def choose_sheet(
     ReadingsError
         where there is no such sheet, none holds readings, or none is filled in.
     """
-    understood = [_the_right_way_round(sheet, names) for sheet in sheets]
-    sheets, tables = [sheet for sheet, _ in understood], {sheet.name: found for sheet, found in understood}
-    for before, sheet in pairwise(sheets):
-        readable = [table for table in tables[before.name] if table.readable]
-        if not tables[sheet.name] and readable and (more := continued(sheet, readable[-1], names)) is not None:
-            tables[sheet.name] = [more]
+    every = [_the_right_way_round(sheet, names) for sheet in sheets]
+    for before, each in pairwise(every):
+        if not each.tables and before.readable:
+            each.tables = continued(each.sheet, before.readable[-1], names)
     if wanted is not None and any(sheet.name is not None for sheet in sheets):
-        looked_at = [_wanted(sheets, tables, file, wanted)]
-        tables[wanted] = _unless_none(tables[wanted])
+        looked_at = [_wanted(every, file, wanted)]
     else:
-        filled = [sheet for sheet in sheets if any(_is_filled(table) for table in tables[sheet.name])]
+        filled = [each for each in every if each.is_filled]
         # hidden sheets are read only where no visible sheet is filled in
-        shown = [sheet for sheet in filled if not sheet.hidden] or filled
-        looked_at = [sheet for sheet in sheets if sheet in shown or not sheet.hidden]
-    every = [table for sheet in looked_at for table in tables[sheet.name]]
-    readable = [table for table in every if table.readable]
+        shown = [each for each in filled if not each.sheet.hidden] or filled
+        looked_at = [each for each in every if each in shown or not each.sheet.hidden]
+    readable = [table for each in looked_at for table in each.readable]
     if not readable:
-        raise _no_readings(sheets, tables, file, names)
-    others = [sheet for sheet in sheets if sheet not in looked_at and not sheet.hidden]
-    beside = [sheet for sheet in others if not any(table.values for table in tables[sheet.name])]
-    of_lands = [table for table in every if table.is_of_lands]
-    of_lands += [table for sheet in beside for table in tables[sheet.name] if table.is_of_lands]
-    with_lands = {table.sheet.name for table in of_lands}
-    rest = [table for table in every if not table.readable and not table.is_of_lands]
-    read_names = {table.sheet.name for table in readable if _is_filled(table)}
-    read = [sheet for sheet in sheets if sheet.name in read_names]
-    unread = [sheet for sheet in sheets if sheet not in read and any(table.readable for table in tables[sheet.name])]
-    return SheetChoice(
-        sheets=tuple(sheets),
-        tables=tuple(filled_down(table, fill_down) for table in readable),
-        of_lands=tuple(of_lands),
-        doubtful=tuple(table for table in rest if not table.aside),
-        aside=tuple(table for table in rest if table.aside),
-        sheets_aside=tuple(sheet for sheet in others if sheet.name not in with_lands),
-        messages=tuple(_about_sheets(file, read, unread, wanted)),
-    )
+        raise _no_readings(every, file, names)
+    return SheetChoice(file, wanted, every, looked_at, [filled_down(table, fill_down) for table in readable])
 
 
-def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> tuple[Sheet, list[HeadedTable]]:
+def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> _SheetTables:
     """Return a sheet with its tables, turned where its headings run down the first column."""
-    tables = find_tables(sheet, names)
-    if any(table.of("component") and any(each.holds_size for each in table.columns) for table in tables):
-        return sheet, tables
+    upright = _SheetTables(sheet, find_tables(sheet, names))
+    if any(table.of("component") and any(each.holds_size for each in table.columns) for table in upright.tables):
+        return upright
     around = turned(sheet, names)
-    tables_around = [] if around is None else find_tables(around, names)
-    if around is None or not any(_is_filled(table) for table in tables_around):
-        return sheet, tables
-    return around, tables_around
-
-
-def _is_filled(table: HeadedTable) -> bool:
-    return table.readable and table.count_values() > 0
+    sideways = None if around is None else _SheetTables(around, find_tables(around, names))
+    return sideways if sideways is not None and sideways.is_filled else upright
 
 
 def _about_sheets(file: str, read: Sequence[Sheet], unread: Sequence[Sheet], wanted: str | None) -> Iterator[Message]:
@@ -128,46 +152,41 @@ def _quoted(names: Iterable[str | None]) -> tuple[str, ...]:
     return tuple(map(repr, names))
 
 
-def _wanted(sheets: Sequence[Sheet], tables: dict[str | None, list[HeadedTable]], file: str, wanted: str) -> Sheet:
-    by_name = {sheet.name: sheet for sheet in sheets if sheet.name is not None}
+def _wanted(every: Sequence[_SheetTables], file: str, wanted: str) -> _SheetTables:
+    """Return the sheet that is asked for; its name alone does not leave its tables aside."""
+    by_name = {each.sheet.name: each for each in every if each.sheet.name is not None}
     if wanted not in by_name:
         raise unknown(
             Sentence("the workbook has no such sheet"), wanted, by_name, kind=ReadingsError, place=Place(file)
         )
-    if not any(table.readable for table in _unless_none(tables[wanted])):
-        usable = [name for name in by_name if any(table.readable for table in tables[name])]
+    chosen = by_name[wanted]
+    if not chosen.readable:
+        chosen.tables = [replace(table, left_aside=None) if table.values else table for table in chosen.tables]
+    if not chosen.readable:
+        usable = [name for name, each in by_name.items() if each.readable]
         problem = Sentence("this sheet holds no readings")
         if usable:
             problem = Sentence("this sheet holds no readings; readings are in sheet {sheets}", sheets=_quoted(usable))
         raise ReadingsError(problem, place=Place(file, wanted), expected=EXPECTED_SHEET)
-    return by_name[wanted]
+    return chosen
 
 
-def _unless_none(tables: list[HeadedTable]) -> list[HeadedTable]:
-    """Return the tables of a sheet that was asked for; its name alone does not leave them aside."""
-    if any(table.readable for table in tables):
-        return tables
-    return [replace(table, aside=None) if table.values else table for table in tables]
-
-
-def _no_readings(
-    sheets: Sequence[Sheet], tables: dict[str | None, list[HeadedTable]], file: str, known: ControllerNames
-) -> ReadingsError:
-    if not any(any(any(str(cell).strip() for cell in row) for row in sheet.rows) for sheet in sheets):
+def _no_readings(every: Sequence[_SheetTables], file: str, known: ControllerNames) -> ReadingsError:
+    sheets = [each.sheet for each in every]
+    if not any(str(cell).strip() for sheet in sheets for row in sheet.rows for cell in row):
         return ReadingsError(
             Sentence("the workbook is empty"), place=Place(file), expected=Sentence("a measuring sheet filled in")
         )
-    all_tables = [table for listed in tables.values() for table in listed]
-    put_aside = [table for table in all_tables if table.aside and table.values and table.of("component")]
-    if put_aside:
-        table = put_aside[0]
-        problem = Sentence(
-            "the table in {where} is left aside ({why}), and there is no other", where=table.where, why=table.aside
-        )
-        place = Place(file, table.sheet.name, table.sheet.row_number(max(table.first, 0)))
-        expected = Sentence("a title that says 'measured' where these are the readings")
-        return ReadingsError(problem, place=place, expected=expected)
-    headers = [*all_tables, *filter(None, map(best_header, sheets))]
+    tables = [table for each in every for table in each.tables]
+    for table in tables:
+        if table.left_aside and table.values and table.of("component"):
+            problem = Sentence("the table in {where} is left aside ({why}), and there is no other")
+            return ReadingsError(
+                problem.of(where=table.where, why=table.left_aside),
+                place=Place(file, table.sheet.name, table.sheet.row_number(max(table.first, 0))),
+                expected=Sentence("a title that says 'measured' where these are the readings"),
+            )
+    headers = [*tables, *filter(None, map(best_header, sheets))]
     if headers:
         return _incomplete(max(headers, key=lambda table: table.score), Sizes(known.controller))
     names = [sheet.name for sheet in sheets if sheet.name is not None]
@@ -191,10 +210,10 @@ def _incomplete(table: HeadedTable, sizes: Sizes) -> ReadingsError:
             what = Sentence("{first} nor for {second}", first=missing[0], second=missing[1])
         problem = Sentence("no heading for {what}", what=what)
     others = [column.name for column in table.of("specification")]
-    headings = [table.heading(index) for index in range(table.sheet.width)]
-    beside = [text for text in headings if letters(text).any("deviation") and text not in others]
+    texts = map(table.heading, range(table.sheet.width))
+    beside = [text for text in texts if letters(text).any("deviation") and text not in others]
     means = [column.name for column in table.of("mean")]
-    for said, template in (
+    for headings, template in (
         (others, Sentence("{problem}: what a diameter should be, or was, is no measurement ({headings})")),
         (
             beside if others else [],
@@ -212,8 +231,8 @@ def _incomplete(table: HeadedTable, sizes: Sizes) -> ReadingsError:
             ),
         ),
     ):
-        if said and not table.values:
-            problem = template.of(problem=problem, headings=_quoted(said))
+        if headings and not table.values:
+            problem = template.of(problem=problem, headings=_quoted(headings))
     value = ", ".join(repr(column.name) for column in table.columns)
     return ReadingsError(problem, place=table.sheet.place(table.last), value=value, expected=EXPECTED_SHEET)
 

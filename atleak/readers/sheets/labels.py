@@ -1,6 +1,6 @@
 """Cells that say several things at once: "pressure_regulator/2", "No. 8, plane 1", "bore 90°".
 
-Tables of which one column says several things in a cell → the same with a column for each of them.
+`read_label` takes one apart; `with_split_labels` gives a table a column for each thing that such cells say.
 """
 
 from __future__ import annotations
@@ -181,82 +181,90 @@ def with_split_labels(table: HeadedTable, names: ControllerNames) -> HeadedTable
         return table
     for index in range(len(table.texts)):
         if not any(column.index == index for column in (*table.values, *table.of_lands)):
-            labels = _labels(table, index, rows, names)
-            if labels:
-                table = _split(table, index, labels)
+            table = _LabelColumn(table, index, names).split(rows)
     return table
 
 
-def _labels(table: HeadedTable, index: int, rows: Sequence[int], names: ControllerNames) -> Mapping[int, Label]:
-    """Return what the cells of a column to be split say; nothing where it is none."""
-    role = table.role(index)
-    if role not in (None, "component", "part"):
-        return {}
-    cells = {row: cell for row in rows if not is_blank(cell := table.sheet.filled(row, index))}
-    strange = [cell for cell in cells.values() if not _is_plain(cell, role, names)]
-    if 2 * len(strange) <= len(cells) or (role is None and all(map(_is_number, cells.values()))):
-        return {}
-    labels = {row: label for row, cell in cells.items() if (label := read_label(cell, names)) is not None}
-    said = {name for label in labels.values() for name in label.said}
-    if role is not None and role not in said:
-        return {}
-    needed = {name for name in said if not _is_said(table, _ROLES[name], index)} - {"unit"}
-    if role is None:  # an "x" is a tick as often, and "No. 2" may be anything's
-        needed -= {"direction", "repeat"} if said & {"component", "part"} else {"direction", "repeat", "number"}
-    agree = all(_agrees(label, row, table, index, names) for row, label in labels.items())
-    return labels if 2 * len(labels) > len(cells) and needed and agree else {}
+@dataclass(frozen=True)
+class _LabelColumn:
+    """A column of which it is asked whether its cells say several things at once."""
 
+    table: HeadedTable
+    index: int
+    names: ControllerNames
 
-def _agrees(label: Label, row: int, table: HeadedTable, besides: int, names: ControllerNames) -> bool:
-    """Return whether a label contradicts no other column, and no heading that says the part of its diameters."""
-    part = part_said(label.part or "")
-    parts = {column.part for column in table.values} - {None}
-    places = {each for each in (label.land, label.plane, label.number) if each is not None}
+    def split(self, rows: Sequence[int]) -> HeadedTable:
+        """Return the table with a column for each thing that the cells say; as it is where they say one at most."""
+        labels = self._labels(rows)
+        said = dict.fromkeys(name for label in labels.values() for name in label.said)
+        wanted = [name for name in said if not self._is_said(_ROLES[name])]
+        texts, filled = self.table.texts, self.table.sheet.filled
+        columns = [(HeadedColumn(0, texts[self.index], _ROLES[name], rank=9), self.index) for name in wanted]
 
-    def differs(role: Role, cell: Cell) -> bool:
-        if role in ("plane", "land"):
-            return bool(places) and places.isdisjoint(plane_names(cell))
-        if role == "part":
-            return label.part is not None and part_said(text_of(cell)) != part
-        other = names.component(cell) if role == "component" and label.component is not None else None
-        return other in names.with_lands and other != label.component
+        def cells(row: int) -> Iterator[Cell]:
+            label = labels.get(row)
+            for at, name in enumerate(wanted):
+                whole = filled(row, self.index) if at == 0 else ""
+                yield whole if label is None else label.said.get(name, "")
 
-    others = [column for column in table.columns if column.index != besides]
-    cells = [(column.role, cell) for column in others if not is_blank(cell := table.sheet.filled(row, column.index))]
-    return not (label.part is not None and parts and part not in parts) and not any(differs(*each) for each in cells)
+        return self.table.with_columns(columns, cells, frozenset({self.index})) if labels else self.table
 
+    def _labels(self, rows: Sequence[int]) -> Mapping[int, Label]:
+        """Return what the cells of a column to be split say; nothing where it is none."""
+        role = self.table.role(self.index)
+        cells = {row: cell for row in rows if not is_blank(cell := self.table.sheet.filled(row, self.index))}
+        if role is None:
+            candidate = not all(map(_is_number, cells.values()))
+        else:
+            plain_cells = sum(self._is_plain(cell, role) for cell in cells.values())
+            candidate = role in ("component", "part") and 2 * plain_cells < len(cells)
+        if not candidate:
+            return {}
+        labels = {row: label for row, cell in cells.items() if (label := read_label(cell, self.names)) is not None}
+        said = {name for label in labels.values() for name in label.said}
+        needed = {name for name in said if not self._is_said(_ROLES[name])} - {"unit"}
+        if role is None:  # an "x" is a tick as often, and "No. 2" may be anything's
+            needed -= {"direction", "repeat"} if said & {"component", "part"} else {"direction", "repeat", "number"}
+        agree = needed and role in (None, *said) and all(self._agrees(label, row) for row, label in labels.items())
+        return labels if agree and 2 * len(labels) > len(cells) else {}
 
-def _is_plain(cell: Cell, role: Role | None, names: ControllerNames) -> bool:
-    """Return whether a cell says what its heading promises and nothing else."""
-    if role == "component":
-        return names.component(cell) is not None
-    return role == "part" and part_said(text_of(cell)) is not None
+    def _is_plain(self, cell: Cell, role: Role) -> bool:
+        """Return whether a cell says what its heading promises and nothing else."""
+        if role == "component":
+            return self.names.component(cell) is not None
+        return part_said(text_of(cell)) is not None
+
+    def _agrees(self, label: Label, row: int) -> bool:
+        """Return whether a label contradicts no other column, and no heading that says the part of its diameters."""
+        part = part_said(label.part or "")
+        parts = {column.part for column in self.table.values} - {None}
+        places = {each for each in (label.land, label.plane, label.number) if each is not None}
+
+        def differs(role: Role, cell: Cell) -> bool:
+            if is_blank(cell):
+                return False
+            if role in ("plane", "land"):
+                return bool(places) and places.isdisjoint(plane_names(cell))
+            if role == "part":
+                return label.part is not None and part_said(text_of(cell)) != part
+            other = self.names.component(cell) if role == "component" and label.component is not None else None
+            return other in self.names.with_lands and other != label.component
+
+        others = (column for column in self.table.columns if column.index != self.index)
+        return not (label.part is not None and parts and part not in parts) and not any(
+            differs(column.role, self.table.sheet.filled(row, column.index)) for column in others
+        )
+
+    def _is_said(self, role: Role) -> bool:
+        """Return whether another column says it, or every heading of a diameter."""
+        places: tuple[Role, ...] = ("plane", "land")
+        roles = places if role in places else (role,)
+        if any(column.role in roles and column.index != self.index for column in self.table.columns):
+            return True
+        if role in places:
+            return all(column.plane or column.land for column in self.table.values)
+        return role != "component" and all(getattr(column, role) is not None for column in self.table.values)
 
 
 def _is_number(cell: Cell) -> bool:
     return not isinstance(cell, str) or number_of(cell) is not None
-
-
-def _is_said(table: HeadedTable, role: Role, besides: int) -> bool:
-    """Return whether another column says it, or every heading of a diameter."""
-    places: tuple[Role, ...] = ("plane", "land")
-    roles = places if role in places else (role,)
-    if any(column.role in roles and column.index != besides for column in table.columns):
-        return True
-    if role in places:
-        return all(column.plane or column.land for column in table.values)
-    return role != "component" and all(getattr(column, role) is not None for column in table.values)
-
-
-def _split(table: HeadedTable, index: int, labels: Mapping[int, Label]) -> HeadedTable:
-    said = dict.fromkeys(name for label in labels.values() for name in label.said)
-    wanted = [name for name in said if not _is_said(table, _ROLES[name], index)]
-    columns = [(HeadedColumn(0, table.texts[index], _ROLES[name], rank=9), index) for name in wanted]
-
-    def cells(row: int) -> Iterator[Cell]:
-        label = labels.get(row)
-        for at, name in enumerate(wanted):
-            unread = table.sheet.filled(row, index) if label is None and at == 0 else ""
-            yield unread if label is None else label.said.get(name, "")
-
-    return table.with_columns(columns, cells, frozenset({index}))

@@ -147,18 +147,19 @@ def find_tables(sheet: Sheet, names: ControllerNames) -> list[HeadedTable]:
     ]
 
 
-def continued(sheet: Sheet, table: HeadedTable, names: ControllerNames) -> HeadedTable | None:
-    """Return a sheet without headings as the continuation of the table before it, where the columns fit."""
+def continued(sheet: Sheet, table: HeadedTable, names: ControllerNames) -> list[HeadedTable]:
+    """Return a sheet without headings as the continuation of the table before it; nothing where columns do not fit."""
     components = table.of("component")
     rows = [row for row, cells in enumerate(sheet.rows) if any(not is_blank(cell) for cell in cells)]
     if not rows or not components or not table.values:
-        return None
+        return []
     for row in rows:
         if not any(names.component(sheet.filled(row, column.index)) for column in components):
-            return None
+            return []
         if any(_says_no_number(sheet.cell(row, column.index)) for column in table.values):
-            return None
-    return replace(table, sheet=sheet, first=-1, last=-1, aside=None, used=frozenset(), messages=(), filled=frozenset())
+            return []
+    alone = replace(table, used=frozenset(), messages=(), filled=frozenset())
+    return [replace(alone, sheet=sheet, first=-1, last=-1, left_aside=None)]
 
 
 def _says_no_number(cell: Cell) -> bool:
@@ -299,7 +300,7 @@ def _titled(table: HeadedTable, names: ControllerNames) -> HeadedTable:
     lines = [(Sentence("the title {said!r}", said=text), text) for text in texts]
     if table.sheet.name is not None:
         lines.append((Sentence("the sheet's name {said!r}", said=table.sheet.name), table.sheet.name))
-    return replace(_said(table, lines, names), aside=_why_aside(table, [*texts[:1], table.sheet.name or ""]))
+    return replace(_said(table, lines, names), left_aside=_why_aside(table, [*texts[:1], table.sheet.name or ""]))
 
 
 def _said(table: HeadedTable, lines: Sequence[tuple[Sentence, str]], names: ControllerNames) -> HeadedTable:
@@ -336,7 +337,7 @@ def _why_aside(table: HeadedTable, titles: Sequence[str]) -> Sentence | None:
 
 def _sections(table: HeadedTable, names: ControllerNames) -> Iterator[HeadedTable]:
     """Yield the table, cut where a line between its rows names the part or component that no column does."""
-    if table.aside or not table.values or (table.has_part and table.of("component")):
+    if table.left_aside or not table.values or (table.has_part and table.of("component")):
         yield table
         return
     said, sheet = table, table.sheet

@@ -111,7 +111,7 @@ class Account:
             text = Sentence(
                 "the table in {where} is left aside, {why}: {shown}",
                 where=table.where,
-                why=table.aside or "",
+                why=table.left_aside or "",
                 shown=self._shown(table.sheet, sizes),
             )
             self.messages.append(Message("info", "table_aside", text, table.sheet.place(max(table.first, 0))))
@@ -470,15 +470,14 @@ def units_apart(read: Sequence[SheetRows]) -> list[ReadingsError]:
 
     The parts of two units fit each other well enough to pass for one: nothing else would show it.
     """
-    filled = [rows for rows in read if rows.entries]
     by_word: dict[str, dict[str, _Said]] = defaultdict(dict)
-    for rows in filled:
+    for rows in read:
         for said in _titles(rows):
             by_word[said.word].setdefault(said.which, said)
     for named in by_word.values():
         if len(named) > 1:
             return [_by_titles(list(named.values()))]
-    column = _column(filled)
+    column = _column(read)
     return [] if column is None else [column]
 
 
@@ -521,11 +520,11 @@ def _by_titles(named: Sequence[_Said]) -> ReadingsError:
     )
 
 
-def _column(filled: Sequence[SheetRows]) -> ReadingsError | None:
+def _column(read: Sequence[SheetRows]) -> ReadingsError | None:
     """Return the error for a column of serial numbers or vehicles, where several stand beside the readings."""
     values: dict[str, dict[str, set[tuple[str, ...]]]] = defaultdict(lambda: defaultdict(set))
     places: dict[str, Place] = {}
-    for rows in filled:
+    for rows in read:
         sheet = rows.table.sheet
         for index in rows.table.span:
             heading = rows.table.heading(index)

@@ -22,15 +22,13 @@ What happens to a file:
    whose unit it is.
 10. `land_values` reads what stands there of lands themselves: contact lengths, positions, repairs that are fitted. A
     fitted repair comes first: the diameters are compared with its nominal ones.
-
-Several measuring sheets of one valve body, all read or all faults named.
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -51,7 +49,7 @@ from atleak.readers.gauges.gauge_table import find_tabs, likeness_of
 from atleak.readers.sheets import agreement
 from atleak.readers.sheets.choice import SheetChoice, choose_sheet, require_one_measurement
 from atleak.readers.sheets.controller_names import ControllerNames
-from atleak.readers.sheets.diameters import Converted, convert
+from atleak.readers.sheets.diameters import convert
 from atleak.readers.sheets.exclusions import LEFT_ASIDE
 from atleak.readers.sheets.head import is_typed, read_head
 from atleak.readers.sheets.land_values import LandValues, read_land_values
@@ -154,7 +152,6 @@ def read_readings(
     """
     given_unit = None if unit is None else unit_named(unit, "length")
     data, file = read_bytes(source, name)
-    names = ControllerNames(controller)
     of_gauges = likeness_of(controller)
     sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)), is_word)
     tabs = find_tabs(sheets, controller)
@@ -162,91 +159,142 @@ def read_readings(
     sheets = [each for each in sheets if each not in tabs]
     cells = (cell for each in sheets for row in each.rows for cell in row)
     if pressures is not None and not any(any(map(str.isdigit, str(cell))) for cell in cells):
-        return _of_gauges_alone(pressures)
-    chosen = choose_sheet(sheets, file, names, sheet, fill_down)
+        digest, tab = pressures.sha256, pressures.sheet
+        return Readings(pressures.file, digest, tab, "mm", False, "tidy", readings=(), pressures=pressures)
+    chosen = choose_sheet(sheets, file, ControllerNames(controller), sheet, fill_down)
     require_known(chosen.tables, where or {})
-    of_lands = read_land_values([*chosen.tables, *chosen.of_lands], names, given_unit, where)
-    controller = of_lands.own.with_fitted(controller)
-    names = ControllerNames(controller)
-    read = _read_all(chosen.tables, names, given_unit, where)
-    read = [rows for rows in read if not rows.columns.problems or rows.table.count_values()]
-    problems = [problem for rows in read for problem in rows.problems]
-    problems += require_one_measurement(read, file)
-    problems += [] if problems else units_apart(read)
-    first = next((rows.table for rows in read if rows.entries), chosen.tables[0])
-    of_unit = first.heading_place(first.values[0].index)
-    converted = convert([entry for rows in read for entry in rows.entries], controller, of_unit)
-    head = read_head([rows.table.as_it_stands for rows in read if rows.entries], sheets)
-    account = _account(chosen, of_lands, read, names, converted, given_unit)
-    around = {each.name for each in chosen.sheets if each.turned}
-    account.take((name, column, row) if name in around else (name, row, column) for name, row, column in head.cells)
-    account.close([each for each in chosen.sheets if not each.hidden])
-    read_from = list(dict.fromkeys(rows.table.sheet.name for rows in read if rows.entries))
-    result = Readings(
-        file=file,
-        sha256=hashlib.sha256(data).hexdigest(),
-        sheet=None if first.sheet.is_text else ", ".join(map(str, read_from)),
-        unit=", ".join(converted.units) or (given_unit.name if given_unit else "mm"),
-        unit_assumed=converted.unit_assumed,
-        layout=_layout(converted, read),
-        readings=tuple(converted.readings),
-        messages=(
-            *chosen.messages,
-            *head.messages,
-            *(message for rows in read if rows.entries for message in rows.table.messages),
-            *(message for rows in read for message in rows.messages),
-            *converted.messages,
-            *_about_sheet(read, first.sheet),
-            *account.messages,
-            *of_lands.messages,
-            *_contradictions(read, converted, with_temperatures=head.temperature is None),
-            *_at_unworn_ends(converted.unworn),
-        ),
-        temperature=head.temperature,
-        date=head.date,
-        identity=head.identity,
-        pressures=pressures,
-        pump=head.pump,
-        own_lands=of_lands.own,
-        unworn=tuple(converted.unworn),
-    )
-    problems += of_lands.problems
-    problems += [*head.problems, *converted.problems, *account.problems, *check(result, controller)]
-    for table in chosen.tables:
-        other = agreement.other_controller(table, controller, made_for)
-        problems = problems if other is None else [other]
+    tables = [*chosen.tables, *chosen.of_lands]
+    lands = read_land_values(tables, ControllerNames(controller), given_unit, where)
+    controller = lands.own.with_fitted(controller)
+    measured = _Measurement(chosen, sheets, lands, ControllerNames(controller), given_unit, where)
+    result = measured.readings(hashlib.sha256(data).hexdigest(), pressures)
+    problems = [*measured.problems, *check(result, controller)]
+    others = [agreement.other_controller(table, controller, made_for) for table in chosen.tables]
+    problems = next(([other] for other in reversed(others) if other is not None), problems)
     if problems:
         raise ReadingsRefused(sorted(problems, key=lambda problem: problem.place.row or 0))
     if not (result.readings or result.unworn or any(map(is_typed, sheets))) and pressures is None:
-        raise _none_left(result, first)
+        raise _none_left(result, measured.first)
     return result
 
 
-def _read_all(
-    tables: Sequence[HeadedTable], names: ControllerNames, unit: Unit | None, where: Mapping[str, str] | None
-) -> list[SheetRows]:
-    """Return the rows of tables, until there are so many faults that the file is something else."""
-    read: list[SheetRows] = []
-    for table in tables:
-        if sum(len(rows.problems) for rows in read) > FAULTS:
-            break
-        read.append(read_rows(table, names, unit, where))
-    return read
+class _Measurement:
+    """The tables of a file that are one measurement: their rows, and the diameters in metres that these make."""
 
+    def __init__(
+        self,
+        chosen: SheetChoice,
+        sheets: Sequence[Sheet],
+        lands: LandValues,
+        names: ControllerNames,
+        unit: Unit | None,
+        where: Mapping[str, str] | None,
+    ) -> None:
+        self.chosen, self.lands, self.unit = chosen, lands, unit
+        self.rows = self._rows(names, where)
+        self.filled = [rows for rows in self.rows if rows.entries]
+        self.first = next((rows.table for rows in self.filled), chosen.tables[0])
+        problems = [problem for rows in self.rows for problem in rows.problems]
+        problems += require_one_measurement(self.rows, chosen.file)
+        problems += [] if problems else units_apart(self.filled)
+        entries = [entry for rows in self.filled for entry in rows.entries]
+        headings = self.first.heading_place(self.first.values[0].index)
+        self.converted = convert(entries, names.controller, headings)
+        self.head = read_head([rows.table.as_it_stands for rows in self.filled], sheets)
+        self.account = self._account(names)
+        self.problems = [*problems, *lands.problems, *self.head.problems]
+        self.problems += [*self.converted.problems, *self.account.problems]
 
-def _of_gauges_alone(pressures: PressureTable) -> Readings:
-    """Return what a file says that holds gauge readings and nothing else."""
-    file, digest, sheet = pressures.file, pressures.sha256, pressures.sheet
-    return Readings(file, digest, sheet, "mm", False, "tidy", readings=(), pressures=pressures)
+    def _rows(self, names: ControllerNames, where: Mapping[str, str] | None) -> list[SheetRows]:
+        """Return the rows of the tables, until there are so many faults that the file is something else."""
+        read: list[SheetRows] = []
+        for table in self.chosen.tables:
+            if sum(len(rows.problems) for rows in read) > FAULTS:
+                break
+            read.append(read_rows(table, names, self.unit, where))
+        return [rows for rows in read if not rows.columns.problems or rows.table.count_values()]
 
+    def _account(self, names: ControllerNames) -> Account:
+        """Return what became of every cell of the file."""
+        chosen = self.chosen
+        account = Account(names, [*self.converted.units, *([self.unit.name] if self.unit else [])])
+        account.take(self.lands.cells)
+        for rows in self.rows:
+            account.enter(rows)
+        for table in chosen.of_lands:
+            account.enter_lands(table)
+        for table in chosen.without_readings:
+            if table.left_aside:
+                account.leave_table(table)
+            elif account.holds_sizes(table):
+                account.problems += read_rows(table, names, self.unit).problems
+        for sheet in chosen.sheets_left_aside:
+            account.leave_sheet(sheet)
+        around = {each.name for each in chosen.sheets if each.turned}
+        cells = self.head.cells
+        account.take((name, column, row) if name in around else (name, row, column) for name, row, column in cells)
+        account.close([each for each in chosen.sheets if not each.hidden])
+        return account
 
-def _contradictions(read: Sequence[SheetRows], converted: Converted, *, with_temperatures: bool) -> list[Message]:
-    told: list[Message] = []
-    for rows in read:
-        told += agreement.agreement_messages(rows.table, rows.columns, rows.entries, converted.readings)
-    for rows in read if with_temperatures else ():
-        told += agreement.temperatures(rows.table, rows.columns, list(rows.of_row))
-    return list(dict.fromkeys(told))  # a message about what stands above several tables is given once
+    def readings(self, digest: str, pressures: PressureTable | None) -> Readings:
+        converted, head, sheet = self.converted, self.head, self.first.sheet
+        sheets = dict.fromkeys(str(rows.table.sheet.name) for rows in self.filled)
+        return Readings(
+            file=self.chosen.file,
+            sha256=digest,
+            sheet=None if sheet.is_text else ", ".join(sheets),
+            unit=", ".join(converted.units) or (self.unit.name if self.unit else "mm"),
+            unit_assumed=converted.unit_assumed,
+            layout=self._layout(),
+            readings=tuple(converted.readings),
+            messages=(
+                *self.chosen.messages,
+                *head.messages,
+                *(message for rows in self.filled for message in rows.table.messages),
+                *(message for rows in self.rows for message in rows.messages),
+                *converted.messages,
+                *self._about_sheet(),
+                *self.account.messages,
+                *self.lands.messages,
+                *self._contradictions(),
+                *_at_unworn_ends(converted.unworn),
+            ),
+            temperature=head.temperature,
+            date=head.date,
+            identity=head.identity,
+            pressures=pressures,
+            pump=head.pump,
+            own_lands=self.lands.own,
+            unworn=tuple(converted.unworn),
+        )
+
+    def _layout(self) -> Literal["table", "tidy", "columns"]:
+        if any(reading.coordinates is not None for reading in self.converted.readings):
+            return "table"
+        return "columns" if any(len({each.group for each in rows.table.values}) > 1 for rows in self.rows) else "tidy"
+
+    def _contradictions(self) -> list[Message]:
+        found: list[Message] = []
+        for rows in self.rows:
+            found += agreement.agreement_messages(rows.table, rows.columns, rows.entries, self.converted.readings)
+        for rows in self.rows if self.head.temperature is None else ():
+            found += agreement.temperatures(rows.table, rows.columns, list(rows.of_row))
+        return list(dict.fromkeys(found))  # a message about what stands above several tables is given once
+
+    def _about_sheet(self) -> Iterator[Message]:
+        sheet = self.first.sheet
+        if sheet.note:
+            yield Message("info", "read_as", sheet.note, Place(sheet.file))
+        for table in (rows.table for rows in self.filled if rows.table.said_by):
+            part = table.part and PART_WORDS[table.part]
+            said = all_of(each for each in (table.component, part) if each is not None)
+            text = Sentence("{where}: {said}, as {said_by} says", where=table.where, said=said, said_by=table.said_by)
+            yield Message("info", "taken_from_title", text, table.sheet.place(table.rows[0]))
+        unmeasured = sum(rows.rows_without_reading for rows in self.rows)
+        if unmeasured:
+            one = Sentence("{count} row without a reading: not measured")
+            text = counted(unmeasured, one, Sentence("{count} rows without a reading: not measured"))
+            yield Message("info", "rows_not_measured", text, Place(sheet.file, sheet.name))
 
 
 def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:
@@ -273,30 +321,6 @@ def _score(sheet: Sheet) -> float:
     return -1.0 if header is None else header.score + 0.01 * min(header.count_values(), 10)
 
 
-def _account(
-    chosen: SheetChoice,
-    of_lands: LandValues,
-    read: Sequence[SheetRows],
-    names: ControllerNames,
-    converted: Converted,
-    given_unit: Unit | None,
-) -> Account:
-    account = Account(names, [*converted.units, *([given_unit.name] if given_unit else [])])
-    account.take(of_lands.cells)
-    for rows in read:
-        account.enter(rows)
-    for table in chosen.of_lands:
-        account.enter_lands(table)
-    for table in chosen.doubtful:
-        if account.holds_sizes(table):
-            account.problems += read_rows(table, names, given_unit).problems
-    for table in chosen.aside:
-        account.leave_table(table)
-    for sheet in chosen.sheets_aside:
-        account.leave_sheet(sheet)
-    return account
-
-
 def _none_left(result: Readings, table: HeadedTable) -> ReadingsError:
     """Return the error where every reading was left aside, or none is filled in."""
     reasons = [message.text for message in result.messages if message.code in LEFT_ASIDE]
@@ -305,31 +329,6 @@ def _none_left(result: Readings, table: HeadedTable) -> ReadingsError:
         problem = Sentence("no reading is left: {reasons}", reasons=in_a_row(reasons))
         place = Place(result.file, result.sheet)
     return ReadingsError(problem, place=place, expected=Sentence("at least one diameter, or two coordinates"))
-
-
-def _layout(converted: Converted, read: Sequence[SheetRows]) -> Literal["table", "tidy", "columns"]:
-    if any(reading.coordinates is not None for reading in converted.readings):
-        return "table"
-    return "columns" if any(len({each.group for each in rows.table.values}) > 1 for rows in read) else "tidy"
-
-
-def _about_sheet(read: Sequence[SheetRows], sheet: Sheet) -> list[Message]:
-    messages = []
-    if sheet.note:
-        messages.append(Message("info", "read_as", sheet.note, Place(sheet.file)))
-    for rows in read:
-        table = rows.table
-        if table.said_by and rows.entries:
-            part = table.part and PART_WORDS[table.part]
-            said = all_of(each for each in (table.component, part) if each is not None)
-            text = Sentence("{where}: {said}, as {said_by} says", where=table.where, said=said, said_by=table.said_by)
-            messages.append(Message("info", "taken_from_title", text, table.sheet.place(table.rows[0])))
-    unread = sum(rows.rows_without_reading for rows in read)
-    if unread:
-        one = Sentence("{count} row without a reading: not measured")
-        text = counted(unread, one, Sentence("{count} rows without a reading: not measured"))
-        messages.append(Message("info", "rows_not_measured", text, Place(sheet.file, sheet.name)))
-    return messages
 
 
 def read_several(

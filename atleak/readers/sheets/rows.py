@@ -365,30 +365,23 @@ class _Reader:
 
     def _plane(self, row: int, component: str | None, value: HeadedColumn) -> str | None:
         """Return the plane as the controller spells it: of the planes or lands that columns or the heading name."""
-        columns = self.columns
-        if component is None:  # reported already; whether a plane is given at all is still reported
-            self._named(row, None if value.land else columns.land or columns.plane, value.land)
+        of_land, land_cell = self._named(row, value, value.land, self.columns.land)
+        of_plane, plane_cell = self._named(row, value, value.plane, self.columns.plane, needed=of_land is None)
+        if component is None:
+            return None  # reported already, and what of its place is missing too
+        column = of_land or of_plane
+        if column is None:  # of a component with one land nothing need name it
+            lands = self.names.controller.lands_of(component)
+            return lands[0].planes[0] if len(lands) == 1 else None
+        if (plane_cell if of_land is None else land_cell) is None:
             return None
-        land_cell = self._named(row, columns.land, value.land)
-        by_plane = columns.land is None and value.land is None
-        plane_cell = self._named(row, columns.plane, value.plane, needed=by_plane)
-        if by_plane and plane_cell is None:
-            lands = self.names.controller.lands_of(component)  # of one with one land nothing need name it
-            unsaid = columns.plane is None and value.plane is None and len(lands) == 1
-            return lands[0].planes[0] if unsaid else None
-        if not by_plane and land_cell is None:
-            return None
-        column = value if by_plane and value.plane else columns.plane or columns.land or value
         try:
-            if by_plane:
-                return self.names.plane(component, plane_cell)
-            column = value if value.land else columns.land or value
-            land = self.names.land(component, land_cell)
-            if plane_cell is None:
+            land = None if of_land is None else self.names.land(component, land_cell)
+            if land is not None and plane_cell is None:
                 return land.planes[0]
-            column = value if value.plane else columns.plane or value
+            column = of_plane or column
             plane = self.names.plane(component, plane_cell)
-            if plane in land.planes:
+            if land is None or plane in land.planes:
                 return plane
             problem = Sentence(
                 "this plane of component {component} is not on land {land}", component=component, land=land.land
@@ -398,12 +391,16 @@ class _Reader:
             self._once(row, column, error)
             return None
 
-    def _named(self, row: int, column: HeadedColumn | None, headed: str | None, needed: bool = True) -> Cell | None:
-        """Return what the value's heading names, or else the cell of the row; None where it is empty."""
-        if headed is not None or column is None:
-            return headed
+    def _named(
+        self, row: int, value: HeadedColumn, headed: str | None, column: HeadedColumn | None, needed: bool = True
+    ) -> tuple[HeadedColumn | None, Cell | None]:
+        """Return what a value's heading names, or else the cell of its row, and the column; None where it is empty."""
+        if headed is not None:
+            return value, headed
+        if column is None:
+            return None, None
         cell = self._required(row, column) if needed else self.sheet.filled(row, column.index)
-        return None if is_blank(cell) else cell
+        return column, None if is_blank(cell) else cell
 
     # --- all rows together --------------------------------------------------------------------------------------------
 

@@ -41,9 +41,9 @@ class HeadedTable:
     A table that goes on under another title, or on another sheet, has no headings of its own: ``last`` is then the row
     above its first one, -1 at the top of a sheet. ``sheet`` holds its cells at the places of the whole sheet, and
     nothing of the tables beside and below. ``part`` and ``component`` are what the title or the sheet's name says, with
-    ``said_by`` naming it. ``aside`` is why a table holds no readings of this valve body, None where it may. ``used``
-    are columns whose numbers went into others behind the last, ``filled`` rows whose labels are those of a row above,
-    and ``messages`` is what is to be said of both.
+    ``said_by`` naming it. ``left_aside`` is why a table holds no readings of this valve body, None where it may.
+    ``used`` are columns whose numbers went into others behind the last, ``filled`` rows whose labels are those of a row
+    above, and ``messages`` is what is to be said of both.
     """
 
     sheet: Sheet
@@ -54,7 +54,7 @@ class HeadedTable:
     part: Part | None = None
     component: str | None = None
     said_by: Sentence | None = None
-    aside: Sentence | None = None
+    left_aside: Sentence | None = None
     used: frozenset[int] = frozenset()
     messages: tuple[Message, ...] = ()
     filled: frozenset[int] = frozenset()
@@ -127,13 +127,13 @@ class HeadedTable:
     @property
     def is_of_lands(self) -> bool:
         """Return whether it holds no diameters, and what lands themselves have: lengths, repairs that are fitted."""
-        return not self.values and bool(self.of_lands) and not self.aside
+        return not self.values and bool(self.of_lands) and not self.left_aside
 
     @property
     def readable(self) -> bool:
         """Return whether readings can be read from the table at all."""
         known = self.of("component") or self.component is not None
-        return bool(known and self.values and not self.aside)
+        return bool(known and self.values and not self.left_aside)
 
     @cached_property
     def span(self) -> range:
