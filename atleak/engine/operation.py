@@ -314,9 +314,13 @@ class LandStates:
         return tuple(gap.key for gap in self.model.gaps_in(self.point.gear))
 
     @cached_property
-    def gaps(self) -> tuple[Branch[GapBranch], ...]:
-        """Return the gaps of the network in every state at once: arrays of shape (states,)."""
-        return self.network([dict.fromkeys(self.keys, state) for state in range(len(self.networks))]).lands
+    def gaps_of(self) -> Mapping[LandKey, Sequence[Branch[GapBranch]]]:
+        """Return the gaps of every land in every state at once: arrays of shape (states,)."""
+        network = self.network([dict.fromkeys(self.keys, state) for state in range(len(self.networks))])
+        gaps: dict[LandKey, list[Branch[GapBranch]]] = {}
+        for key, gap in zip(self.keys, network.lands, strict=True):
+            gaps.setdefault(key, []).append(gap)
+        return gaps
 
     @cached_property
     def _numbers(self) -> tuple[np.ndarray, np.ndarray]:

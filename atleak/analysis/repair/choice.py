@@ -222,7 +222,7 @@ def _kept_limits(unit: RepairableUnit, end: LandChoice) -> Iterator[Target]:
                 if limit is None:
                     break
                 target = Target(judged, limit, at)
-                if np.all(target.kept(done.leakage, done.pressures)):
+                if np.all(target.kept(done)):
                     yield target
                     break
 

@@ -1,13 +1,11 @@
-"""Say which limits a choice of repairs must keep, and what one lacks that does not.
-
-In a network of which every flow rises with the pressure before it and falls with that behind it, a leak to the sump
-that becomes smaller lowers no pressure (Rheinboldt, J. Math. Anal. Appl. 32, 1970), so that such a choice lacks a
-smaller leak somewhere, or another leak from one circuit into the next.
-
-Find the repairs that cost least and keep every limit, by linear programming in whole numbers.
+"""Find the repairs that cost least and keep every limit, by linear programming in whole numbers.
 
 What the programme proposes is computed by the engine. A proposal that leaves a limit unkept is cut off, together with
 every other one that lacks the same, and the next is asked for.
+
+What it lacks: in a network of which every flow rises with the pressure before it and falls with that behind it, a leak
+to the sump that becomes smaller lowers no pressure (Rheinboldt, J. Math. Anal. Appl. 32, 1970). So such a choice lacks
+a smaller leak somewhere, or another leak from one circuit into the next.
 """
 
 from __future__ import annotations
@@ -24,7 +22,7 @@ from atleak.analysis.repair.prices import Move, Moves, together
 from atleak.analysis.repair.totals import NEARLY, JudgedTotal, LandChoice, RepairableUnit
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey
-from atleak.engine.operation import LINE, LandStates
+from atleak.engine.operation import LINE, LandStates, Repaired
 from atleak.engine.restrictions import Branch, GapBranch
 
 LandState = tuple[LandKey, int]
@@ -38,10 +36,17 @@ class Target:
     limit: float
     at: LandStates
 
-    def kept(self, leakage: Any, pressures: Mapping[str, Any]) -> Any:
-        """Tell whether the limit is kept, by more than rounding; arrays for several choices."""
-        value, spare = self.judged.value(leakage, pressures), NEARLY * abs(self.limit)
+    def kept(self, done: Repaired) -> Any:
+        """Tell of every choice that was computed whether it keeps the limit, by more than rounding."""
+        value, spare = self.judged.value(done.leakage, done.pressures), NEARLY * abs(self.limit)
         return value > self.limit + spare if self.judged.rule.steps.falling else value < self.limit - spare
+
+    def too_high(self, done: Repaired) -> np.ndarray:
+        """Tell of every choice that was computed whether its circuit holds more than when new."""
+        rule = self.judged.rule
+        if rule.circuit is None:
+            return np.zeros_like(done.pressures[LINE], bool)
+        return done.pressures[rule.circuit.id] > (rule.new or 0.0)
 
     @property
     def most_drawn(self) -> float | None:
@@ -51,77 +56,72 @@ class Target:
             return at.pump_supply / self.limit - at.slip - at.consumers if self.limit > 0.0 else np.inf
         return self.limit * at.pump_capacity if kind is RuleKind.TOTAL_SHARE else None
 
-    def into_circuit(self, gap: Branch[GapBranch]) -> bool:
-        """Tell whether what leaks through a gap ends in a circuit."""
-        return gap.into is not None and any(gap.into == each.id for each in self.at.model.controller.circuits)
 
-    def lacking(self, choice: LandChoice, states: Mapping[LandKey, Sequence[int]]) -> set[LandState]:
-        """Return the states of lands of which a choice needs one at least that it has not, to keep the limit.
+@dataclass(frozen=True)
+class Attempt:
+    """A choice of repairs as the engine computes it at one condition, and what it lacks to keep a limit there."""
 
-        Parameters
-        ----------
-        choice
-            one that does not keep it.
-        states
-            the numbers of the states in which each land can be.
-        """
-        rises = bool(self._too_high(self.at.repaired([choice]).pressures)[0])
-        if not rises:
-            choice = self._worst_like(choice, states)
+    at: LandStates
+    choice: LandChoice
+    done: Repaired
+    states: Mapping[LandKey, Sequence[int]]  # the numbers of the states in which each land can be
+
+    def lacking(self, target: Target) -> set[LandState]:
+        """Return the states of lands of which the choice needs one at least that it has not, to keep a limit."""
+        rises = bool(target.too_high(self.done)[0])
+        choice = self.choice if rises else self._worst_like(target)
         return {
             (key, state)
-            for key, numbers in states.items()
+            for key, numbers in self.states.items()
             for state in numbers
             if self._helps(key, choice.get(key, 0), state, less=not rises)
         }
 
-    def _too_high(self, pressures: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Tell which choices pass the limit by a circuit that holds more than when new."""
-        rule = self.judged.rule
-        if rule.circuit is None:
-            return np.zeros_like(pressures[LINE], bool)
-        return pressures[rule.circuit.id] > (rule.new or 0.0)
-
-    def _helps(self, key: LandKey, now: int, then: int, *, less: bool) -> bool:
-        """Tell whether another state of a land may help: a gap to the sump leaks less, or more, as is needed."""
-        for gap in self._gaps_of.get(key, ()):
-            change = gap.restriction.conductance[then] - gap.restriction.conductance[now]
-            if change and (self.into_circuit(gap) or (change < 0.0) == less):
-                return True
-        return False
-
-    @cached_property
-    def _gaps_of(self) -> Mapping[LandKey, list[Branch[GapBranch]]]:
-        gaps: dict[LandKey, list[Branch[GapBranch]]] = defaultdict(list)
-        for key, gap in zip(self.at.keys, self.at.gaps, strict=True):
-            gaps[key].append(gap)
-        return gaps
-
-    def _worst_like(self, choice: LandChoice, states: Mapping[LandKey, Sequence[int]]) -> LandChoice:
+    def _worst_like(self, target: Target) -> LandChoice:
         """Return a choice with as many lands repaired as can be while the limit is still not kept.
 
         Whatever a smaller choice lacks this one lacks too, and it names fewer lands that could help.
         """
+        if not self._better:
+            return self.choice
+        values = target.judged.value(self._alone.leakage, self._alone.pressures)
+        least_help_first = np.argsort(values if target.judged.rule.steps.falling else -values, kind="stable")
+        grown, keys = [self.choice], list(self._better)
+        for number in least_help_first.tolist():
+            grown.append({**grown[-1], keys[number]: self._better[keys[number]]})
+        done = self.at.repaired(grown)
+        return grown[int(np.flatnonzero(~target.kept(done) & ~target.too_high(done))[-1])]
+
+    @cached_property
+    def _better(self) -> Mapping[LandKey, int]:
+        """Return the tightest state of every land that could leak less; of none that leaks into a circuit."""
         better = {}
-        for key, numbers in states.items():
-            gaps = self._gaps_of.get(key, ())
-            if any(self.into_circuit(gap) and np.ptp(gap.restriction.conductance) > 0.0 for gap in gaps):
+        for key, numbers in self.states.items():
+            gaps = self.at.gaps_of.get(key, ())
+            if any(self._into_circuit(gap) and np.ptp(gap.restriction.conductance) > 0.0 for gap in gaps):
                 continue
             leaks = [sum(float(gap.restriction.conductance[number]) for gap in gaps) for number in numbers]
             best = numbers[leaks.index(min(leaks))]
-            if self._helps(key, choice.get(key, 0), best, less=True):
+            if self._helps(key, self.choice.get(key, 0), best, less=True):
                 better[key] = best
-        if not better:
-            return choice
-        alone = self.at.repaired([{**choice, key: state} for key, state in better.items()])
-        values = self.judged.value(alone.leakage, alone.pressures)
-        least_help_first = np.argsort(values if self.judged.rule.steps.falling else -values, kind="stable")
-        grown, keys = [choice], list(better)
-        for number in least_help_first.tolist():
-            grown.append({**grown[-1], keys[number]: better[keys[number]]})
-        done = self.at.repaired(grown)
-        lacks = ~self.kept(done.leakage, done.pressures) & ~self._too_high(done.pressures)
-        return grown[int(np.flatnonzero(lacks)[-1])]
+        return better
+
+    @cached_property
+    def _alone(self) -> Repaired:
+        """Return the unit with each of these lands repaired besides, one at a time."""
+        return self.at.repaired([{**self.choice, key: state} for key, state in self._better.items()])
+
+    def _helps(self, key: LandKey, now: int, then: int, *, less: bool) -> bool:
+        """Tell whether another state of a land may help: a gap to the sump leaks less, or more, as is needed."""
+        for gap in self.at.gaps_of.get(key, ()):
+            change = gap.restriction.conductance[then] - gap.restriction.conductance[now]
+            if change and (self._into_circuit(gap) or (change < 0.0) == less):
+                return True
+        return False
+
+    def _into_circuit(self, gap: Branch[GapBranch]) -> bool:
+        """Tell whether what leaks through a gap ends in a circuit."""
+        return gap.into is not None and any(gap.into == each.id for each in self.at.model.controller.circuits)
 
 
 ROUNDS = 100  # of proposals at the most; then repairs are named that suffice, and may not be the best
@@ -175,8 +175,8 @@ class Search:
         if self._repairs_all(forced) and not self._unkept(forced):
             return Best(tuple(forced), proven=True, rounds=1)
         self._state_rows()
-        for target in self.targets:
-            self._add_draw(target, ())
+        for target, attempt in self._attempts(()):
+            self._add_draw(target, attempt, ())
         chosen: list[Move] | None = None
         objectives = self.objectives()
         for objective in objectives:
@@ -210,14 +210,19 @@ class Search:
         changed = [key for move in chosen if move.option is not None for key in move.lands]
         return treated >= set(self.required) and len(changed) == len(set(changed))
 
-    def _unkept(self, chosen: Iterable[Move]) -> list[Target]:
-        """Return the limits that a choice leaves unkept, by the engine."""
+    def _attempts(self, chosen: Iterable[Move]) -> list[tuple[Target, Attempt]]:
+        """Return every limit with a choice as the engine computes it at the condition of the limit."""
         choice = self.moves.choice(chosen)
-        done = dict(zip(map(id, self.unit.conditions), self.unit.repaired([choice]), strict=True))
+        attempts = {
+            id(at): Attempt(at, choice, done, self._numbers)
+            for at, done in zip(self.unit.conditions, self.unit.repaired([choice]), strict=True)
+        }
+        return [(target, attempts[id(target.at)]) for target in self.targets]
+
+    def _unkept(self, chosen: Iterable[Move]) -> list[tuple[Target, Attempt]]:
+        """Return the limits that a choice leaves unkept."""
         return [
-            target
-            for target in self.targets
-            if not np.all(target.kept(done[id(target.at)].leakage, done[id(target.at)].pressures))
+            (target, attempt) for target, attempt in self._attempts(chosen) if not np.all(target.kept(attempt.done))
         ]
 
     # --- the programme
@@ -232,10 +237,9 @@ class Search:
             unkept = self._unkept(chosen)
             if not unkept:
                 return chosen
-            choice = self.moves.choice(chosen)
-            for target in unkept:
-                self._add_draw(target, chosen)
-                self._add_needed(target.lacking(choice, self._numbers))
+            for target, attempt in unkept:
+                self._add_draw(target, attempt, chosen)
+                self._add_needed(attempt.lacking(target))
         return None
 
     def _proposed(self, objective: Sequence[int]) -> list[Move] | None:
@@ -323,12 +327,12 @@ class Search:
                 factors[variable] -= 1.0
         self._rows.append((factors or {0: 0.0}, least))
 
-    def _add_draw(self, target: Target, chosen: Sequence[Move]) -> None:
+    def _add_draw(self, target: Target, attempt: Attempt, chosen: Sequence[Move]) -> None:
         """Add how much more must be saved than a choice saves: by what its repairs save at least, others at most."""
         most = target.most_drawn
         if most is None or not np.isfinite(most) or self._overridden or not self.unit.states:
             return
-        drawn = float(target.at.repaired([self.moves.choice(chosen)]).leakage[0])
+        drawn = float(attempt.done.leakage[0])
         least, largest = self._savings(target)
         mine = np.array([any(move is each for each in chosen) for move in self.moves.all])
         factors, needed = np.where(mine, least, largest), drawn + float(least[mine].sum()) - most
