@@ -9,7 +9,7 @@ from __future__ import annotations
 import datetime as dt
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from statistics import fmean
 from typing import Literal
@@ -45,6 +45,12 @@ class SheetIdentity:
 
 
 Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
+_STATUS: Mapping[tuple[bool, bool], Status] = {  # by whether the spool was measured, and its sleeve
+    (True, True): "measured",
+    (True, False): "spool_only",
+    (False, True): "sleeve_only",
+    (False, False): "not_measured",
+}
 
 REPEAT_TOLERANCE = 5e-6  # [m] repeats of one diameter further apart than this are flagged: choice of this project
 OVALITY_TO_LOOK_AT = 50e-6  # [m] choice of this project
@@ -262,15 +268,19 @@ class _PartMean:
     """The mean diameters of one part of one land, and the shape that they show."""
 
     diameter: float
-    by_station: Mapping[tuple[str, float | None], float]
-    by_plane: Mapping[str, float]
-    ovality: float | None
-    taper: float | None
-    repeat_spread: float | None
-    readings: int
-    repeats: int
-    messages: tuple[Message, ...]
-    doubts: tuple[Disagreement, ...]
+    by_station: Mapping[tuple[str, float | None], float] = field(default_factory=dict)
+    by_plane: Mapping[str, float] = field(default_factory=dict)
+    ovality: float | None = None
+    taper: float | None = None
+    repeat_spread: float | None = None
+    readings: int = 0
+    repeats: int = 0
+    messages: tuple[Message, ...] = ()
+    doubts: tuple[Disagreement, ...] = ()
+
+    def at(self, station: tuple[str, float | None]) -> float:
+        """Return the diameter in a plane and direction; the mean of the plane, or of all, where none was read there."""
+        return self.by_station.get(station, self.by_plane.get(station[0], self.diameter))
 
     def at_reference(self, part_expansion: float, gauge_expansion: float, rise: float) -> _PartMean:
         """Return the same mean, read ``rise`` [K] above the reference temperature, as it is at that temperature."""
@@ -339,68 +349,68 @@ def clearances(
 def _land_clearance(
     land: Land, parts: Mapping[Part, list[Reading]], temperature: float, gauges: Instruments | None
 ) -> LandClearance:
-    means = {
-        part: _part_mean(land, part, part_readings) if part_readings else None for part, part_readings in parts.items()
-    }
+    means = {part: _part_mean(land, part, part_readings) for part, part_readings in parts.items()}
+    place = next((reading.place for part_readings in parts.values() for reading in part_readings), None)
     if gauges is not None:
         rise = temperature - REFERENCE_TEMPERATURE
         means = {
-            part: mean and mean.at_reference(land.expansion_of(part), gauges.of(part).expansion, rise)
+            part: mean.at_reference(land.expansion_of(part), gauges.of(part).expansion, rise) if mean.readings else mean
             for part, mean in means.items()
         }
     spool, sleeve = means["spool"], means["sleeve"]
-    place = next((reading.place for part_readings in parts.values() for reading in part_readings), None)
-    status: Status = ("measured" if sleeve else "spool_only") if spool else "sleeve_only" if sleeve else "not_measured"
-    spool_diameter = land.nominal_diameter if spool is None else spool.diameter
-    sleeve_diameter = land.nominal_sleeve_diameter if sleeve is None else sleeve.diameter
-    if gauges is not None and sleeve_diameter < spool_diameter:
-        raise ReadingsError(
-            Sentence(
-                "{land}: corrected from {measured:g} to {reference:g} {reference.unit} the sleeve is smaller than the "
-                "{part}",
-                land=named(land),
-                measured=Quantity(temperature, "temperature"),
-                reference=Quantity(REFERENCE_TEMPERATURE, "temperature"),
-                part=land.part_name,
-            ),
-            place=place,
-            value=Sentence(
-                "{sleeve} and {spool} {spool.unit}", sleeve=in_mm(sleeve_diameter), spool=in_mm(spool_diameter)
-            ),
-            expected=Sentence("the temperature that gauge and parts had when they were measured"),
-        )
-    clearance = land.new_clearance if status == "not_measured" else _clearance(sleeve_diameter, spool_diameter)
-    stations = _stations(spool, sleeve, spool_diameter, sleeve_diameter)
+    if gauges is not None and sleeve.diameter < spool.diameter:
+        raise _smaller_sleeve(land, spool.diameter, sleeve.diameter, temperature, place)
+    status = _STATUS[spool.readings > 0, sleeve.readings > 0]
+    clearance = land.new_clearance if status == "not_measured" else _clearance(sleeve.diameter, spool.diameter)
+    stations = _stations(spool, sleeve)
     radial_clearances = [station.radial_clearance for station in stations] or [clearance]
     directions = {station.direction for station in stations}
     worst = max(stations, key=lambda station: station.radial_clearance).direction if len(directions) > 1 else None
     result = LandClearance(
         land=land,
         status=status,
-        spool_diameter=spool_diameter,
-        sleeve_diameter=sleeve_diameter,
+        spool_diameter=spool.diameter,
+        sleeve_diameter=sleeve.diameter,
         radial_clearance=clearance,
         min_clearance=min(radial_clearances),
         max_clearance=max(radial_clearances),
         worst_direction=worst,
         stations=stations,
-        spool_ovality=spool.ovality if spool else None,
-        sleeve_ovality=sleeve.ovality if sleeve else None,
-        spool_taper=spool.taper if spool else None,
-        sleeve_taper=sleeve.taper if sleeve else None,
-        spool_repeat_spread=spool.repeat_spread if spool else None,
-        sleeve_repeat_spread=sleeve.repeat_spread if sleeve else None,
-        spool_readings=spool.readings if spool else 0,
-        sleeve_readings=sleeve.readings if sleeve else 0,
-        spool_repeats=spool.repeats if spool else 0,
-        sleeve_repeats=sleeve.repeats if sleeve else 0,
+        spool_ovality=spool.ovality,
+        sleeve_ovality=sleeve.ovality,
+        spool_taper=spool.taper,
+        sleeve_taper=sleeve.taper,
+        spool_repeat_spread=spool.repeat_spread,
+        sleeve_repeat_spread=sleeve.repeat_spread,
+        spool_readings=spool.readings,
+        sleeve_readings=sleeve.readings,
+        spool_repeats=spool.repeats,
+        sleeve_repeats=sleeve.repeats,
+        doubts=(*spool.doubts, *sleeve.doubts),
     )
-    measured = [mean for mean in (spool, sleeve) if mean]
-    messages = (*(each for mean in measured for each in mean.messages), *_land_messages(result, place))
-    return replace(result, messages=messages, doubts=tuple(each for mean in measured for each in mean.doubts))
+    return replace(result, messages=(*spool.messages, *sleeve.messages, *_land_messages(result, place)))
+
+
+def _smaller_sleeve(land: Land, spool: float, sleeve: float, temperature: float, place: Place | None) -> ReadingsError:
+    problem = Sentence(
+        "{land}: corrected from {measured:g} to {reference:g} {reference.unit} the sleeve is smaller than the {part}",
+        land=named(land),
+        measured=Quantity(temperature, "temperature"),
+        reference=Quantity(REFERENCE_TEMPERATURE, "temperature"),
+        part=land.part_name,
+    )
+    return ReadingsError(
+        problem,
+        place=place,
+        value=Sentence("{sleeve} and {spool} {spool.unit}", sleeve=in_mm(sleeve), spool=in_mm(spool)),
+        expected=Sentence("the temperature that gauge and parts had when they were measured"),
+    )
 
 
 def _part_mean(land: Land, part: Part, readings: list[Reading]) -> _PartMean:
+    """Return the mean of a part's readings; of a part without any its nominal diameter."""
+    if not readings:
+        return _PartMean(land.nominal_of(part))
     groups: dict[tuple[str, float | None], list[Reading]] = defaultdict(list)
     for reading in readings:
         groups[reading.plane, reading.direction].append(reading)
@@ -413,6 +423,7 @@ def _part_mean(land: Land, part: Part, readings: list[Reading]) -> _PartMean:
     ovalities = [max(diameters) - min(diameters) for diameters in planes.values() if len(diameters) > 1]
     independent = [independent_repeats(group) for group in groups.values()]
     spreads = [_spread(group) for group in independent if len(group) > 1]
+    pairs = [(groups[station], counted[station]) for station in groups]
     mean = _PartMean(
         diameter=fmean(by_plane.values()),
         by_station=by_station,
@@ -421,13 +432,8 @@ def _part_mean(land: Land, part: Part, readings: list[Reading]) -> _PartMean:
         taper=max(by_plane.values()) - min(by_plane.values()) if len(by_plane) > 1 else None,
         repeat_spread=max(spreads, default=None),
         readings=len(readings),
-        repeats=min(len(group) for group in independent),
-        messages=(),
-        doubts=tuple(
-            Disagreement(tuple(group), tuple(counted[station]))
-            for station, group in groups.items()
-            if len(counted[station]) < len(group)
-        ),
+        repeats=min(map(len, independent)),
+        doubts=tuple(Disagreement(tuple(every), tuple(some)) for every, some in pairs if len(some) < len(every)),
     )
     return replace(mean, messages=tuple(_part_messages(land, part, readings, groups.values(), mean)))
 
@@ -474,20 +480,12 @@ def _spread(repeats: Iterable[Reading]) -> float:
     return max(diameters) - min(diameters)
 
 
-def _stations(
-    spool: _PartMean | None, sleeve: _PartMean | None, spool_diameter: float, sleeve_diameter: float
-) -> tuple[Station, ...]:
-    measured = {**(spool.by_station if spool else {}), **(sleeve.by_station if sleeve else {})}
-
-    def diameter(mean: _PartMean | None, station: tuple[str, float | None], otherwise: float) -> float:
-        if mean is None:
-            return otherwise
-        return mean.by_station.get(station, mean.by_plane.get(station[0], mean.diameter))
-
+def _stations(spool: _PartMean, sleeve: _PartMean) -> tuple[Station, ...]:
+    measured = {**spool.by_station, **sleeve.by_station}
     # a part without directions is known as its mean only: no station of its own beside the other's directions
     named = {plane for plane, direction in measured if direction is not None}
     return tuple(
-        Station(*station, diameter(spool, station, spool_diameter), diameter(sleeve, station, sleeve_diameter))
+        Station(*station, spool.at(station), sleeve.at(station))
         for station in measured
         if not (station[1] is None and station[0] in named)
     )

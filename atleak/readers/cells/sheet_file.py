@@ -1,6 +1,6 @@
-"""Text as sheets: in which code page it is written, and what separates its columns.
+"""A file's bytes → its sheets: a workbook's, or the one of a text.
 
-A file's bytes into sheets, by what kind of file it is.
+Of a text it is found out in which code page it is written and what separates its columns.
 """
 
 from __future__ import annotations

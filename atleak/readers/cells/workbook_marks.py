@@ -9,7 +9,7 @@ import io
 import posixpath
 import re
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import accumulate
 from typing import Literal
@@ -275,12 +275,13 @@ def _hidden_rows(xml: bytes, filters: list[tuple[int, int]]) -> dict[int, Hiding
         row = whole_number(attributes[b"r"]) - 1 if b"r" in attributes else row + 1
         if attributes.get(b"hidden") not in _YES:
             continue
-        if any(first <= row <= last for first, last in filters):
-            hidden[row] = "by a filter"
-        else:
-            folded = attributes.get(b"outlineLevel", b"0") != b"0"
-            hidden[row] = "in a folded outline" if folded else "by hand"
+        filtered = any(first <= row <= last for first, last in filters)
+        hidden[row] = _hiding(filtered, attributes.get(b"outlineLevel", b"0") != b"0")
     return hidden
+
+
+def _hiding(filtered: bool, folded: bool) -> Hiding:
+    return "by a filter" if filtered else "in a folded outline" if folded else "by hand"
 
 
 def _hidden_columns(xml: bytes) -> Iterator[int]:
@@ -343,40 +344,39 @@ def _ods_sheet(table: ElementTree.Element, struck: set[str | None], colours: dic
     rows: dict[int, Hiding] = {}
     coloured: dict[tuple[int, int], str] = {}
     comments: dict[tuple[int, int], str] = {}
-    of_column: dict[int, str | None] = {}  # the style of its cells that name none, by the column's end
+    styles: dict[int, str | None] = {}  # of the cells of a column that name none, by the column's end
     columns: set[int] = set()
     cells: set[tuple[int, int]] = set()
     folded = {id(line) for group in table.iter(f"{_TABLE}table-row-group") for line in group.iter(f"{_TABLE}table-row")}
-    column = 0
-    for element in table.iter(f"{_TABLE}table-column"):
-        count = _repeated(element, "columns")
+    for first, element in placed(table.iter(f"{_TABLE}table-column"), "columns"):
+        end = first + _repeated(element, "columns")
         if element.get(f"{_TABLE}visibility", "visible") != "visible":
-            columns.update(range(column, min(column + count, _COLUMNS)))  # empty past the last column
-        column += count
-        of_column[column] = element.get(f"{_TABLE}default-cell-style-name")
-    row = 0
-    for line in table.iter(f"{_TABLE}table-row"):
+            columns.update(range(first, min(end, _COLUMNS)))  # empty past the last column
+        styles[end] = element.get(f"{_TABLE}default-cell-style-name")
+    for row, line in placed(table.iter(f"{_TABLE}table-row"), "rows"):
+        filled = [(column, cell) for column, cell in placed(line, "columns") if len(cell)]
         shown = line.get(f"{_TABLE}visibility", "visible")
-        if shown != "visible" and any(len(cell) for cell in line):
-            hiding: Hiding = (
-                "by a filter" if shown == "filter" else "in a folded outline" if id(line) in folded else "by hand"
-            )
-            rows[row] = hiding
-        column = 0
-        for cell in line:
-            if cell.get(f"{_TABLE}style-name") in struck and len(cell):
+        if shown != "visible" and filled:
+            rows[row] = _hiding(shown == "filter", id(line) in folded)
+        for column, cell in filled:
+            if (own := cell.get(f"{_TABLE}style-name")) in struck:
                 cells.add((row, column))
-            if len(cell):
-                style = cell.get(f"{_TABLE}style-name") or line.get(f"{_TABLE}default-cell-style-name")
-                style = style or next((each for end, each in of_column.items() if column < end), None)
-                if colour := colours.get(style):
-                    coloured[row, column] = colour
-                for note in cell.iter(f"{_OFFICE}annotation"):
-                    words = "\n".join("".join(each.itertext()) for each in note.iter(f"{_TEXT_OF}p"))
-                    comments[row, column] = words.strip()[:_WORDS]
-            column += _repeated(cell, "columns")
-        row += _repeated(line, "rows")
+            style = own or line.get(f"{_TABLE}default-cell-style-name")
+            style = style or next((each for end, each in styles.items() if column < end), None)
+            if colour := colours.get(style):
+                coloured[row, column] = colour
+            for note in cell.iter(f"{_OFFICE}annotation"):
+                words = "\n".join("".join(each.itertext()) for each in note.iter(f"{_TEXT_OF}p"))
+                comments[row, column] = words.strip()[:_WORDS]
     return Marks(rows, frozenset(columns), frozenset(cells), coloured, comments)
+
+
+def placed(elements: Iterable[ElementTree.Element], what: str) -> Iterator[tuple[int, ElementTree.Element]]:
+    """Yield rows or columns, or the cells of a row, with the place of each: one may stand for many."""
+    place = 0
+    for element in elements:
+        yield place, element
+        place += _repeated(element, what)
 
 
 def _repeated(element: ElementTree.Element, what: str) -> int:

@@ -16,7 +16,15 @@ from xml.parsers import expat
 from atleak.common.sentences import Sentence
 from atleak.readers.cells.extent import COLUMNS as WIDTH
 from atleak.readers.cells.extent import EXPECTED, MOST_SHEETS, excess, trimmed
-from atleak.readers.cells.workbook_marks import Marks, column_index, marks, sheet_paths, unpacked_part, whole_number
+from atleak.readers.cells.workbook_marks import (
+    Marks,
+    column_index,
+    marks,
+    placed,
+    sheet_paths,
+    unpacked_part,
+    whole_number,
+)
 from atleak.readers.process.child import Refused, of_library
 
 NativeCell = Any  # str, float, int, bool, date or time; "" where empty
@@ -293,14 +301,10 @@ def _ods_merges(xml: bytes) -> dict[str, list[Range]]:
     merges: dict[str, list[Range]] = {}
     for table in ElementTree.fromstring(xml).iter(f"{_ODS}table"):
         ranges = merges.setdefault(table.get(f"{_ODS}name", ""), [])
-        row = 0
-        for line in table.iter(f"{_ODS}table-row"):
-            column = 0
-            for cell in line:
+        for row, line in placed(table.iter(f"{_ODS}table-row"), "rows"):
+            for column, cell in placed(line, "columns"):
                 down = whole_number(cell.get(f"{_ODS}number-rows-spanned", "1"))
                 across = whole_number(cell.get(f"{_ODS}number-columns-spanned", "1"))
                 if down * across > 1:
                     ranges.append(((row, column), (row + down - 1, column + across - 1)))
-                column += whole_number(cell.get(f"{_ODS}number-columns-repeated", "1"))
-            row += whole_number(line.get(f"{_ODS}number-rows-repeated", "1"))
     return merges
