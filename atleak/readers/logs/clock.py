@@ -210,6 +210,11 @@ class ClockParts:
     dates: np.ndarray  # index into texts
     texts: list[str] = field(default_factory=list)
 
+    def in_halves(self, halves: Sequence[str | None]) -> np.ndarray:
+        """Return the hours of a day whose halves the texts name, AM or PM."""
+        noon = np.array([{"am": 0.0, "pm": 12.0}.get(half or "", -1.0) for half in halves])[self.dates]
+        return np.where(noon >= 0, self.major % 12 + np.maximum(noon, 0), self.major)
+
 
 _DAMAGED = 1  # cells that cannot be a clock's: of more the column is of another form
 
@@ -235,10 +240,8 @@ def text_clock(column: pd.Series) -> Clock | None:
     if form is None:
         return None
     name, (hours, minutes, rest), period, notes = form
-    major = read.major
-    if (dated or name == _TIME_OF_DAY) and any(halves):
-        noon = np.array([{"am": 0.0, "pm": 12.0}.get(half or "", -1.0) for half in halves])[read.dates]
-        major = np.where(noon >= 0, major % 12 + np.maximum(noon, 0), major)
+    in_halves = (dated or name == _TIME_OF_DAY) and any(halves)
+    major = read.in_halves(halves) if in_halves else read.major
     seconds = major * hours + read.minor * minutes + read.seconds * rest
     if parts == 3:
         good = good & (read.seconds < 61) & ((read.minor < 60) | (hours == 0.0))
@@ -331,73 +334,88 @@ def _packed(column: pd.Series) -> tuple[np.ndarray, bool]:
         return np.array([str(cell).encode("ascii", "replace") for cell in raw], dtype="S"), False
 
 
+class _Form:
+    """The form of a clock string: where its numbers and the signs between them stand."""
+
+    def __init__(self, match: re.Match[str]) -> None:
+        self.match, self.parts = match, 3 if match.re is _THREE else 2
+        groups = [match.span(group) for group in range(1, match.re.groups + 1)]
+        self.digits = {place for span in groups for place in range(*span)}
+        self.places = range(*match.span())
+
+    @classmethod
+    def of(cls, line: str) -> _Form | None:
+        """Return the form of a string; None where it holds no clock reading."""
+        match = _THREE.search(line) or _TWO.search(line)
+        return None if match is None else cls(match)
+
+    def shared_by(self, block: np.ndarray) -> np.ndarray:
+        """Return which strings, the columns of a block of bytes, have this form."""
+        alike = np.ones(block.shape[1], bool)
+        for place in self.places:
+            alike &= (block[place] - 48 < 10) if place in self.digits else (block[place] == block[place, 0])
+        for edge in (self.places.start - 1, self.places.stop):
+            if 0 <= edge < len(block):
+                alike &= ~(block[edge] - 48 < 10)
+        return alike
+
+    def number(self, block: np.ndarray, group: int) -> np.ndarray:
+        """Return the numbers of one group."""
+        total = np.zeros(block.shape[1], np.int32)
+        for place in range(*self.match.span(group)):
+            total = total * np.int32(10) + (block[place] - 48)
+        return total
+
+    @property
+    def tail_unit(self) -> float | None:
+        """Return how many of its last number make a second; None where it is no fraction.
+
+        A fourth number behind a colon counts milliseconds: 10:00:01:3 is 3 ms past 10:00:01.
+        """
+        fraction = self.match[self.parts + 1]
+        if not fraction:
+            return None
+        counts_ms = self.match.string[self.match.start(self.parts + 1) - 1] == ":" and len(fraction) <= 3
+        return 1000.0 if counts_ms else 10.0 ** len(fraction)
+
+    def beside(self, text: str) -> str:
+        """Return what stands around the clock reading: the date."""
+        return f"{text[: self.places.start]} {text[self.places.stop :]}"
+
+
 def _read_alike(read: ClockParts, table: np.ndarray, rows: np.ndarray, length: int, raw: pd.Series) -> np.ndarray:
     """Read the rows whose string has the form of the first one's; return the other rows."""
-    line = table[rows[0], :length].tobytes().decode("ascii")
-    match, parts = _THREE.search(line), 3
-    if match is None:
-        match, parts = _TWO.search(line), 2
-    if match is None:
+    form = _Form.of(table[rows[0], :length].tobytes().decode("ascii"))
+    if form is None:
         return rows[1:] if len(rows) < 64 else rows[:0]
     whole = len(rows) == len(table)
     block = turned_columns(table[:, :length] if whole else table[rows, :length])
-    digits = np.zeros(length, bool)
-    for group in range(1, match.re.groups + 1):
-        if match[group] is not None:
-            digits[match.start(group) : match.end(group)] = True
-    span = np.zeros(length, bool)
-    span[match.start() : match.end()] = True
-    first = block[:, 0]
-    alike = np.ones(len(rows), bool)
-    for position in np.flatnonzero(span):
-        cell = block[position]
-        alike &= (cell - 48 < 10) if digits[position] else (cell == first[position])
-    for edge in (match.start() - 1, match.end()):
-        if 0 <= edge < length:
-            alike &= ~(block[edge] - 48 < 10)
+    alike = form.shared_by(block)
     if not alike.any():  # not even the first: it holds a digit of no usual kind
         return rows[1:]
+    rest = rows[:0]
     if not alike.all():
-        block, chosen, rest = block[:, alike], rows[alike], rows[~alike]
-    else:
-        chosen, rest = rows, rows[:0]
-
-    def number(group: int) -> np.ndarray:
-        total = np.zeros(len(chosen), np.int32)
-        for position in range(match.start(group), match.end(group)):
-            total = total * np.int32(10) + (block[position] - 48)
-        return total
-
-    target: slice | np.ndarray = slice(None) if whole and not len(rest) else chosen
-    read.parts[target] = parts
-    read.major[target] = number(1)
-    read.minor[target] = number(2)
-    last = parts if parts == 3 else 2
-    fraction, tail = match[last + 1], np.zeros(1)
-    if fraction:  # a fourth number behind a colon counts milliseconds: 10:00:01:3 is 3 ms past 10:00:01
-        counts_ms = line[match.start(last + 1) - 1] == ":" and len(fraction) <= 3
-        tail = number(last + 1) / (1000.0 if counts_ms else 10.0 ** len(fraction))
-    read.seconds[target] = number(last) + tail
-    read.fraction[target] = bool(fraction)
+        block, rows, rest = block[:, alike], rows[alike], rows[~alike]
+    target: slice | np.ndarray = slice(None) if whole and not len(rest) else rows
+    read.parts[target] = form.parts
+    read.major[target] = form.number(block, 1)
+    read.minor[target] = form.number(block, 2)
+    unit = form.tail_unit
+    tail = np.zeros(1) if unit is None else form.number(block, form.parts + 1) / unit
+    read.seconds[target] = form.number(block, form.parts) + tail
+    read.fraction[target] = unit is not None
     # the rest of the string is the date: it changes seldom, so only its changes are looked at
-    outside = np.flatnonzero(~span)
-    if len(outside):
-        changed = np.zeros(len(chosen), bool)
+    outside = [place for place in range(length) if place not in form.places]
+    if outside:
+        changed = np.zeros(len(rows), bool)
         changed[0] = True
-        for position in outside:
-            cell = block[position]
-            changed[1:] |= cell[1:] != cell[:-1]
+        for place in outside:
+            changed[1:] |= block[place, 1:] != block[place, :-1]
         starts = np.flatnonzero(changed)
-        known: dict[str, int] = {}
-        indices = []
-        for start in starts:
-            text = str(raw.iloc[chosen[start]]).strip()
-            text = f"{text[: match.start()]} {text[match.end() :]}"
-            if text not in known:
-                known[text] = len(read.texts)
-                read.texts.append(text)
-            indices.append(known[text])
-        read.dates[target] = np.repeat(indices, np.diff([*starts, len(chosen)]))
+        texts = [form.beside(str(raw.iloc[row]).strip()) for row in rows[starts]]
+        codes, different = pd.factorize(np.array(texts, object))
+        read.dates[target] = np.repeat(len(read.texts) + codes, np.diff([*starts, len(rows)]))
+        read.texts += different.tolist()
     return rest
 
 

@@ -6,6 +6,7 @@ Where doubt remains the user is asked; nothing is guessed.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -347,42 +348,40 @@ class Assigner:
         return Signal(candidate, values, column_fit, time)
 
     def _choose(self, quantity: str, fitting: list[Signal]) -> Signal | None:
+        """Return the column that the user names or its name tells best; None, and a question, where several may be."""
         if not fitting:
             return None
-        mapped = [signal for signal in fitting if signal.candidate.mapped]
-        if mapped:
+        if mapped := [signal for signal in fitting if signal.candidate.mapped]:
             return mapped[0]
-        for tier in (0, 1):
-            tied = [signal for signal in fitting if signal.candidate.tier == tier]
-            measured = [signal for signal in tied if signal.candidate.kind == "measured"]
-            if (
-                len(tied) > 1
-                and len(measured) == 1
-                and all(signal.candidate.kind == "commanded" for signal in tied if signal is not measured[0])
-            ):
-                tied = measured
-            resembling = tier == 1 and any(signal.candidate.tier == 2 for signal in fitting)
-            if len(tied) == 1 and not resembling:
-                others = [signal.candidate.label for signal in fitting if signal is not tied[0]]
-                if others:
-                    text = Sentence(
-                        "{quantity} is {column!r}; also there: {others}",
-                        quantity=QUANTITIES[quantity].said,
-                        column=tied[0].candidate.label,
-                        others=tuple(map(repr, others)),
-                    )
-                    self.say("other_candidates", text, "info", tied[0].candidate.label)
-                return tied[0]
-            if tied:
-                if not resembling and (same := self._same(tied)):
-                    return same
-                labels = _told_apart([each for each in fitting if resembling or each.candidate.tier <= tier])
-                self.ambiguous.append(Ambiguous(quantity, labels, Sentence("several columns may be meant")))
-                return None
-        labels = _told_apart(fitting)
-        guess = labels[0] if len(labels) == 1 else None
-        self.ambiguous.append(Ambiguous(quantity, labels, Sentence("the name only resembles it"), guess))
+        tiers = {signal.candidate.tier for signal in fitting}
+        best = min(tiers)
+        tied = _measured_of([signal for signal in fitting if signal.candidate.tier == best])
+        resembling = best > 0 and 2 in tiers
+        if len(tied) == 1 and not resembling:
+            self._name_others(tied[0], fitting)
+            return tied[0]
+        if not resembling and (same := self._same(tied)):
+            return same
+        labels = _told_apart([signal for signal in fitting if resembling or signal.candidate.tier == best])
+        if best < 2:
+            self.ambiguous.append(Ambiguous(quantity, labels, Sentence("several columns may be meant")))
+        else:
+            guess = labels[0] if len(labels) == 1 else None
+            self.ambiguous.append(Ambiguous(quantity, labels, Sentence("the name only resembles it"), guess))
         return None
+
+    def _name_others(self, chosen: Signal, fitting: list[Signal]) -> None:
+        """Say which other columns fit as well."""
+        others = tuple(repr(signal.candidate.label) for signal in fitting if signal is not chosen)
+        if others:
+            column = chosen.candidate.label
+            text = Sentence(
+                "{quantity} is {column!r}; also there: {others}",
+                quantity=QUANTITIES[chosen.candidate.quantity].said,
+                column=column,
+                others=others,
+            )
+            self.say("other_candidates", text, "info", column)
 
     def _same(self, tied: list[Signal]) -> Signal | None:
         """Return the first of several columns if all hold the same values, perhaps in other units; else None."""
@@ -456,6 +455,14 @@ def _hold_the_same(first: Signal, other: Signal) -> bool:
     scale = float(np.max(np.abs(base[here]), initial=0.0))
     apart = float(np.max(np.abs(values[here] - base[here]), initial=0.0))
     return here.sum() >= max(1, 0.9 * np.isfinite(base).sum()) and apart <= 0.006 * scale
+
+
+def _measured_of(tied: list[Signal]) -> list[Signal]:
+    """Return the measured column alone where all others are commanded; any other columns as they are."""
+    kinds = Counter(signal.candidate.kind for signal in tied)
+    if kinds["measured"] == 1 and not kinds["unknown"]:
+        return [signal for signal in tied if signal.candidate.kind == "measured"]
+    return tied
 
 
 def _told_apart(signals: Sequence[Signal]) -> tuple[str, ...]:

@@ -24,7 +24,7 @@ from atleak.common.sentences import Sentence
 from atleak.readers.logs.headings import HeadRow
 from atleak.readers.logs.log_cells import MISSING, OFF, Decimal, kind_of_cells, without_unit
 from atleak.readers.logs.log_file import HEAD_BYTES, LARGE, LogFile
-from atleak.readers.logs.log_table import WHITESPACE, Layout, LogTable, find_dialect, find_table, split_line
+from atleak.readers.logs.log_table import WHITESPACE, Dialect, Layout, LogTable, find_dialect, find_table, split_line
 from atleak.readers.logs.text_lines import (
     QUOTE,
     LogText,
@@ -349,27 +349,33 @@ def open_delimited(source: LogFile) -> Delimited | None:
     dialect = find_dialect([text.decode(line) for line in lines])
     if dialect is None:
         return None
-    delimiter, decimal = dialect.delimiter, dialect.decimal
-    rows: list[HeadRow] = []
-    layout = None
-    for count in (_LOOK, 4 * _LOOK, 16 * _LOOK, len(head)):
-        rows += [split_line(text.decode(line), delimiter) for line in head[len(rows) : count]]
-        layout = find_table(rows, decimal, dialect.width)
-        # lines of the head may look like a table until one with as many cells as the rows comes
-        met = layout is not None and abs(layout.width - dialect.width) <= 1
-        if (met and layout is not None and layout.start < 0.8 * len(rows)) or count >= len(head):
-            break
+    delimiter = dialect.delimiter
+    layout, rows = _locate(head, text, dialect)
     if layout is None:
         return None
     start = mark + sum(len(line) + 1 for line in head[: layout.start])
     body = (_part(source, held, start, start + HEAD_BYTES), tail)
     return Delimited(
-        source, held, text.codec, text.encoding, delimiter, decimal, layout, start, end, end < size,
+        source, held, text.codec, text.encoding, delimiter, dialect.decimal, layout, start, end, end < size,
         sample=tuple(rows[layout.start :][:400]),
         quoted=any(QUOTE in part for part in body),
         spaced=any(delimiter.encode() + b" " in part for part in body),
         per_line=signs_per_line(head[layout.start :][:400], delimiter),
     )  # fmt: skip
+
+
+def _locate(head: Sequence[bytes], text: LogText, dialect: Dialect) -> tuple[Layout | None, list[HeadRow]]:
+    """Return where the table is, and the lines looked at for it, more of them until it is sure, in cells."""
+    rows: list[HeadRow] = []
+    layout = None
+    for count in (_LOOK, 4 * _LOOK, 16 * _LOOK, len(head)):
+        rows += [split_line(text.decode(line), dialect.delimiter) for line in head[len(rows) : count]]
+        layout = find_table(rows, dialect.decimal, dialect.width)
+        # lines of the head may look like a table until one with as many cells as the rows comes
+        met = layout is not None and abs(layout.width - dialect.width) <= 1 and layout.start < 0.8 * len(rows)
+        if met or count >= len(head):
+            break
+    return layout, rows
 
 
 def _half_written(tail: bytes) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import pandas as pd
@@ -22,6 +22,8 @@ from atleak.readers.logs.headings import (
 from atleak.readers.logs.log_cells import CellKind, Decimal, kind_of_cells, unit_in_cells
 
 WHITESPACE = " "
+_DELIMITERS = (",", ";", "\t", "|", WHITESPACE)
+_DECIMALS: tuple[Decimal, ...] = (".", ",")
 _COMMENTS = ("#", "%", "//", "'", "*")
 
 
@@ -138,44 +140,50 @@ def find_dialect(lines: Sequence[str]) -> Dialect | None:
 
 def _scored_dialect(lines: Sequence[str]) -> tuple[float, Dialect] | None:
     """Return the dialect that makes most sense of these lines with its score, 0 to 1, or None."""
-    best_score: tuple[float, int] = (0.0, 0)
-    best_dialect: Dialect | None = None
-    for delimiter in (",", ";", "\t", "|", WHITESPACE):
-        if delimiter != WHITESPACE and not any(delimiter in line for line in lines):
-            continue
-        rows = [split_line(line, delimiter) for line in lines]
-        widths = Counter(len(row) for row in rows if len(row) > 1)
-        if not widths:
-            continue
-        width = max(widths, key=lambda cells: (widths[cells] * min(cells, 8), cells))
-        steady = sum(count for cells, count in widths.items() if abs(cells - width) <= 1) / len(rows)
-        body = [row for row in rows if abs(len(row) - width) <= 1]
-        for decimal in (".", ","):
-            kinds = Counter(kind_of_cells(cell, decimal) for row in body for cell in row)
-            filled = sum(kinds.values()) - sum(1 for row in body for cell in row if not cell)
-            telling = kinds["number"] + kinds["clock"]
-            if not telling:
-                continue
-            text = kinds["text"] / max(filled, 1)
-            # a blank also stands between a date and its time of day: it must be clearly better than the others
-            worth = 0.85 if delimiter == WHITESPACE else 1.0
-            score = (round(worth * steady * (1 - text), 3), width)
-            if score > best_score:
-                best_score, best_dialect = score, Dialect(delimiter, decimal, width)
-    return (best_score[0], best_dialect) if best_dialect is not None else None
+    present = [each for each in _DELIMITERS if each == WHITESPACE or any(each in line for line in lines)]
+    scored = (dialect for delimiter in present for dialect in _dialects(lines, delimiter))
+    return max(scored, key=lambda each: (each[0], each[1].width), default=None)
+
+
+def _dialects(lines: Sequence[str], delimiter: str) -> Iterator[tuple[float, Dialect]]:
+    """Yield the dialects of a delimiter with which these lines hold readings, each with its score."""
+    rows = [split_line(line, delimiter) for line in lines]
+    widths = Counter(len(row) for row in rows if len(row) > 1)
+    if not widths:
+        return
+    width = _usual(widths)
+    # a blank also stands between a date and its time of day: it must be clearly better than the others
+    worth = 0.85 if delimiter == WHITESPACE else 1.0
+    steady = sum(widths[near] for near in (width - 1, width, width + 1)) / len(rows)
+    cells = [cell for row in rows if abs(len(row) - width) <= 1 for cell in row]
+    for decimal in _DECIMALS:
+        kinds = Counter(kind_of_cells(cell, decimal) for cell in cells)
+        if kinds["number"] or kinds["clock"]:
+            text = kinds["text"] / max(sum(map(bool, cells)), 1)
+            yield round(worth * steady * (1 - text), 3), Dialect(delimiter, decimal, width)
+
+
+def _usual(widths: Counter[int]) -> int:
+    """Return the number of cells that most rows have, wide rows before narrow ones."""
+    return max(widths, key=lambda cells: (widths[cells] * min(cells, 8), cells))
+
+
+def _width(rows: Sequence[HeadRow], decimal: Decimal, wanted: int | None) -> int | None:
+    """Return how many cells rows with readings have: as many as wanted, where any have."""
+    several = (row for row in rows if len(row) > 1)
+    widths = Counter(
+        len(row) for row in several if any(kind_of_cells(cell, decimal) in ("number", "clock") for cell in row)
+    )
+    if wanted in widths:
+        return wanted
+    return _usual(widths) if widths else None
 
 
 def find_table(rows: Sequence[HeadRow], decimal: Decimal, width: int | None = None) -> Layout | None:
     """Return the table among rows of cells: the longest block of data rows with the rows that name its columns."""
-    widths = Counter(
-        len(row)
-        for row in rows
-        if len(row) > 1 and any(kind_of_cells(cell, decimal) in ("number", "clock") for cell in row)
-    )
-    if not widths:
+    width = _width(rows, decimal, width)
+    if width is None:
         return None
-    if width is None or width not in widths:
-        width = max(widths, key=lambda cells: (widths[cells] * min(cells, 8), cells))
     expected = _expected_kinds([row for row in rows if len(row) == width], width, decimal)
     flags = [_is_data(row, expected, width, decimal) for row in rows]
     start = _longest_block(rows, flags, width, decimal)
@@ -188,12 +196,11 @@ def find_table(rows: Sequence[HeadRow], decimal: Decimal, width: int | None = No
     defined = defined_above(rows[:start], width)
     if defined is not None:
         return Layout(start, width, defined, True, preamble, (), above=above)
-    headings = with_stated_units(headings_of(header, width), preamble)
     columns = ([row[index] for row in rows[start:] if index < len(row)] for index in range(width))
     cell_units = {index: unit for index, cells in enumerate(columns) if (unit := unit_in_cells(cells, decimal))}
     headings = tuple(
-        replace(heading, unit=cell_units.get(heading.index, heading.unit)) if cell_units else heading
-        for heading in headings
+        replace(heading, unit=cell_units.get(heading.index, heading.unit))
+        for heading in with_stated_units(headings_of(header, width), preamble)
     )
     return Layout(start, width, headings, names_columns(header), preamble, tuple(header), cell_units, above)
 

@@ -191,21 +191,34 @@ def _contents(source: LogFile) -> tuple[list[_MdfChannel], int, str]:
     return channels, frames, version
 
 
-def _samples(
-    source: LogFile, wanted: Sequence[_MdfChannel], every: int = 1
-) -> dict[int, tuple[np.ndarray, np.ndarray]]:
-    """Return stamps [s] and numbers of some channels by their places, of ``every`` samples one.
+_Course = tuple[np.ndarray, np.ndarray]
+"""Stamps [s] and numbers of a channel."""
+
+
+def _samples(source: LogFile, wanted: Sequence[_MdfChannel], every: int = 1) -> dict[int, _Course]:
+    """Return the course of some channels by their places, of ``every`` samples one.
 
     Channels that follow each other and have the same stamps share them.
     """
     by_place = {channel.heading.index: channel for channel in wanted}
+    read = _read_channels(source, [channel for channel in by_place.values() if channel.known is None], every)
+    result: dict[int, _Course] = {}
+    shared = np.empty(0)
+    for index, channel in sorted(by_place.items()):
+        time, values = read[index] if channel.known is None else (each[::every] for each in channel.known)
+        shared = shared if np.array_equal(time, shared) else time
+        result[index] = shared, values
+    return result
+
+
+def _read_channels(source: LogFile, channels: Sequence[_MdfChannel], every: int) -> dict[int, _Course]:
+    """Return the course of channels that stand in the file."""
     groups: dict[int, list[_MdfChannel]] = {}
-    for channel in by_place.values():
-        if channel.known is None:
-            groups.setdefault(channel.group, []).append(channel)
+    for channel in channels:
+        groups.setdefault(channel.group, []).append(channel)
     common = {group: Filled(these[0].cycles, every) for group, these in groups.items()}
-    values = {each.heading.index: Filled(each.count, every) for these in groups.values() for each in these}
-    own = {index: Filled(each.count, every) for index, each in by_place.items() if each.count < each.cycles}
+    values = {each.heading.index: Filled(each.count, every) for each in channels}
+    own = {each.heading.index: Filled(each.count, every) for each in channels if each.count < each.cycles}
     indexes = {group: [channel.index for channel in these] for group, these in groups.items()}
     parts = read_apart_in_parts(
         mdf_ranges, source.apart, source.file, RoadTestError, MDF, indexes=indexes, length=RANGE
@@ -217,17 +230,9 @@ def _samples(
             if channel.heading.index in own:
                 stamps = part["stamps"] if read["stamps"] is None else read["stamps"]
                 own[channel.heading.index].add(np.frombuffer(stamps))
-    result: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-    before, shared = np.empty(0), {group: filled.numbers for group, filled in common.items()}
-    for index, channel in sorted(by_place.items()):
-        if channel.known is not None:
-            time, numbers = (each[::every] for each in channel.known)
-        else:
-            time = own[index].numbers if index in own else shared[channel.group]
-            numbers = values[index].numbers
-        before = before if np.array_equal(time, before) else time
-        result[index] = before, numbers
-    return result
+    shared = {group: filled.numbers for group, filled in common.items()}  # one array for all of a group
+    places = {each.heading.index: each.group for each in channels}
+    return {at: (own[at].numbers if at in own else shared[group], values[at].numbers) for at, group in places.items()}
 
 
 def _check_readable(source: LogFile) -> None:

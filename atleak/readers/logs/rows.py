@@ -70,25 +70,29 @@ def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: 
             for index, value in zip(indices, values, strict=True)
             if index in columns and isinstance(value, str) and value.strip().lower() not in MISSING
         ]
-        if cells and all(is_unit(cell.text) for cell in cells):
-            for cell in cells:  # a column may be called rpm
-                _refuse_another_unit(cell, cell.text, int(row), assigner)
-            continue
         others = _others(cells, alone=len(indices) == 1)
-        if others:
+        if cells and all(is_unit(cell.text) for cell in cells):  # a column may be called rpm
+            for cell in cells:
+                _refuse_another_unit(cell, cell.text, int(row), assigner)
+        elif others:
             raise RoadTestError(
                 Sentence("another header with other columns begins in the middle of the log"),
                 place=Place(file=assigner.file, row=None, column=others[0].column.label),
                 value=others[0].text,
                 expected=Sentence("one header; split the file at data row {row}", row=int(row) + 1),
             )
-        is_header = sum(cell.repeats for cell in cells) >= 2
-        for cell in cells:
-            unit = split_unit(cell.text).unit
-            if unit is not None and cell.repeats and cell.text != cell.column.label:
-                _refuse_another_unit(cell, unit, int(row), assigner)
-            elif unit is None and is_header and cell.repeats and cell.column.unit is not None:
-                assigner.again.setdefault(cell.column.heading.index, Again(None, int(row), cell.text))
+        else:
+            _compare_units([cell for cell in cells if cell.repeats], int(row), assigner)
+
+
+def _compare_units(repeated: list[_Cell], row: int, assigner: Assigner) -> None:
+    """Refuse another unit in the names that a line repeats; note one that a whole header leaves out."""
+    for cell in repeated:
+        unit = split_unit(cell.text).unit
+        if unit is not None and cell.text != cell.column.label:
+            _refuse_another_unit(cell, unit, row, assigner)
+        elif unit is None and len(repeated) >= 2 and cell.column.unit is not None:
+            assigner.again.setdefault(cell.column.heading.index, Again(None, row, cell.text))
 
 
 def _others(cells: list[_Cell], alone: bool) -> list[_Cell]:

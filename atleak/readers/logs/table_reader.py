@@ -1,12 +1,14 @@
-"""Reads a table with a time column (or one for each channel, or long: time, name, value) into signals and time.
+"""Reads a table into signals and time.
 
-Reads the long format, in which a row is a time, a name, a value and perhaps a unit.
+A wide table has a time column, or one for each channel; in a long one a row is a time, a name, a value and perhaps a
+unit.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -20,11 +22,11 @@ from atleak.readers.logs import names as words_as_numbers
 from atleak.readers.logs.channels import say_strays
 from atleak.readers.logs.clock import Clock, Motion, numeric_clock
 from atleak.readers.logs.columns import Assigner, Candidate, OfferedColumn, find_candidates, map_columns
-from atleak.readers.logs.delimited import numbers
+from atleak.readers.logs.delimited import Cells, numbers
 from atleak.readers.logs.headings import Heading, named_by_a_date
 from atleak.readers.logs.log_cells import is_clock, kind_of_cells
 from atleak.readers.logs.log_table import LogTable
-from atleak.readers.logs.names import clean_unit, match_name, split_unit
+from atleak.readers.logs.names import Tier, clean_unit, match_name, split_unit
 from atleak.readers.logs.protocol import TableResult, bytes_of
 from atleak.readers.logs.remembered_columns import NOT_LOGGED
 from atleak.readers.logs.rows import (
@@ -66,6 +68,11 @@ class _LongColumns:
     value: Heading
     unit: Heading | None
 
+    @property
+    def headings(self) -> tuple[Heading, ...]:
+        """Return the headings of all of them."""
+        return (self.time.heading, self.name, self.value, *([self.unit] if self.unit else ()))
+
 
 def long_shape(table: LogTable, candidates: list[Candidate], mapping: Mapping[str, str]) -> _LongColumns | None:
     """Return the columns of a long table, or None where the table is no such."""
@@ -105,6 +112,60 @@ def _wordy(table: LogTable, heading: Heading) -> bool:
     return bool(cells) and sum(kind_of_cells(cell, table.decimal) == "text" for cell in cells) > 0.8 * len(cells)
 
 
+class _LongRows:
+    """The rows of a long table that name a signal, and the signals that they name."""
+
+    def __init__(self, table: LogTable, shape: _LongColumns, assigner: Assigner | None = None) -> None:
+        columns = sorted({heading.index for heading in shape.headings})
+        if assigner is not None:
+            assigner.refuse_too_large(table.rows, bytes_of(table, columns), thins=False)
+        self.every = table.read(columns)
+        names = self.every[shape.name.index].astype("str").str.strip()
+        keep = self.every[shape.name.index].notna() & (names != shape.name.label)
+        self.frame, self.shape, self.decimal = self.every[keep], shape, table.decimal
+        self.codes, self.names = pd.factorize(names[keep])
+
+    @cached_property
+    def cells(self) -> Cells:
+        """Return the numbers of all rows, and the cells that are none."""
+        return numbers(self.frame, self.shape.value.index, self.decimal)
+
+    @cached_property
+    def headings(self) -> list[Heading]:
+        """Return a heading for every signal, with the unit that its name or its rows state."""
+        headings = []
+        for index, name in enumerate(self.names):
+            split = split_unit(str(name))
+            unit = split.unit
+            if unit is None and self.shape.unit is not None:
+                units = self.frame[self.shape.unit.index].to_numpy(dtype=object)[self.of(index)]
+                unit = next((str(cell) for cell in units if isinstance(cell, str) and cell.strip()), None)
+            headings.append(Heading(index, str(name), (split.text,), unit))
+        return headings
+
+    def of(self, signal: int) -> np.ndarray:
+        """Return which rows name a signal."""
+        return self.codes == signal
+
+    def has_two_units(self, candidate: Candidate, assigner: Assigner) -> bool:
+        """Return whether the rows of a signal state two units, which is said."""
+        if self.shape.unit is None or split_unit(candidate.label).unit is not None:
+            return False
+        units = self.frame[self.shape.unit.index][self.of(candidate.heading.index)]
+        first, other = two_units(units, QUANTITIES[candidate.quantity].unit_kind)
+        if other is not None:
+            say_two_units(candidate, first, other, assigner)
+        return other is not None
+
+    def values(self, candidate: Candidate) -> np.ndarray:
+        """Return the numbers of a signal; words for a gear, a range or a clutch are such, too."""
+        rows = self.of(candidate.heading.index)
+        values = self.cells[0][rows]
+        if candidate.quantity in ("gear", "selector", "lock_up") and np.isnan(values).all():
+            return words_as_numbers.as_numbers(candidate.quantity, self.frame[self.shape.value.index][rows])
+        return values
+
+
 def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
     """Read a long table: its signals go to the assigner.
 
@@ -113,89 +174,48 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     RoadTestError
         when its time cannot be read or the user names a column that it lacks.
     """
-    read, frame, names = _rows(table, shape, assigner)
-    left = LeftOutRow.of(read, table)
+    rows = _LongRows(table, shape, assigner)
+    left = LeftOutRow.of(rows.every, table)
     left.say(assigner)
-    if nameless := len(read) - len(frame):
+    if nameless := len(rows.every) - len(rows.frame):
         text = Sentence("{count} row(s) name no signal, or repeat the header, and are left out", count=nameless)
         assigner.say("lines_left_out", text)
-    left_out = left.rows + nameless
-    clock = clock_of(shape.time, frame, table, assigner, ())
+    clock = clock_of(shape.time, rows.frame, table, assigner, ())
     if clock is None or not runs_of_rows(clock.seconds):
         raise no_time(table, assigner)
     if clock.unit_assumed:
         assigner.assume_unit(shape.time.label, clock.unit, "time")
     whole = build_timeline(clock.seconds)
-    row_times = np.full(len(frame), np.nan)
+    row_times = np.full(len(rows.frame), np.nan)
     row_times[whole.order if whole.order is not None else slice(None)] = whole.time
-    values, _ = numbers(frame, shape.value.index, table.decimal)
-    texts = frame[shape.value.index]
-    codes, uniques = pd.factorize(names)
-    headings = _headings(uniques, codes, frame, shape)
-    candidates = find_candidates(headings)
+    candidates = find_candidates(rows.headings)
     own_mapping = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
-    candidates = map_columns(candidates, headings, own_mapping, assigner.file)
-    assigner.neighbours = tuple(heading.unit for heading in headings if heading.unit)
+    candidates = map_columns(candidates, rows.headings, own_mapping, assigner.file)
+    assigner.neighbours = tuple(heading.unit for heading in rows.headings if heading.unit)
     offered: list[OfferedColumn] = []
     for candidate in (each for each in candidates if each.quantity != "time"):
-        quantity, rows = candidate.quantity, codes == candidate.heading.index
-        if shape.unit is not None and split_unit(candidate.label).unit is None:
-            first, other = two_units(frame[shape.unit.index][rows], QUANTITIES[quantity].unit_kind)
-            if other is not None:
-                say_two_units(candidate, first, other, assigner)
-                continue
-        channel_values = values[rows]
-        if quantity in ("gear", "selector", "lock_up") and np.isnan(channel_values).all():
-            channel_values = words_as_numbers.as_numbers(quantity, texts[rows])
-        good = np.isfinite(channel_values) & np.isfinite(row_times[rows])
-        time = row_times[rows][good]
-        by_time = np.argsort(time, kind="stable")[:: assigner.every]
-        offered.append((candidate, channel_values[good][by_time], time[by_time]))
+        if rows.has_two_units(candidate, assigner):
+            continue
+        values, time = rows.values(candidate), row_times[rows.of(candidate.heading.index)]
+        good = np.isfinite(values) & np.isfinite(time)
+        by_time = np.argsort(time[good], kind="stable")[:: assigner.every]
+        offered.append((candidate, values[good][by_time], time[good][by_time]))
     assigner.decide_all(offered)
     stamps = [signal.time for signal in assigner.signals.values() if signal.time is not None]
     base = np.unique(np.concatenate(stamps)) if stamps else np.unique(whole.time)
-    timeline = _on_base(base, whole)
-    column_names = tuple(map(str, uniques))
-    return TableResult(len(frame), timeline, shape.time.label, clock, True, column_names, whole.segments, left_out)
-
-
-def _rows(
-    table: LogTable, shape: _LongColumns, assigner: Assigner | None = None
-) -> tuple[pd.DataFrame, pd.DataFrame, pd.Series]:
-    """Return all rows, those that name a signal, and those names."""
-    columns = [shape.time.heading.index, shape.name.index, shape.value.index]
-    if shape.unit:
-        columns.append(shape.unit.index)
-    columns = sorted(set(columns))
-    if assigner is not None:
-        assigner.refuse_too_large(table.rows, bytes_of(table, columns), thins=False)
-    frame = table.read(columns)
-    names = frame[shape.name.index].astype("str").str.strip()
-    keep = frame[shape.name.index].notna() & (names != shape.name.label)
-    return frame, frame[keep], names[keep]
-
-
-def _headings(uniques: pd.Index, codes: np.ndarray, frame: pd.DataFrame, shape: _LongColumns) -> list[Heading]:
-    """Return a heading for every signal, with the unit that its name or its rows state."""
-    headings = []
-    for index, name in enumerate(uniques):
-        split = split_unit(str(name))
-        unit = split.unit
-        if unit is None and shape.unit is not None:
-            unit_cells = frame[shape.unit.index].to_numpy(dtype=object)[codes == index]
-            unit = next((str(cell) for cell in unit_cells if isinstance(cell, str) and cell.strip()), None)
-        headings.append(Heading(index, str(name), (split.text,), unit))
-    return headings
+    names, left_out = tuple(map(str, rows.names)), left.rows + nameless
+    return TableResult(
+        len(rows.frame), _on_base(base, whole), shape.time.label, clock, True, names, whole.segments, left_out
+    )
 
 
 def long_columns(table: LogTable, shape: _LongColumns) -> Iterator[tuple[Heading, np.ndarray, pd.Series]]:
     """Yield the heading of every signal of a long table, its numbers and its cells that are none."""
-    _, frame, names = _rows(table, shape)
-    values, words_there = numbers(frame, shape.value.index, table.decimal)
-    codes, uniques = pd.factorize(names)
-    for heading in _headings(uniques, codes, frame, shape):
-        rows = codes == heading.index
-        yield heading, values[rows], words_there[words_there.index.isin(frame.index[rows])]
+    rows = _LongRows(table, shape)
+    values, words_there = rows.cells
+    for heading in rows.headings:
+        these = rows.of(heading.index)
+        yield heading, values[these], words_there[words_there.index.isin(rows.frame.index[these])]
 
 
 def _on_base(base: np.ndarray, whole: Timeline) -> Timeline:
@@ -303,27 +323,35 @@ def refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
 
 def time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candidate]:
     """Return the columns that may be the clock, the likeliest first."""
-    times = []
-    for candidate in candidates:
-        kinds = kinds_of(clean_unit(candidate.unit or ""))  # a column T in °C is no time
-        possible = candidate.mapped or not kinds or "time" in kinds or kinds == ["ratio"]
-        if candidate.quantity == "time" and possible:
-            times.append(candidate)
+    times = [candidate for candidate in candidates if candidate.quantity == "time" and _may_be_time(candidate)]
     if any(candidate.heading.stamped for candidate in times):
         times = [candidate for candidate in times if candidate.mapped or candidate.heading.stamped]
     if not any(candidate.mapped for candidate in times):
-        for heading in table.headings[: table.width]:
-            if named_by_a_date(heading) and not any(candidate.heading is heading for candidate in times):
-                times.append(Candidate(heading, "time", 0, "unknown", None))
+        times += _unnamed_times(table, times, named_by_a_date, 0)
     if not any(candidate.mapped or _runs_in_sample(candidate, table) for candidate in times):
         # columns without a telling name that hold clock readings serve where no other does
-        named = {candidate.heading.index for candidate in candidates}
-        for heading in table.headings[: table.width]:
-            unnamed = heading.index not in named and not named_by_a_date(heading)
-            cells = table.sampled(heading.index)
-            if unnamed and cells and sum(map(is_clock, cells)) > 0.8 * len(cells):
-                times.append(Candidate(heading, "time", 2, "unknown", None))
+        times += _unnamed_times(table, [*candidates, *times], lambda heading: _shows_a_clock(table, heading), 2)
     return sorted(times, key=lambda candidate: (not candidate.mapped, candidate.tier))
+
+
+def _may_be_time(candidate: Candidate) -> bool:
+    """Return whether the unit of a column is one of time: a column T in °C is none."""
+    kinds = kinds_of(clean_unit(candidate.unit or ""))
+    return candidate.mapped or not kinds or "time" in kinds or kinds == ["ratio"]
+
+
+def _unnamed_times(
+    table: LogTable, named: Sequence[Candidate], is_time: Callable[[Heading], bool], tier: Tier
+) -> list[Candidate]:
+    """Return the columns beside those that are named which may be the clock."""
+    taken = {candidate.heading.index for candidate in named}
+    headings = (heading for heading in table.headings[: table.width] if heading.index not in taken)
+    return [Candidate(heading, "time", tier, "unknown", None) for heading in headings if is_time(heading)]
+
+
+def _shows_a_clock(table: LogTable, heading: Heading) -> bool:
+    cells = table.sampled(heading.index)
+    return bool(cells) and sum(map(is_clock, cells)) > 0.8 * len(cells)
 
 
 def _runs_in_sample(candidate: Candidate, table: LogTable) -> bool:
