@@ -1,8 +1,4 @@
-"""Read the rows of one sheet: columns by their headings, cells by what their columns ask for.
-
-Say in which cell of a workbook a fault stands, also one of meaning that was noticed among the tables.
-
-A workbook that describes a valve body → the tables of a controller's file, checked.
+"""A workbook that describes a valve body → the tables of a controller's file, checked.
 
 `atleak.catalogue.workbook.sheets` declares the sheets; see ``docs/describing-a-controller.md``. Everything wrong is
 listed at once, with sheet, row and column: cells that hold something else than their column asks for, and values that
@@ -13,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path
@@ -108,34 +104,14 @@ def form_page(sheet: Sheet, declared: Declared, units: Units, into: Description)
     top = _heading_row(sheet, [FIELD, VALUE])
     if top is None:
         return None
-    columns = {words(as_text(cell)): number for number, cell in reversed(list(enumerate(sheet.rows[top])))}
-    field_column, value_column, known_column = (columns.get(words(each)) for each in (FIELD, VALUE, HOW_KNOWN))
-    if field_column is None or value_column is None:
-        return None
-    lines = (*(UNIT_LINES if declared is HEAD else ()), *declared.columns)
-    by_words = {words(line.heading): line for line in lines if not line.how_known}
-    known = {line.how_known: line for line in lines if line.how_known}
-    page = Page(sheet, declared, units)
-    places: dict[SheetColumn, tuple[int, int]] = {}
-    for row in range(top + 1, len(sheet.rows)):
-        label = as_text(sheet.cell(row, field_column))
-        line, spot = by_words.get(words(label)), Spot(declared.name, sheet.row_number(row))
-        if line is None:
-            if label and _raw(sheet, row, value_column) is not None:
-                headings = [each.heading for each in by_words.values()]
-                nearest = nearest_name(label, headings)
-                into.faults.append(SheetFault(spot, Sentence("unknown field"), label, one_of(headings), nearest))
-            continue
-        for column, each in ((value_column, line), (known_column, known.get(line.key))):
-            if each is None or column is None:
-                continue
-            if each not in places:
-                places[each] = row, column
-            elif _raw(sheet, row, column) is not None:
-                into.faults.append(SheetFault(spot, Sentence("field given twice"), label, Sentence("each field once")))
-    page.lines = {each.heading: row for each, (row, _) in places.items()}
-    page.columns = {each.heading: column for each, (_, column) in places.items()}
-    note = columns.get(words(NOTE_HEADING))
+    headed = {words(as_text(cell)): number for number, cell in reversed(list(enumerate(sheet.rows[top])))}
+    places = _places(sheet, declared, range(top + 1, len(sheet.rows)), headed, into)
+    page = Page(
+        *(sheet, declared, units),
+        columns={line.heading: column for line, (_, column) in places.items()},
+        lines={line.heading: row for line, (row, _) in places.items()},
+    )
+    note = headed.get(words(NOTE_HEADING))
     if note is not None:
         _say_lost(sheet, [row for row in range(top + 1, len(sheet.rows)) if _own(sheet, row, note)], into)
     if declared is HEAD:
@@ -144,6 +120,32 @@ def form_page(sheet: Sheet, declared: Declared, units: Units, into: Description)
     row_read = page.read(Spot(declared.name), places, into)
     page.rows = [row_read] if row_read.cells else []
     return page
+
+
+def _places(
+    sheet: Sheet, declared: Declared, rows: range, headed: Mapping[str, int], into: Description
+) -> dict[SheetColumn, tuple[int, int]]:
+    """Return where the value of each line of a form stands, and how it is known."""
+    label_column, value_column, known_column = headed[words(FIELD)], headed[words(VALUE)], headed.get(words(HOW_KNOWN))
+    every = (*(UNIT_LINES if declared is HEAD else ()), *declared.columns)
+    lines = {words(line.heading): line for line in every if not line.how_known}
+    known = {line.how_known: line for line in every if line.how_known}
+    places: dict[SheetColumn, tuple[int, int]] = {}
+    for row in rows:
+        label = as_text(sheet.cell(row, label_column))
+        line, spot = lines.get(words(label)), Spot(declared.name, sheet.row_number(row))
+        if line is None:
+            if label and _raw(sheet, row, value_column) is not None:
+                headings = [each.heading for each in lines.values()]
+                nearest = nearest_name(label, headings)
+                into.faults.append(SheetFault(spot, Sentence("unknown field"), label, one_of(headings), nearest))
+            continue
+        for column, each in ((value_column, line), (known_column, known.get(line.key))):
+            if each is None or column is None:
+                continue
+            if places.setdefault(each, (row, column))[0] != row and _raw(sheet, row, column) is not None:
+                into.faults.append(SheetFault(spot, Sentence("field given twice"), label, Sentence("each field once")))
+    return places
 
 
 def _chosen(row: WorkbookRow, into: Description) -> Units:
@@ -162,29 +164,26 @@ def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description
     columns = _columns(sheet, top, declared, into)
     page = Page(sheet, declared, units, columns={column.heading: number for number, column in columns.items()})
     note = next((number for number in range(sheet.width) if _is(sheet.cell(top, number), NOTE_HEADING)), None)
-    missing = [column for column in declared.columns if column.required and column.heading not in page.columns]
-    for column in missing:
-        spot = Spot(declared.name, sheet.row_number(top))
-        into.faults.append(SheetFault(spot, Sentence("the column {heading!r} is missing", heading=column.heading)))
+    absent = [each.heading for each in declared.columns if each.required and each.heading not in page.columns]
+    for heading in absent:
+        problem = Sentence("the column {heading!r} is missing", heading=heading)
+        into.faults.append(SheetFault(Spot(declared.name, sheet.row_number(top)), problem))
     remarks: list[int] = []
     for row in range(top + 1, len(sheet.rows)):
         mark = "" if note is None else sheet.cell(row, note)
+        spot = Spot(declared.name, sheet.row_number(row))
         if row == top + 1 and _is(mark, UNIT_MARK):
             _check_units(sheet, row, columns, declared, units, into)
+        elif not any(_own(sheet, row, number) for number in columns):
             continue
-        spot = Spot(declared.name, sheet.row_number(row))
-        if not any(_own(sheet, row, number) for number in columns):
-            continue
-        if _is(mark, EXAMPLE_MARK):
-            stands = {column.heading: _raw(sheet, row, number) for number, column in columns.items()}
-            if not _is_example(declared, columns.values(), stands):
-                problem = Sentence("a row marked as an example was changed")
-                expected = Sentence("the example as it was, or no {mark!r} before a row of your own", mark=EXAMPLE_MARK)
-                into.faults.append(SheetFault(spot, problem, expected=expected))
-            continue
-        remarks += [row] if as_text(mark) else []
-        read = page.read(spot, {column: (row, number) for number, column in columns.items()}, into)
-        page.rows.append(replace(read, absent=frozenset(column.heading for column in missing)))
+        elif not _is(mark, EXAMPLE_MARK):
+            remarks += [row] if as_text(mark) else []
+            read = page.read(spot, {column: (row, number) for number, column in columns.items()}, into)
+            page.rows.append(replace(read, absent=frozenset(absent)))
+        elif not _is_example(sheet, row, columns, declared):
+            problem = Sentence("a row marked as an example was changed")
+            expected = Sentence("the example as it was, or no {mark!r} before a row of your own", mark=EXAMPLE_MARK)
+            into.faults.append(SheetFault(spot, problem, expected=expected))
     _say_lost(sheet, remarks, into)
     return page
 
@@ -241,19 +240,19 @@ def _check_units(
             into.faults.append(SheetFault(spot, Sentence("another unit than that of the workbook"), stands, expected))
 
 
-def _is_example(declared: Declared, columns: Any, stands: Mapping[str, SheetCellKind]) -> bool:
+def _is_example(sheet: Sheet, row: int, columns: Mapping[int, SheetColumn], declared: Declared) -> bool:
     """Return whether a row is an example as it was written, in whichever units."""
-    every = [Units(*choice) for choice in itertools.product(LENGTHS, CLEARANCES, PRESSURES)]
-    shown = {heading: as_text(cell) for heading, cell in stands.items() if cell is not None}
+    cells = {column.heading: _raw(sheet, row, number) for number, column in columns.items()}
+    shown = {heading: as_text(cell) for heading, cell in cells.items() if cell is not None}
     return any(
         shown
         == {
-            column.heading: as_text(column.kind.cell(example[column.heading], units))
-            for column in columns
+            column.heading: as_text(column.kind.cell(example[column.heading], Units(*choice)))
+            for column in columns.values()
             if column.heading in example
         }
         for example in examples(declared)
-        for units in every
+        for choice in itertools.product(LENGTHS, CLEARANCES, PRESSURES)
     )
 
 
@@ -412,24 +411,13 @@ def _described(sheets: list[Sheet], file: str) -> DescribedController:
     if not matched:
         names = ", ".join(sheet.name or "" for sheet in sheets[:5])
         raise CatalogueError(Sentence("describes no valve body"), place=Place(file), value=names, expected=_WANTED)
-    units, places = Units(), Places(file)
-    is_empty = True
-    for declared in SHEETS:
-        sheet, read = matched.get(declared.name), form_page if declared.is_form else table_page
-        page = None if sheet is None else read(sheet, declared, units, into)
-        if page is None:
-            _miss(declared, into)
-            continue
-        places.pages[declared.name] = page
-        units = page.units
-        is_empty = is_empty and not page.rows
-        if declared.at:
-            into.mark(declared.at, Spot(declared.name))
-        declared.fill(page.rows, into)
-    if is_empty:
+    places = Places(file, dict(_pages(matched, into)))
+    pages = list(places.pages.values())
+    if not any(page.rows for page in pages):
         needed = tuple(sheet.name for sheet in SHEETS if sheet.needed)
         expected = Sentence("the sheets {sheets} filled in, at least", sheets=needed)
         raise CatalogueError(Sentence("nothing is filled in yet"), place=Place(file), expected=expected)
+    units = pages[-1].units
     faults = [places.fault(fault) for fault in into.faults]
     try:
         controller = checked_controller(into.data, file)
@@ -440,12 +428,28 @@ def _described(sheets: list[Sheet], file: str) -> DescribedController:
             raise
     if faults:
         raise faults_together(sorted(faults, key=places.order))
-    for page in places.pages.values():
+    for page in pages:
         into.notes += [
             Sentence("{where}: {problem}", where=places.place(spot).sentence, problem=text)
             for spot, text in doubts(page.declared, page.rows, units)
         ]
     return DescribedController(into.data, controller, units, tuple(into.notes))
+
+
+def _pages(matched: Mapping[str, Sheet], into: Description) -> Iterator[tuple[str, Page]]:
+    """Yield what each sheet holds, by its name; the head, which comes first, says the units of all."""
+    units = Units()
+    for declared in SHEETS:
+        sheet, read = matched.get(declared.name), form_page if declared.is_form else table_page
+        page = None if sheet is None else read(sheet, declared, units, into)
+        if page is None:
+            _miss(declared, into)
+            continue
+        units = page.units
+        if declared.at:
+            into.mark(declared.at, Spot(declared.name))
+        declared.fill(page.rows, into)
+        yield declared.name, page
 
 
 def _matched(sheets: list[Sheet], into: Description) -> dict[str, Sheet]:
