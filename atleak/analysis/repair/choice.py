@@ -1,7 +1,4 @@
-"""Choose the repairs of a unit: the cheapest, or the fewest, that bring it where they are to bring it.
-
-Offer every repair of a unit one by one, and compute what any set of them leaves of it.
-"""
+"""Choose the repairs of a unit: the cheapest, or the fewest, that reach a goal; or offer them all, one by one."""
 
 from __future__ import annotations
 
@@ -57,6 +54,26 @@ class Choice:
     def ends(self) -> tuple[Total, ...]:
         """Return the totals at every condition, the stated one first."""
         return self.totals_of([self.chosen])[0]
+
+    @cached_property
+    def states(self) -> LandChoice:
+        """Return the state of every land that a chosen repair changes."""
+        return self.moves.choice(self.chosen)
+
+    @property
+    def lands(self) -> list[tuple[Move, list[LandKey]]]:
+        """Return the repairs with their lands, each of which stands with one: as new goes before an option."""
+        as_new = {key for move in self.chosen if move.option is None for key in move.lands}
+        return [(move, [key for key in move.lands if move.option is None or key not in as_new]) for move in self.chosen]
+
+    @property
+    def savings(self) -> dict[LandKey, float]:
+        """Return what the repair of each land saves alone, at the condition where it saves most."""
+        now, *alone = self.unit.totals([{}, *({key: state} for key, state in self.states.items())])
+        return {
+            key: max(RepairedAt(*pair).saving for pair in zip(now, after, strict=True))
+            for key, after in zip(self.states, alone, strict=True)
+        }
 
     @property
     def reached(self) -> bool:
@@ -138,28 +155,35 @@ def choose(
     pressures having one solution that rises and falls with the leaks, which `atleak.analysis.repair.search` says more
     of.
     """
-    prices, kept = prices or Prices(), tuple(kept)
+    ended = False
+    for basis, search in _searches(diagnosis, goal, prices or Prices(), tuple(kept), fewest=fewest, rounds=rounds):
+        best = search.best()
+        ended |= search.ended
+        if best is not None:
+            return Choice(goal, basis, best.moves, search.moves, search.unit, best.proven and not ended, best.rounds)
+    return Choice(goal, Basis.FEWEST, (), search.moves, search.unit, False, rounds)
+
+
+def _searches(
+    diagnosis: Diagnosis, goal: Goal, prices: Prices, kept: Sequence[str], *, fewest: bool, rounds: int
+) -> Iterator[tuple[Basis, Search]]:
+    """Yield the ways in which a choice is looked for, each where the one before found none."""
     lands = [land for land in diagnosis.lands if land.state.judged]
     options = Options(diagnosis)
     flagged = [land.key for land in lands if land.verdict.flagged]
-    ended = False
+    wanted = [key for key in flagged if (option := options.wanted(key)) and option.repair in diagnosis.repairs]
     for as_new in (False, True):
         moves = Moves(options, lands, prices, kept=kept, as_new=as_new)
         unit = moves.unit()
-        wanted = [key for key in flagged if (option := options.wanted(key)) and option.repair in diagnosis.repairs]
-        required = flagged if goal is Goal.EVERY_LIMIT else wanted
-        required = [key for key in required if moves.of_land[key]]
+        required = [key for key in (flagged if goal is Goal.EVERY_LIMIT else wanted) if moves.of_land[key]]
         for end in (_best_states(moves, unit), moves.choice(together(moves.all))):
-            targets = [] if diagnosis.impossible else _targets(unit, end)  # of such a unit nothing is up to the lands
+            targets = (
+                [] if diagnosis.impossible else list(_targets(unit, end))
+            )  # of such a unit nothing is up to the lands
             for basis in (Basis.FEWEST,) if fewest else _bases(moves, flagged):
                 allowed = [move for move in moves.all if basis is Basis.FEWEST or prices.cost(move) is not None]
                 objectives = partial(_objectives, moves, basis, unit)
-                search = Search(moves, unit, targets, required, objectives, allowed, rounds)
-                best = search.best()
-                ended |= search.ended
-                if best is not None:
-                    return Choice(goal, basis, best.moves, moves, unit, best.proven and not ended, best.rounds)
-    return Choice(goal, Basis.FEWEST, (), moves, unit, False, rounds)
+                yield basis, Search(moves, unit, targets, required, objectives, allowed, rounds)
 
 
 def _bases(moves: Moves, flagged: Sequence[LandKey]) -> tuple[Basis, ...]:
@@ -209,12 +233,8 @@ def _best_states(moves: Moves, unit: RepairableUnit) -> LandChoice:
     return best
 
 
-def _targets(unit: RepairableUnit, end: LandChoice) -> list[Target]:
-    """Return the limits that a unit keeps at every condition with its lands in some states."""
-    return list(_kept_limits(unit, end))
-
-
-def _kept_limits(unit: RepairableUnit, end: LandChoice) -> Iterator[Target]:
+def _targets(unit: RepairableUnit, end: LandChoice) -> Iterator[Target]:
+    """Yield the limits that a unit keeps at every condition with its lands in some states."""
     for at, rules, done in zip(unit.conditions, unit.judged, unit.repaired([end]), strict=True):
         for judged in rules:
             for worst in (Verdict.OK, *(verdict for verdict in Verdict if verdict.flagged)):

@@ -149,8 +149,7 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     jobs = in_order(choice)
     done: list[LandKey] = []
     after_each = [done := [*done, *(land.key for land in lands)] for _, lands in jobs]
-    final = choice.moves.choice(choice.chosen)
-    stages = choice.unit.totals([{}, *({key: final[key] for key in keys} for keys in after_each)])
+    stages = choice.unit.totals([{}, *({key: choice.states[key] for key in keys} for keys in after_each)])
     ends = stages[-1]
     return RepairPlan(
         steps=tuple(
@@ -178,27 +177,15 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
 
 
 def in_order(choice: Choice) -> list[tuple[Move, list[LandDiagnosis]]]:
-    """Return the repairs of a choice in their order, each with its lands, the one that calls for it first.
-
-    Each land stands with one repair alone: what is made as new is so whatever else changes it.
-    """
-    diagnosis = choice.unit.diagnosis
-    by_key = {land.key: land for land in diagnosis.lands}
-    treated = {key for move in choice.chosen for key in move.treats}
-    mine: list[tuple[Move, list[LandKey]]] = []
-    as_new = {key for move in choice.chosen if move.option is None for key in move.lands}
-    for move in choice.chosen:
-        mine.append((move, [key for key in move.lands if move.option is None or key not in as_new]))
-    final = choice.moves.choice(choice.chosen)
-    now, *alone = choice.unit.totals([{}, *({key: final[key]} for _, keys in mine for key in keys)])
-    keys = (key for _, keys in mine for key in keys)
-    saving = {key: max(each.saving for each in _both(now, after)) for key, after in zip(keys, alone, strict=True)}
+    """Return the repairs of a choice in their order, each with its lands, the one that calls for it first."""
+    by_key = {land.key: land for land in choice.unit.diagnosis.lands}
+    treated, saving = {key for move in choice.chosen for key in move.treats}, choice.savings
 
     def urgency(key: LandKey) -> tuple[bool, int, float]:
         verdict = by_key[key].verdict
         return key not in treated, -verdict.rank if verdict.flagged else 0, -saving[key]
 
-    jobs = [(move, sorted(keys, key=urgency)) for move, keys in mine if keys]
+    jobs = [(move, sorted(keys, key=urgency)) for move, keys in choice.lands if keys]
     jobs.sort(key=lambda job: urgency(job[1][0]))
     return [(move, [by_key[key] for key in keys]) for move, keys in jobs]
 
