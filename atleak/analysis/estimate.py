@@ -355,17 +355,19 @@ def with_repairs(repairs: OfferedRepairs, job: Job, keys: Collection[MoveKey], c
         if about and wanted != (each.decision in CARRIED_OUT):
             each = each.model_copy(update={"decision": "proposed" if wanted else None})
         decisions.append(each)
-    known = [each for each in decisions if each.decision in CARRIED_OUT]
-    missing = [move for move in chosen if not any(_is_about(each, move, controller) for each in known)]
+    carried_out = [each for each in decisions if each.decision in CARRIED_OUT]
+    missing = [move for move in chosen if not any(_is_about(each, move, controller) for each in carried_out)]
     decisions += [decision_on(move) for move in missing]
     changed = job.model_copy(update={"repair_decisions": tuple(decisions)})
-    while True:  # what the estimate would propose besides is left open too, until it proposes nothing more
-        made = estimate(repairs.diagnosis, changed, chooser)
-        besides = [line for line in made.lines if not line.own and line.carried_out]
-        if not besides:
-            return changed
+    return _nothing_besides(repairs.diagnosis, changed, chooser)
+
+
+def _nothing_besides(diagnosis: Diagnosis, job: Job, chooser: Chooser) -> Job:
+    """Return the record with what its estimate proposes by itself left open, until it proposes nothing more."""
+    while besides := [each for each in estimate(diagnosis, job, chooser).lines if not each.own and each.carried_out]:
         for line in besides:
-            changed = with_line(changed, line, decision=None, price=None, hours=None)
+            job = with_line(job, line, decision=None, price=None, hours=None)
+    return job
 
 
 def _is_about(decision: RepairDecision, move: Move, controller: Controller) -> bool:
