@@ -178,7 +178,7 @@ class PosteriorUnit:
         self._own = replace(assumptions, temperature=assumptions.gauged_temperature, main_pressure=1.0)
         self.conditions = {each.condition: each for each in projections}
         self._shapes = {point: demand_shape(model, point) for point in self.conditions}
-        u, controller = assumptions, model.controller
+        controller = model.controller
         gears = {point.gear for point in self.conditions}
         leaking = {gap.key for gap in controller.gaps if not gears.isdisjoint(gap.gears)}
         self._open = [  # lands that nobody measured
@@ -192,7 +192,16 @@ class PosteriorUnit:
             *(("feed", each.id) for each in self._fed),
             *((_LAND, land.key) for land in self._open),
         ]
-        gone: list[tuple[Cause, float, float, float]] = [  # with its chance, and mean and most of how far it goes
+        gone = self._gone()
+        self.causes = [cause for cause, *_ in gone]
+        chance, mean, most = np.array([[max(number, 1e-30) for number in row] for _, *row in gone]).T
+        count = len(self.quantities)
+        self.prior = _Proposal(np.where(chance > 1e-30, chance, 0.0), mean, most, np.zeros(count), np.ones(count))
+
+    def _gone(self) -> list[tuple[Cause, float, float, float]]:
+        """Return every cause of a leak with its chance, and mean and most of how far it goes."""
+        u = self.assumptions
+        gone: list[tuple[Cause, float, float, float]] = [
             *(((_LAND, land.key), u.worn_lands, u.land_wear, u.most_land_wear) for land in self._open),
             # a worn seal leaks as a gap does, a torn one or a cracked ring as a hole
             *(
@@ -203,12 +212,9 @@ class PosteriorUnit:
             ((_LINE,), u.sticking_regulators, u.regulator_fall, 0.9),
             ((_SET,), u.high_lines, u.line_rise, MOST_RISE * u.line_rise),
         ]
-        if model.uses_slip and not controller.pump.counted.known:
+        if self.model.uses_slip and not self.model.controller.pump.counted.known:
             gone.append(((_PUMP,), u.worn_pumps, u.pump_wear, 10.0 * u.pump_wear))
-        self.causes = [cause for cause, *_ in gone]
-        chance, mean, most = np.array([[max(number, 1e-30) for number in row] for _, *row in gone]).T
-        count = len(self.quantities)
-        self.prior = _Proposal(np.where(chance > 1e-30, chance, 0.0), mean, most, np.zeros(count), np.ones(count))
+        return gone
 
     def draw(self, proposal: _Proposal, draws: int, seed: int) -> _Drawn:
         """Draw units; ``draws`` is a power of two."""
@@ -374,63 +380,73 @@ def losses(
     held = {point: unit.pressures(first, point) for point in unit.conditions}
     found = {}
     for circuit, points in asked.items():
-        lost = _of_circuit(unit, circuit, points, shown, first, held)
-        found.update({(circuit, point): each for point, each in lost.items()})
+        draws_of = _WeighedDraws(unit, circuit, shown)
+        draws_of.add(unit.prior, first, held)
+        while draws_of.effective < ENOUGH and len(draws_of.parts) <= _ROUNDS:
+            draws_of.add_around(points)
+        found.update({(circuit, point): draws_of.lost(point) for point in points})
     return found
 
 
-def _of_circuit(
-    unit: PosteriorUnit,
-    circuit: str,
-    points: Sequence[OperatingPoint],
-    shown: Sequence[Shown],
-    first: _Drawn,
-    held: Mapping[OperatingPoint, Mapping[str, Any]],
-) -> dict[OperatingPoint, Lost]:
-    near = unit.near(circuit)
-    feeding = {each[1] for each, acts in zip(unit.quantities, near[0], strict=True) if acts and each[0] == "feed"}
-    evidence = [each for each in shown if each.tap in feeding | {circuit, LINE}]
-    likely = _likelihood(evidence, unit.assumptions.main_pressure)
+class _WeighedDraws:
+    """Draws of a unit from one proposal after the other, weighed by what gauges showed that tells of one circuit."""
 
-    def misfit(held: Mapping[OperatingPoint, Mapping[str, Any]], size: int) -> np.ndarray:
-        return likely(np.array([np.broadcast_to(held[each.point][each.tap], size) for each in evidence]))
+    def __init__(self, unit: PosteriorUnit, circuit: str, shown: Sequence[Shown]) -> None:
+        self.unit, self.circuit, self.near = unit, circuit, unit.near(circuit)
+        feeds = zip(unit.quantities, self.near[0], strict=True)
+        taps = {circuit, LINE, *(each[1] for each, acts in feeds if acts and each[0] == "feed")}
+        self.evidence = [each for each in shown if each.tap in taps]
+        self._likely = _likelihood(self.evidence, unit.assumptions.main_pressure)
+        self.parts: list[tuple[_Drawn, Mapping[OperatingPoint, Mapping[str, Any]]]] = []
+        self._proposals: list[_Proposal] = []
+        self._log_likely: list[np.ndarray] = []
 
-    parts, proposals, sizes = [(first, held)], [unit.prior], [first.wear.shape[1]]
-    log_likely = [misfit(held, sizes[0])]
-    while True:
-        deviates = np.concatenate([drawn.deviates for drawn, _ in parts], axis=1)
-        wear = np.concatenate([drawn.wear for drawn, _ in parts], axis=1)
-        logs = np.array([each.log_density(deviates, wear) for each in proposals])
-        mixture = np.logaddexp.reduce(logs + np.log(np.array(sizes) / sum(sizes))[:, None], axis=0)
-        log_weight = np.concatenate(log_likely) + logs[0] - mixture
-        weights = _normed(log_weight)
-        effective = 1.0 / float(np.sum(weights * weights))
-        if effective >= ENOUGH or len(parts) > _ROUNDS:
-            break
-        proposals.append(unit.prior.around(deviates, wear, _flattened(log_weight), near))
-        sizes.append(sizes[0] // 2)
-        again = unit.draw(proposals[-1], sizes[-1], len(parts))
-        at = dict.fromkeys([*(each.point for each in evidence), *points])
-        parts.append((again, {point: unit.pressures(again, point) for point in at}))
-        log_likely.append(misfit(parts[-1][1], sizes[-1]))
-    weights = _flattened(log_weight)
-    kept = weights > 1e-9 * weights.max()
+    def add(self, proposal: _Proposal, drawn: _Drawn, held: Mapping[OperatingPoint, Mapping[str, Any]]) -> None:
+        """Add draws from a proposal, the prior first, with the pressures that they hold, and weigh all anew."""
+        self.parts.append((drawn, held))
+        self._proposals.append(proposal)
+        size = drawn.wear.shape[1]
+        expected = [np.broadcast_to(held[each.point][each.tap], size) for each in self.evidence]
+        self._log_likely.append(self._likely(np.array(expected)))
+        self._deviates = np.concatenate([each.deviates for each, _ in self.parts], axis=1)
+        self._wear = np.concatenate([each.wear for each, _ in self.parts], axis=1)
+        sizes = np.array([each.wear.shape[1] for each, _ in self.parts])
+        logs = np.array([each.log_density(self._deviates, self._wear) for each in self._proposals])
+        mixture = np.logaddexp.reduce(logs + np.log(sizes / sum(sizes))[:, None], axis=0)
+        self._log_weight = np.concatenate(self._log_likely) + logs[0] - mixture
 
-    def of_all(values: Sequence[Any]) -> np.ndarray:
-        return np.concatenate([np.broadcast_to(each, size) for each, size in zip(values, sizes, strict=True)])
+    def add_around(self, points: Iterable[OperatingPoint]) -> None:
+        """Add half as many draws as there were at first, around those that carry the weight."""
+        around = self.unit.prior.around(self._deviates, self._wear, _flattened(self._log_weight), self.near)
+        again = self.unit.draw(around, self.parts[0][0].wear.shape[1] // 2, len(self.parts))
+        at = dict.fromkeys([*(each.point for each in self.evidence), *points])
+        self.add(around, again, {point: self.unit.pressures(again, point) for point in at})
 
-    result = {}
-    for point in points:
-        new_units = [replace(each, wear=0.0 * each.wear) if circuit == LINE else each for each, _ in parts]
-        when_new = [unit.pressures(each, point, new=True) for each in new_units]
-        now, line = (of_all([held[point][name] for _, held in parts]) for name in (circuit, LINE))
-        new, line_new = (of_all([held[name] for held in when_new]) for name in (circuit, LINE))
-        leaks = [unit.leaks(each, circuit, point, held[point][circuit]) for each, held in parts]
-        flows = {cause: of_all([each[cause] for each in leaks]) for cause in leaks[0]}
+    @property
+    def effective(self) -> float:
+        """Return how many draws of equal weight they are worth."""
+        weights = _normed(self._log_weight)
+        return 1.0 / float(np.sum(weights * weights))
+
+    def _of_all(self, values: Iterable[Any]) -> np.ndarray:
+        """Return what each part gives as one array over all draws."""
+        parts = zip(values, self.parts, strict=True)
+        return np.concatenate([np.broadcast_to(each, drawn.wear.shape[1]) for each, (drawn, _) in parts])
+
+    def lost(self, point: OperatingPoint) -> Lost:
+        """Return what the circuit has lost against new at an operating point."""
+        circuit, drawn = self.circuit, [each for each, _ in self.parts]
+        weights = _flattened(self._log_weight)
+        kept = weights > 1e-9 * weights.max()
+        new_units = [replace(each, wear=0.0 * each.wear) for each in drawn] if circuit == LINE else drawn
+        when_new = [self.unit.pressures(each, point, new=True) for each in new_units]
+        now, line = (self._of_all(held[point][name] for _, held in self.parts) for name in (circuit, LINE))
+        new, line_new = (self._of_all(held[name] for held in when_new) for name in (circuit, LINE))
+        leaks = [self.unit.leaks(each, circuit, point, held[point][circuit]) for each, held in self.parts]
+        flows = {cause: self._of_all(each[cause] for each in leaks) for cause in leaks[0]}
         causes = _shares(flows, new - now, line_new - line, weights)
-        highest = float(np.quantile(held[point][circuit], 0.999))
-        result[point] = Lost((new - now)[kept], now[kept], weights[kept], effective, causes, highest)
-    return result
+        highest = float(np.quantile(self.parts[0][1][point][circuit], 0.999))
+        return Lost((new - now)[kept], now[kept], weights[kept], self.effective, causes, highest)
 
 
 def _normed(log_weight: np.ndarray) -> np.ndarray:
