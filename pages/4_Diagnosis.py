@@ -5,7 +5,7 @@ import streamlit as st
 from atleak.analysis.repair.plan import plan_repairs
 from atleak.report.charts import land_figures as figures
 from atleak.report.json.diagnosis import diagnosis_record
-from atleak.report.tables.lands import pair_table
+from atleak.report.tables.lands import ON_PAPER, pair_table
 from pages.shared import conditions, fields, files, pairs, panel, pressures, reader, repair_plan, road, show, words
 from pages.shared.state import session
 
@@ -61,5 +61,9 @@ every = fields.fold(say("diagnosis.all_lands", count=len(diagnosis.lands)), key=
 if every.open:
     with every:
         show.chart(figures.leakage_ranking(diagnosis, say), "ranking")
-        pairs.table(pair_table(diagnosis, diagnosis.ranked, say, at=diagnosis.presented), "all", pressable=True)
+        pairs.table(
+            pair_table(diagnosis, diagnosis.ranked, say, at=diagnosis.presented).without(*ON_PAPER),
+            "all",
+            pressable=True,
+        )
 files.take_along(case, diagnosis, record)

@@ -18,7 +18,7 @@ from atleak.analysis.repair.plan import RepairStep, plan_repairs
 from atleak.common.errors import Message
 from atleak.common.printable import printable, unguarded
 from atleak.common.style import look_of
-from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM, UM
+from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.units import HHMMSS, find_unit, kinds_of
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import begun, signed, wording
@@ -54,7 +54,7 @@ from atleak.report.tables.sentences import (
     reserve_sentence,
     when_new,
 )
-from atleak.report.tables.table import VERDICT, Column, Table, span
+from atleak.report.tables.table import VERDICT, Column, Table
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
@@ -123,11 +123,10 @@ def _unit(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
     counted = counted_in_speed(diagnosis, say)
     yield f"At these speeds the pump covers the leakage and its own slip; {counted}."
     if diagnosis.flagged:
-        flagged = pair_table(diagnosis, diagnosis.flagged, say, at=()).without("decision")
-        verdict, _, clearance, *others = flagged.columns
-        pair = Column("pair", of=lambda land: _named(diagnosis, land))
-        new = Column("mounting", words_of="clearance", of=_when_new)
-        yield laid_out(replace(flagged, columns=(verdict, pair, clearance, new, *others)))
+        flagged = pair_table(diagnosis, diagnosis.flagged, say, at=())
+        flagged = flagged.only("verdict", "pair", "clearance", "mounting", "wear", "decided_by")
+        named = {"pair": Column("pair", of=lambda land: _named(diagnosis, land))}
+        yield laid_out(replace(flagged, columns=tuple(named.get(each.key, each) for each in flagged.columns)))
     else:
         yield "No measured land has reached a limit."
     yield from _matrix(diagnosis)
@@ -389,10 +388,6 @@ def _pressures(diagnosis: Diagnosis, projection: Projection) -> Iterator[str]:
             others.setdefault(circuit.verdict, []).append(f"{circuit.circuit.name} {circuit.now * KPA:.0f} kPa")
     for verdict, circuits in others.items():
         yield f"   {signed(verdict) + ': ' if verdict else ''}{', '.join(circuits)}"
-
-
-def _when_new(land: LandDiagnosis) -> str:
-    return span((end * UM for end in land.state.land.mounting_ends), "clearance", wording("en"))
 
 
 def _matrix(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:

@@ -14,7 +14,14 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.report.charts.drawing import component_svgs, on_dark, spool_svg
-from atleak.report.tables.lands import OpenedLand, component_verdict, components_worst_first, opened_lands, pair_table
+from atleak.report.tables.lands import (
+    ON_PAPER,
+    OpenedLand,
+    component_verdict,
+    components_worst_first,
+    opened_lands,
+    pair_table,
+)
 from atleak.report.tables.names import component_words, has_number
 from atleak.report.tables.table import Table, leveled
 from pages.shared import address, reader, show
@@ -40,7 +47,7 @@ def section(diagnosis: Diagnosis, advised: Callable[[LandDiagnosis], str]) -> No
     opened_pair(diagnosis, say, advised)
     st.subheader(say("diagnosis.flagged_pairs"), anchor="flagged-pairs")
     if diagnosis.flagged:
-        table(pair_table(diagnosis, diagnosis.flagged, say), "flagged", pressable=True)
+        table(pair_table(diagnosis, diagnosis.flagged, say).without(*ON_PAPER), "flagged", pressable=True)
         show.what_is_shown(diagnosis)
     else:
         st.write(say("diagnosis.none_flagged"))

@@ -264,12 +264,13 @@ def sheet_messages(diagnosis: Diagnosis) -> None:
 
 
 def what_is_shown(diagnosis: Diagnosis) -> None:
-    """Say, below the flagged table, what its shares are of and what of it is representative."""
+    """Say, below the flagged table, what its shares are of, what is representative, and what a decision means."""
     say, controller = reader.say(), diagnosis.controller
     said = [say("diagnosis.shares_of", fluid=fluid_in_state(diagnosis, say))]
     said += (
         [say("diagnosis.representative", what=say.name(controller.representative))] if controller.representative else []
     )
+    said += [say("texts.decision")] if any(land.decision for land in diagnosis.flagged) else []
     st.caption(plain(" ".join(said)))
 
 

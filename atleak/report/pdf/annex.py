@@ -114,7 +114,7 @@ class Annex(PrintedPart):
         def guard(_: LandDiagnosis, decision: RuleDecision) -> str:
             return self._spread(decision.rule, uncertainty.guard_factor * decision.standard_uncertainty)
 
-        (land, clearance, wear, verdict) = names.of_lands("land", "clearance", "wear", "verdict")
+        (land, clearance, wear, verdict) = names.lands.only("land", "clearance", "wear", "verdict").columns
         return [
             Column("land", width=50, of=names.land_number) if self._numbered else land,
             Column("", "clearance", words="c_r ± U", of=clearance.of),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from math import isfinite
 from operator import itemgetter
@@ -117,6 +118,7 @@ PDF_SECTIONS = (
     *_OF_LANDS[:8], "gauges", "road_test", "repair", "estimate", "condition", "photos", "notes", "conditions", "limits",
     "decisions", "assumptions", "messages", "method", "readings", "budget", "provenance", "signatures",
 )  # fmt: skip
+_ELSEWHERE = ("sleeve", "spool", "effective", "leakage", "interval")  # of lands: in the table of all of them
 CATALOGUE_LANGUAGE = "en"  # of the sources that the catalogue's files name
 _BARS = 16  # largest number of bars in the chart of shares
 
@@ -201,9 +203,9 @@ class Body(PrintedPart):
         if not flagged:
             yield text(say("texts.none_flagged"))
             return
+        table = self.names.lands.without(*_ELSEWHERE, "land", "share", "decided_by")
+        yield printed(replace(table, rows=flagged, told=self.names.reason).filled)
         decided = ("decision",) if any(land.decision for land in flagged) else ()
-        shown = ("pair", "land", "verdict", "clearance", "mounting", "wear", "share_largest", *decided)
-        yield listed(say, flagged, *self.names.of_lands(*shown), told=self.names.reason)
         notes = ["both_rules", *decided, *(["uncertainty"] if self.diagnosis.uncertainty else [])]
         yield text(" ".join(say(f"texts.{note}") for note in notes), small=True)
 
@@ -219,19 +221,8 @@ class Body(PrintedPart):
 
     def _all(self) -> Iterable[Block]:
         names = self.names
-        shown = (
-            "land",
-            "sleeve",
-            "spool",
-            "clearance",
-            "mounting",
-            "wear",
-            "effective",
-            "leakage",
-            "interval",
-            "share",
-        )
-        yield listed(self.say, self.diagnosis.lands, *names.of_lands(*shown, "verdict"), group=names.pair)
+        table = names.lands.without("pair", "share_largest", "decided_by", "decision")
+        yield printed(replace(table, group=names.pair))
         at = names.say.condition(self.diagnosis.projection.condition)
         yield text(self.say("texts.all_at", condition=at), small=True)
 

@@ -7,7 +7,6 @@ from functools import cached_property
 
 from atleak.analysis.estimate import estimate
 from atleak.analysis.repair.plan import RepairPlan, plan_repairs
-from atleak.common.unit_systems import DM3_MIN, MM, PERCENT, UM
 from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
@@ -16,10 +15,10 @@ from atleak.diagnosis.uncertainty import Decision, Remedy
 from atleak.measurements.job_card import Job
 from atleak.report.pdf.blocks import joined
 from atleak.report.tables.estimate import EstimateWords
-from atleak.report.tables.lands import LandAtCondition, MatrixRow
+from atleak.report.tables.lands import MatrixRow, pair_table
 from atleak.report.tables.names import component_words, land_number
-from atleak.report.tables.sentences import rule_name, rule_value, wear_words
-from atleak.report.tables.table import VERDICT, Column, span
+from atleak.report.tables.sentences import rule_name, rule_value
+from atleak.report.tables.table import Table
 
 _MOSTLY = 0.5  # fraction of an uncertainty's variance
 
@@ -72,56 +71,10 @@ class PrintedNames:
         """Return the component's number, where it has one, and its name."""
         return component_words(self.diagnosis.controller, land.key[0], self.say)
 
-    # --- columns of lands
-
-    def of_lands(self, *keys: str) -> list[Column]:
-        """Return columns of lands by their names."""
-
-        def decision(land: LandDiagnosis) -> str | None:
-            return land.decision and self.decided(land.decision, land.probability_over_limit)
-
-        every = (
-            Column("pair", width=150, of=self.pair),
-            Column("land", of=lambda land: str(land.key[1])),
-            Column("verdict", VERDICT),
-            Column("sleeve", "length", 4, of=lambda land: land.state.sleeve_diameter, times=MM),
-            Column("spool", "length", 4, of=lambda land: land.state.spool_diameter, times=MM),
-            Column("clearance", "clearance", of=self._clearance),
-            Column(
-                "mounting",
-                words_of="clearance",
-                of=lambda land: span((end * UM for end in land.state.land.mounting_ends), "clearance", self.say),
-            ),
-            Column("wear", "percent", of=lambda land: wear_words(land, self.say, unit=False)),
-            Column("effective", "clearance", 1, of="effective_clearance", times=UM),
-            Column("leakage", "flow", 3, times=DM3_MIN),
-            Column("interval", words_of="flow", of=self._leakage_interval),
-            Column("share", "percent", 2, times=PERCENT),
-            Column("share_largest", "percent", 2, of=self._share_largest, times=PERCENT),
-            Column("decision", width=100, of=decision),
-        )
-        by_key = {column.key: column for column in every}
-        return [by_key[key] for key in keys]
-
-    def _clearance(self, land: LandDiagnosis) -> str:
-        """Return the radial clearance [µm] with half its interval where the uncertainty is known."""
-        value = self.say.value(land.state.radial_clearance * UM, "clearance", 1)
-        interval = land.uncertainty.clearance_interval if land.uncertainty else None
-        if interval is None:
-            return value
-        return f"{value} ± {self.say.value((interval[1] - interval[0]) / 2.0 * UM, 'clearance', 1)}"
-
-    def _leakage_interval(self, land: LandDiagnosis) -> str | None:
-        interval = land.uncertainty.leakage_interval if land.uncertainty else None
-        known = interval is not None and land.leakage > 0.0
-        return span((end * DM3_MIN for end in interval), "flow", self.say, 3) if known and interval else None
-
-    def _share_largest(self, land: LandDiagnosis) -> float | None:
-        worst = self._worst(land)
-        return None if worst.drawn_from_pump == 0.0 else worst.share
-
-    def _worst(self, land: LandDiagnosis) -> LandAtCondition:
-        return MatrixRow.of(land, self.diagnosis, self.diagnosis.projections).worst
+    @cached_property
+    def lands(self) -> Table:
+        """Return the table of all lands, without shares at single conditions, which stand in one of their own."""
+        return pair_table(self.diagnosis, self.diagnosis.lands, self.say, at=())
 
     def decided(self, decision: Decision, probability: float | None) -> str:
         """Return the words of a decision with the probability that the true value is past the limit."""
@@ -191,7 +144,7 @@ class PrintedNames:
 
         After them stands the condition at which the share is the largest.
         """
-        deciding, worst = land.deciding, self._worst(land)
+        deciding, worst = land.deciding, MatrixRow.of(land, self.diagnosis, self.diagnosis.projections).worst
         said = []
         if deciding is not None:
             others = [rule for rule in land.rules if rule.verdict.flagged and rule is not deciding]

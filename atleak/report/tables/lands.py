@@ -1,8 +1,6 @@
-"""Lay out what every land leaks at every condition: the matrix that record, page, terminal and reports show.
+"""Say what is known of lands: what each leaks at every condition, the table of lands, and the pair that is opened.
 
-Lay out lands as a table of words: verdict, name, share at each condition, wear, clearance, what decided.
-
-Say everything that is known of one component's lands: the pair that was opened in the valve body's picture.
+Terminal, page, PDF and workbook show the columns of `pair_table` that they have room for: a new one stands there alone.
 """
 
 from __future__ import annotations
@@ -15,7 +13,7 @@ from functools import partial
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.section_pressures import Pressure
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import KPA, MM, UM
+from atleak.common.unit_systems import DM3_MIN, KPA, MM, PERCENT, UM
 from atleak.common.verdicts import Verdict, worst
 from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -23,7 +21,7 @@ from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.engine.projection import Projection
 from atleak.report.tables.sentences import land_in_words, rule_name, rule_quantity, rule_reached, wear_words
-from atleak.report.tables.table import VERDICT, Column, Judged, Table
+from atleak.report.tables.table import VERDICT, Column, Judged, Table, span
 
 ANOTHER_CIRCUIT = Sentence("another circuit")
 
@@ -151,7 +149,7 @@ def pair_table(
     *,
     at: Sequence[Projection] | None = None,
 ) -> Table:
-    """Return lands as a table, in their order.
+    """Return lands as a table with all that is said of each; a medium leaves out what it has no room for.
 
     Parameters
     ----------
@@ -162,10 +160,21 @@ def pair_table(
     def share_at(projection: Projection, land: LandDiagnosis) -> Judged:
         return share_cell(land_at(land, diagnosis, projection), say)
 
+    def mounting(land: LandDiagnosis) -> str:
+        return span((end * UM for end in land.state.land.mounting_ends), "clearance", say)
+
+    def interval(land: LandDiagnosis) -> str | None:
+        known = land.uncertainty.leakage_interval if land.uncertainty and land.leakage > 0.0 else None
+        return None if known is None else span((end * DM3_MIN for end in known), "flow", say, 3)
+
+    def largest(land: LandDiagnosis) -> float | None:
+        worst = MatrixRow.of(land, diagnosis, diagnosis.projections).worst
+        return None if worst.drawn_from_pump == 0.0 else worst.share
+
     at = diagnosis.reported if at is None else at
     shares = (
         Column(
-            each.condition.name,
+            f"share_at_{each.condition.name}",
             words=say("diagnosis.column_share", condition=say.condition(each.condition)),
             of=partial(share_at, each),
         )
@@ -173,14 +182,26 @@ def pair_table(
     )
     columns = (
         Column("verdict", VERDICT),
-        Column("pair", of=lambda land: land_in_words(diagnosis, land.key, say)),
+        Column("pair", width=150, of=lambda land: land_in_words(diagnosis, land.key, say)),
+        Column("land", of=lambda land: str(land.key[1])),
         *shares,
-        Column("clearance", of=lambda land: clearance(land, say)),
-        Column("wear", of=lambda land: wear_words(land, say)),
+        Column("sleeve", "length", 4, of=lambda land: land.state.sleeve_diameter, times=MM),
+        Column("spool", "length", 4, of=lambda land: land.state.spool_diameter, times=MM),
+        Column("clearance", words_of="clearance", of=lambda land: with_half_interval(land, say)),
+        Column("mounting", words_of="clearance", of=mounting),
+        Column("wear", words_of="percent", of=lambda land: wear_words(land, say, unit=False)),
+        Column("effective", "clearance", 1, of="effective_clearance", times=UM),
+        Column("leakage", "flow", 3, times=DM3_MIN),
+        Column("interval", words_of="flow", of=interval),
+        Column("share", "percent", 2, times=PERCENT),
+        Column("share_largest", "percent", 2, of=largest, times=PERCENT),
         Column("decided_by", of=lambda land: "; ".join(why(land, say)) or None),
-        Column("decision", of=lambda land: land.decision and decision(land, say)),
+        Column("decision", width=100, of=lambda land: land.decision and decision(land, say, brief=True)),
     )
     return Table("lands", columns, lands, say)
+
+
+ON_PAPER = ("land", "sleeve", "spool", "mounting", "effective", "leakage", "interval", "share", "share_largest")
 
 
 def share_cell(cell: LandAtCondition, say: Wording) -> Judged:
@@ -198,6 +219,13 @@ def clearance(land: LandDiagnosis, say: Wording) -> str:
         return value
     low, high = (say.spelled(end * UM, "clearance") for end in interval)
     return say("diagnosis.between", value=value, low=low, high=high)
+
+
+def with_half_interval(land: LandDiagnosis, say: Wording) -> str:
+    """Return the radial clearance in the reader's unit, with half its 95 % interval where known: ``57.4 ± 5.4``."""
+    value = say.value(land.state.radial_clearance * UM, "clearance", 1)
+    low, high = (land.uncertainty and land.uncertainty.clearance_interval) or (0.0, 0.0)
+    return f"{value} ± {say.value((high - low) / 2.0 * UM, 'clearance', 1)}" if high > low else value
 
 
 def why(land: LandDiagnosis, say: Wording) -> Iterable[str]:
@@ -228,11 +256,13 @@ def _doubts(land: LandDiagnosis, say: Wording) -> Iterable[str]:
         yield say("diagnosis.tighter_than_new")
 
 
-def decision(land: LandDiagnosis, say: Wording) -> str:
-    """Say how sure the verdict is, and how likely the true value is past the limit."""
-    words = say.get("decisions", str(land.decision))
-    chance = land.probability_over_limit
-    return words if chance is None else say("diagnosis.chance", decision=words, chance=say.percent(chance, 0))
+def decision(land: LandDiagnosis, say: Wording, *, brief: bool = False) -> str:
+    """Say how sure the verdict is, and how likely the true value is past the limit: in brief ``fail (100 %)``."""
+    words, chance = say.get("decisions", str(land.decision)), land.probability_over_limit
+    if chance is None:
+        return words
+    said = say.percent(chance, 0)
+    return f"{words} ({said})" if brief else say("diagnosis.chance", decision=words, chance=said)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,14 @@ from atleak.common.verdicts import Verdict
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.charts.drawing import component_svgs
-from atleak.report.tables.lands import clearance, component_verdict, components_worst_first, opened_lands, pair_table
+from atleak.report.tables.lands import (
+    ON_PAPER,
+    clearance,
+    component_verdict,
+    components_worst_first,
+    opened_lands,
+    pair_table,
+)
 from atleak.report.tables.repairs import effect_sentences, effect_table, offered_words
 
 EN = wording("en")
@@ -24,8 +31,10 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 def test_each_flagged_land_stands_with_its_share_at_every_condition_that_reports_show(worn: Diagnosis) -> None:
     table = pair_table(worn, worn.flagged, EN)
+    assert len(table.headings) == len(set(table.headings)), "every column has words"
+    table = table.without(*ON_PAPER)
     shown = [f"Share, {each.condition.label}" for each in worn.reported]
-    assert list(table.headings) == ["Verdict", "Pair", *shown, "Clearance", "Wear", "Decided by", "Decision"]
+    assert list(table.headings) == ["Verdict", "Pair", *shown, "Clearance [µm]", "Wear [%]", "Decided by", "Decision"]
     assert list(table.rows) == list(worn.flagged)
     for land in worn.flagged:
         verdict, pair, *texts = table.texts(land)
@@ -39,7 +48,7 @@ def test_each_flagged_land_stands_with_its_share_at_every_condition_that_reports
 
 
 def test_a_share_stands_in_the_colour_of_its_own_verdict_not_of_the_land(worn: Diagnosis) -> None:
-    verdict, _, *others = pair_table(worn, worn.flagged, EN).columns
+    verdict, _, *others = pair_table(worn, worn.flagged, EN).without(*ON_PAPER).columns
     shares = others[: len(worn.reported)]
     own = {(verdict.judged(land).level, share.judged(land).level) for land in worn.flagged for share in shares}
     assert (Verdict.REPLACE, Verdict.OK) in own
