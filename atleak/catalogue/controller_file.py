@@ -1,9 +1,7 @@
-"""Read a controller from its file, or from tables that came another way, and name everything that is wrong with it.
+"""Read a controller from its file, or from tables that came another way, and write the tables as such a file.
 
 The TOML file is described in ``docs/describing-a-controller.md``. What is wrong is gathered: faults of single values
 and faults of meaning, of keys that do not fit each other, in one list, each with the place that it concerns.
-
-Write the tables of a catalogue entry as the TOML file that describes it.
 """
 
 from __future__ import annotations
@@ -46,7 +44,7 @@ from atleak.catalogue.pump import Pump
 from atleak.catalogue.pump_dimensions import read_pump
 from atleak.catalogue.remaining_tables import Remaining
 from atleak.catalogue.repairs import Complaint, ComplaintTable, LandKey, Repair, RepairTable, written_land
-from atleak.catalogue.section_pressures import SECTIONS, Pressure, PressureRelation, read_relation
+from atleak.catalogue.section_pressures import Pressure, PressureRelation, read_relation
 from atleak.common.errors import CatalogueError, DomainError, KeySteps, Message
 from atleak.common.file_faults import fault_in_words, faults_together, model_in, place_of
 from atleak.common.sentences import Name, Sentence
@@ -121,19 +119,8 @@ def _read(
     entry: ControllerFile, data: Mapping[str, Any], origin: Origin, kept: Mapping[KeySteps, Sequence[int]] = _ALL
 ) -> tuple[Controller | None, list[CatalogueError]]:
     """Return the controller and no fault, or everything that is wrong with its tables, of which some were ``kept``."""
-    reading = PartReading(
-        origin.path,
-        data,
-        entry.gears,
-        [point.name for point in entry.operating_points],
-        all(point.solenoid_current_ma is not None for point in entry.operating_points),
-        all(point.lockup_duty_percent is not None for point in entry.operating_points),
-        [*SECTIONS, *(table.id for table in entry.circuits)],
-        kept,
-    )
-    twice = sorted({gear for gear in entry.gears if entry.gears.count(gear) > 1})
-    if twice:
-        reading.faults.append(reading.fault(("gears",), Sentence("gear given twice"), value=twice[0]))
+    reading = PartReading.of(entry, data, origin.path, kept)
+    _check_gears(entry, reading)
     _check_default_materials(entry, reading)
     lands = tuple(_lands(entry, reading))
     known = [(component.id, table.land) for component in entry.components for table in component.lands]
@@ -169,6 +156,12 @@ def _read(
     if reading.faults:
         return None, reading.faults
     return replace(controller, operating_points=tuple(controller.with_line(point) for point in points)), []
+
+
+def _check_gears(entry: ControllerFile, reading: PartReading) -> None:
+    twice = [gear for gear in sorted(entry.gears) if entry.gears.count(gear) > 1]
+    if twice:
+        reading.faults.append(reading.fault(("gears",), Sentence("gear given twice"), value=twice[0]))
 
 
 def _check_line(controller: Controller, reading: PartReading) -> None:

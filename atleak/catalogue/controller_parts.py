@@ -1,6 +1,6 @@
-"""Read the tables of a controller's file against one another, and gather what is wrong with them.
+"""Read circuits, leaks, consumers, line and permissible pressures of a controller's file.
 
-Read the circuits, leaks, consumers, line and permissible pressures of a controller's file.
+Tables are read against one another, and what is wrong with them is gathered.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from atleak.catalogue.circuit_tables import (
     SetTable,
 )
 from atleak.catalogue.circuits import Circuit, Consumer, Feed, Following, Leak, PermissiblePressure, SetPressure
+from atleak.catalogue.controller_tables import ControllerFile
 from atleak.catalogue.entries import Evidence
 from atleak.catalogue.keys import in_si, made
 from atleak.catalogue.section_pressures import DRAINS, SECTIONS, Pressure
@@ -49,6 +50,23 @@ class PartReading:
     sections: Sequence[str]  # those that pressures may name, circuits included
     kept: Mapping[KeySteps, Sequence[int]]  # by list, where tables were set aside: the places of the others
     faults: list[CatalogueError] = field(default_factory=list)  # gathered so far
+
+    @classmethod
+    def of(
+        cls, entry: ControllerFile, data: Mapping[str, Any], path: Path, kept: Mapping[KeySteps, Sequence[int]]
+    ) -> PartReading:
+        """Return what the tables of a file are read against."""
+        points = entry.operating_points
+        return cls(
+            path,
+            data,
+            entry.gears,
+            [point.name for point in points],
+            all(point.solenoid_current_ma is not None for point in points),
+            all(point.lockup_duty_percent is not None for point in points),
+            [*SECTIONS, *(table.id for table in entry.circuits)],
+            kept,
+        )
 
     @contextmanager
     def gathering(self) -> Iterator[None]:

@@ -185,9 +185,7 @@ def _displacement(table: PumpTable, sizes: Mapping[str, Any], reading: PartReadi
     """Return what a pump displaces [m³/rev]; None, with the fault gathered, where the table does not say."""
     kind = None if table.kind is None else _KINDS[table.kind]
     if table.displacement_mm3 is not None:
-        of_slip = (*kind.of_faces, *kind.of_tips) if kind else ()
-        of_size = [key for key in (*_BY_MODULE, *(kind.sizes if kind else ())) if key not in of_slip]
-        twice = [key for key in _DIMENSIONS if key in of_size and getattr(table, key) is not None]
+        twice = _dimensions_beside(table, kind)
         if not twice:
             return table.displacement_mm3 * 1e-9
         problem = Sentence("the displacement is stated, and {keys} too, from which it would follow", keys=twice)
@@ -197,21 +195,28 @@ def _displacement(table: PumpTable, sizes: Mapping[str, Any], reading: PartReadi
     formula, keys = (kind.displacement, kind.sizes) if kind else (equations.displacement, _BY_MODULE)
     if table.kind in _WITH_MODULE and (table.module_mm is not None or table.tooth_height_mm is not None):
         formula, keys = equations.displacement, _BY_MODULE
-    missing = [key for key in keys if key not in sizes]
-    if not missing:
-        misfit = None if formula is equations.displacement else _misfit(table, reading)
-        if misfit is not None:
-            reading.faults.append(misfit)
-            return None
-        return float(formula(*(sizes[key] for key in keys)))
-    if len(missing) == len(keys):
+    there = [key for key in keys if key in sizes]
+    if not there:
         problem = Sentence("nothing says what the pump displaces")
         reading.faults.append(reading.fault_of_table(("pump",), problem, expected=_ways(kind)))
-    else:
-        for key in missing:
-            problem = Sentence("missing beside {keys}", keys=[known for known in keys if known in sizes])
+    for key in keys if there else ():
+        if key not in sizes:
+            problem = Sentence("missing beside {keys}", keys=there)
             reading.faults.append(reading.fault(("pump", key), problem, expected=_ways(kind)))
-    return None
+    if len(there) < len(keys):
+        return None
+    misfit = None if formula is equations.displacement else _misfit(table, reading)
+    if misfit is not None:
+        reading.faults.append(misfit)
+        return None
+    return float(formula(*(sizes[key] for key in keys)))
+
+
+def _dimensions_beside(table: PumpTable, kind: _Kind | None) -> list[str]:
+    """Return the dimensions of a table from which a displacement follows, those of its slip aside."""
+    of_slip, sizes = ((*kind.of_faces, *kind.of_tips), kind.sizes) if kind else ((), ())
+    of_size = {*_BY_MODULE, *sizes} - set(of_slip)
+    return [key for key in _DIMENSIONS if key in of_size and getattr(table, key) is not None]
 
 
 def _misfit(table: PumpTable, reading: PartReading) -> CatalogueError | None:

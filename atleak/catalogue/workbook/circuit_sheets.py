@@ -40,6 +40,15 @@ ALWAYS, BY_POINT, BY_GEAR, BY_CURRENT, BY_DUTY, FOLLOWING = SET_BY = (
     "another circuit",
 )
 UNREADABLE = "?"  # in place of a value that could not be read
+_WHICH, _LEVEL, _PRESSURE, _RATIO = 2, 3, 4, 5  # columns of `SetPressures`
+_ASKED: Mapping[str, tuple[int, ...]] = {  # the most rows that a way takes, 0 for any, and the columns that it asks for
+    ALWAYS: (1, _PRESSURE),
+    BY_POINT: (0, _WHICH, _PRESSURE),
+    BY_GEAR: (0, _WHICH, _PRESSURE),
+    BY_CURRENT: (0, _LEVEL, _PRESSURE),
+    BY_DUTY: (0, _LEVEL, _PRESSURE),
+    FOLLOWING: (1, _WHICH, _RATIO),
+}
 _LISTED = {BY_CURRENT: "current_ma", BY_DUTY: "duty_percent"}
 _EMPTY_CHART = (REVERSE, NEUTRAL, 1, 2, 3, 4, 5, 6)
 _MARKED, _UNMARKED = {"x", "yes", "on", "1", "●", "•", "✓", "✔", "+", "applied"}, {"no", "off", "0", "-", "–", "—"}
@@ -91,36 +100,44 @@ class SetPressures(WorkbookSheet):
             return None
         if any(by in row.cells and by not in row.values for row in rows):
             return None
-        further = [row for row in rows[1:] if row.values.get(by) != way or way in {ALWAYS, FOLLOWING}]
-        expected = Sentence("{way} in every row of this circuit", way=way)
-        if way in {ALWAYS, FOLLOWING}:
-            expected = Sentence("one row")
-        for row in further:
-            into.fault(row, by, Sentence("does not go with the rows before it"), expected)
-        by_name, following = (which, pressure), (which, ratio)
-        asked = {ALWAYS: (pressure,), BY_POINT: by_name, BY_GEAR: by_name, FOLLOWING: following}
-        wanted = asked.get(way, (level, pressure))
-        lacking = [(row, heading) for row in rows for heading in wanted if heading not in row.values]
-        for row, heading in lacking:
-            if heading not in row.cells:
-                problem = Sentence("missing where it is set by {way}", way=way)
-                into.fault(row, heading, problem, Sentence("a value under {heading}", heading=heading))
-        if further or lacking:
+        if not self._go_together(rows, way, into):
             return None
+        first = rows[0].values
         if way == ALWAYS:
-            return rows[0].values[pressure]
+            return first[pressure]
         if way == FOLLOWING:
             names = {"from": which, "ratio": ratio, "offset_kpa": offset}
             for key, heading in names.items():
                 into.mark((*at, key), rows[0].at(heading))
-            return {key: rows[0].values[heading] for key, heading in names.items() if heading in rows[0].values}
+            return {key: first[heading] for key, heading in names.items() if heading in first}
         if way in _LISTED:
+            names = {_LISTED[way]: level, "kpa": pressure}
             for number, row in enumerate(rows):
-                into.mark((*at, _LISTED[way], number), row.at(level))
-                into.mark((*at, "kpa", number), row.at(pressure))
-            return {_LISTED[way]: [row.values[level] for row in rows], "kpa": [row.values[pressure] for row in rows]}
+                for key, heading in names.items():
+                    into.mark((*at, key, number), row.at(heading))
+            return {key: [row.values[heading] for row in rows] for key, heading in names.items()}
+        return self._of_names(rows, way, at, into)
+
+    def _go_together(self, rows: Sequence[WorkbookRow], way: str, into: Description) -> bool:
+        """Tell whether the rows are set by the same and have what that asks for; a fault of each that is not."""
+        by, (most, *wanted) = self._headings[1], _ASKED[way]
+        further = [row for row in rows[1:] if most == 1 or row.values.get(by) != way]
+        expected = Sentence("one row") if most == 1 else Sentence("{way} in every row of this circuit", way=way)
+        for row in further:
+            into.fault(row, by, Sentence("does not go with the rows before it"), expected)
+        headings = [self._headings[column] for column in wanted]
+        lacking = [(row, heading) for row in rows for heading in headings if heading not in row.values]
+        for row, heading in lacking:
+            if heading not in row.cells:
+                problem = Sentence("missing where it is set by {way}", way=way)
+                into.fault(row, heading, problem, Sentence("a value under {heading}", heading=heading))
+        return not further and not lacking
+
+    def _of_names(self, rows: Sequence[WorkbookRow], way: str, at: KeySteps, into: Description) -> Any:
+        """Return the pressures of operating points or gears; None where a fault is found."""
+        _, _, which, _, pressure, _, _ = self._headings
         named: Values = {}
-        known = len(into.faults)
+        known, steps = len(into.faults), (*at, "gear") if way == BY_GEAR else at
         for row in rows:
             for name in [point_of(row, which, into)] if way == BY_POINT else self._gears(row, which, into):
                 if name is None:
@@ -128,7 +145,7 @@ class SetPressures(WorkbookSheet):
                 if name in named:
                     into.fault(row, which, Sentence("given twice"), Sentence("each once"))
                 named[name] = row.values[pressure]
-                into.mark((*at, *(("gear",) if way == BY_GEAR else ()), name), row.at(which))
+                into.mark((*steps, name), row.at(which))
         if len(into.faults) > known:
             return None
         return {"gear": named} if way == BY_GEAR else named

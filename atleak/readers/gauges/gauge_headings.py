@@ -82,6 +82,11 @@ class _Heading:
     unit: Unit | None = None
     wrong_unit: str | None = None  # in square brackets, and none that is known
 
+    @property
+    def of_pressure(self) -> bool:
+        """Return whether a unit or a word for pressure stands in it, if only a wrong one."""
+        return bool(self.unit or self.wrong_unit or not self.said.anything)
+
 
 @dataclass(frozen=True)
 class GaugeWords:
@@ -257,6 +262,11 @@ class _Head:
     unit: tuple[str, int, int] | None = None  # text, row, column
     temperature: tuple[Cell, int, int] | None = None
 
+    @property
+    def in_pressure(self) -> bool:
+        """Return whether its unit is one of pressure."""
+        return self.unit is not None and find_unit(str(self.unit[0]), "pressure") is not None
+
 
 @dataclass(frozen=True)
 class GaugeTable:
@@ -363,19 +373,19 @@ def _complete(
     """
     values = [heading for heading in headings.values() if heading.kind == "value"]
     kinds = {heading.kind for heading in headings.values()}
-    of_pressures = (head.unit is not None and find_unit(str(head.unit[0]), "pressure") is not None) or any(
-        heading.unit or heading.wrong_unit or not heading.said.anything for heading in values
-    )
+    of_pressures = head.in_pressure or any(heading.of_pressure for heading in values)
     labelled = of_pressures
     if not of_pressures and all(heading.text.isdigit() for heading in values):
         return None
     for kind in ("range", "engine", "tap"):
-        stated = [getattr(heading.said, kind) is not None for heading in values]
-        if any(stated) and not all(stated):
+        stated = {getattr(heading.said, kind) is not None for heading in values}
+        if len(stated) > 1:
             return None
-        if kind in kinds and (of_pressures or kind == "tap"):
-            continue
-        if kind not in kinds and (all(stated) or getattr(head.said, kind) is not None):
+        if kind in kinds:
+            settled = of_pressures or kind == "tap"
+        else:
+            settled = all(stated) or getattr(head.said, kind) is not None
+        if settled:
             continue
         column = _column_that_says(sheet, row, headings, kind, words)
         if column is not None:
