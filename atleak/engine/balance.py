@@ -195,18 +195,6 @@ class _Structure:
         self.gaps, self.others = len(gaps), len(branches)  # how many stand first: gaps, and all but feeds
         self.ends = [(self.rows[each.high.section], self.rows[each.low.section]) for each in self.branches]
         self.high, self.low = np.array(self.ends, int).reshape(-1, 2).T
-        #: of which one end is a share of a pressure, or the lower a pressure that stays the same
-        self.shares = [
-            (number, each.high.coefficient, each.low.coefficient, each.low.constant)
-            for number, each in enumerate(self.branches)
-            if each.high.coefficient != 1.0 or (each.low.coefficient, each.low.constant) not in ((1.0, 0.0), (0.0, 0.0))
-        ]
-        #: which let nothing back although their lower pressure may be the higher one
-        self.one_way = [
-            number
-            for number, each in enumerate(self.branches[: self.others])
-            if not leaks_both_ways(each, network.solved) and (each.low.section or each.low.constant)
-        ]
         self.feeds: list[list[int]] = [[] for _ in self.circuits]
         for number, feed in enumerate(network.feeds, start=self.others):
             self.feeds[self.rows[feed.into]].append(number)
@@ -216,14 +204,36 @@ class _Structure:
         self.pairs: dict[tuple[int, int], _Sum] = {}
         for number, each in enumerate(self.branches[: self.others]):
             for name, sign in ((each.high.section, 1.0), (each.into, -1.0)):
-                at = self.rows[name] if name is not None else len(names)
-                if at >= len(names):
-                    continue
-                self.sums[at].append((number, sign))
-                for end, way in ((each.high, 1.0), (each.low, -1.0)):
-                    other = self.rows[end.section]
-                    if other < self.last:
-                        self.pairs.setdefault((at, other), []).append((number, sign * way * end.coefficient))
+                if name is not None and self.rows[name] < len(names):
+                    self._add(self.rows[name], number, sign)
+
+    def _add(self, circuit: int, number: int, sign: float) -> None:
+        """Count a branch among those that a circuit feeds, or is fed by."""
+        self.sums[circuit].append((number, sign))
+        branch = self.branches[number]
+        for end, way in ((branch.high, 1.0), (branch.low, -1.0)):
+            other = self.rows[end.section]
+            if other < self.last:
+                self.pairs.setdefault((circuit, other), []).append((number, sign * way * end.coefficient))
+
+    @cached_property
+    def shares(self) -> list[tuple[int, float, float, float]]:
+        """Return the branches of which an end is a share of a pressure, or the lower one always the same pressure."""
+        whole = ((1.0, 0.0), (0.0, 0.0))
+        return [
+            (number, each.high.coefficient, each.low.coefficient, each.low.constant)
+            for number, each in enumerate(self.branches)
+            if each.high.coefficient != 1.0 or (each.low.coefficient, each.low.constant) not in whole
+        ]
+
+    @cached_property
+    def one_way(self) -> list[int]:
+        """Return the branches that let nothing back although their lower pressure may be the higher one."""
+        return [
+            number
+            for number, each in enumerate(self.branches[: self.others])
+            if not leaks_both_ways(each, self.network.solved) and (each.low.section or each.low.constant)
+        ]
 
 
 _Sum = list[tuple[int, float]]  # the numbers of branches, each with its factor
