@@ -34,7 +34,7 @@ from atleak.measurements.own_lands import LENGTHS_MEASURED, REPAIR_FITTED
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.first_sentence import impossible_part, may_parts, pump_sentence, shown_verdict, worn_pump
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
-from atleak.report.tables.lands import LandAtCondition, leaking_worst_first, pair_table
+from atleak.report.tables.lands import ON_PAPER, LandAtCondition, leaking_worst_first, pair_table
 from atleak.report.tables.names import positions
 from atleak.report.tables.repairs import no_help, option_rows, plan_ends, planned
 from atleak.report.tables.road_test import instant_record, road_instants
@@ -124,7 +124,7 @@ def _unit(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
     yield f"At these speeds the pump covers the leakage and its own slip; {counted}."
     if diagnosis.flagged:
         flagged = pair_table(diagnosis, diagnosis.flagged, say, at=())
-        flagged = flagged.only("verdict", "pair", "clearance", "mounting", "wear", "decided_by")
+        flagged = flagged.without(*(key for key in ON_PAPER if key != "mounting"), "decision")
         named = {"pair": Column("pair", of=lambda land: _named(diagnosis, land))}
         yield laid_out(replace(flagged, columns=tuple(named.get(each.key, each) for each in flagged.columns)))
     else:

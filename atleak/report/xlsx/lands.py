@@ -1,11 +1,8 @@
-"""Define the columns of the sheet of lands: each knows its heading, its width and the content of a land's cell.
-
-A column is added in `land_columns`. A cell with a formula holds atleak's own number as its cached value.
-
-Bring together the sheets that compute, from diameters to verdicts.
+"""Write the sheet of lands, and bring together all sheets that compute, from diameters to verdicts.
 
 A cell that atleak computed holds the formula an auditor would write and, as its cached value, atleak's own number. What
-an auditor may change (diameters, contact lengths, conditions, limits) is blue.
+an auditor may change (diameters, contact lengths, conditions, limits) is blue. A column with a formula is added in
+`land_columns`; one of `pair_table` that has none here stands at the end, as issued.
 """
 
 from __future__ import annotations
@@ -19,10 +16,10 @@ from atleak.catalogue.repairs import LandKey
 from atleak.common.sentences import Sentence
 from atleak.common.style import DATA_BAR
 from atleak.common.unit_systems import DM3_MIN, MM, PERCENT, UM
-from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
+from atleak.report.tables.lands import ON_PAPER, pair_table
 from atleak.report.tables.names import spools_taken
 from atleak.report.tables.sentences import replace_at
 from atleak.report.xlsx.book import ReportBook, cell
@@ -52,6 +49,7 @@ from atleak.report.xlsx.readings import DirectionCells, ReadingCells
 from atleak.report.xlsx.rules import LimitCells, RuleCells
 from atleak.report.xlsx.uncertainty import BudgetCells, InstrumentCells
 
+_HAS_ITS_OWN = ("verdict", "pair", "clearance", "wear", "decision", *ON_PAPER)  # of the columns of `pair_table`
 _STATUS = {
     "measured": Sentence("measured"),
     "spool_only": Sentence("spool only"),
@@ -236,9 +234,6 @@ def _as_issued(live: LiveSheets, *, uncertain: bool) -> Iterable[LiveColumn]:
 
         return leakage
 
-    def because(land: LandDiagnosis) -> str | None:
-        return land.deciding.label if land.deciding and land.verdict != Verdict.OK else None
-
     def representative(land: LandDiagnosis) -> str | None:
         return ", ".join(say.get("parts", name) for name in land.state.land.representative) or None
 
@@ -256,8 +251,10 @@ def _as_issued(live: LiveSheets, *, uncertain: bool) -> Iterable[LiveColumn]:
     if any(land.replace_mileage is not None for land in live.lands):
         yield LiveColumn("mileage", Sentence("replace at (90 % interval), wear ∝ mileage, as issued"), width=30,
                          value=lambda land: replace_at(land, say))
-    yield LiveColumn("because", Sentence("rule that gave the verdict, as issued"), value=because, width=46,
-                     look=AFTER_A_NUMBER)
+    for column in pair_table(live.diagnosis, live.lands, say, at=()).without(*_HAS_ITS_OWN).columns:
+        heading = Sentence("{column}, as issued", column=column.heading(say))
+        yield LiveColumn(column.key, heading, value=partial(column.cell, say=say, rounded=True), look=AFTER_A_NUMBER,
+                         width=14 if column.is_number else 46)
     yield LiveColumn("representative", Sentence("representative values"), value=representative, width=40)
     # fmt: on
 
