@@ -18,7 +18,8 @@ from atleak.measurements.job_card import Job
 from atleak.report.charts.drawing import shortened
 from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.pdf.blocks import joined, section_blocks
-from atleak.report.pdf.typesetting import common_data, compile_pdf, write_pictures
+from atleak.report.pdf.typesetting import common_data, compile_pdf
+from atleak.report.pictures import write_pictures
 from atleak.report.printed_fonts import OwnFont
 from atleak.report.tables.section import Picture
 

@@ -53,8 +53,14 @@ def asked(book: Book) -> Query:
 
     def choice(place: Any, name: str, options: Sequence[str], shown: Callable[[Any], str]) -> str:
         label = say(f"columns.{name}")
-        shown_or_any = partial(_shown_or_any, shown)
-        return str(place.selectbox(label, ["", *options], key=f"job-list-{name}", format_func=shown_or_any))
+        return str(
+            place.selectbox(
+                label,
+                ["", *options],
+                key=f"job-list-{name}",
+                format_func=lambda each: shown(each) if each else say("job_book.any"),
+            )
+        )
 
     with st.expander(say("job_book.narrow")):
         places = st.columns(4)
@@ -73,10 +79,6 @@ def asked(book: Book) -> Query:
         controller=controller,
         archived=archived,
     )
-
-
-def _shown_or_any(shown: Callable[[Any], str], each: Any) -> str:
-    return shown(each) if each else reader.say()("job_book.any")
 
 
 def listed(book: Book, query: Query) -> list[JobRow]:

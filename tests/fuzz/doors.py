@@ -29,7 +29,7 @@ from atleak.readers.process.parent import FaultOfChild
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.typed_sheet import typed_in
 from atleak.report.json.diagnosis import diagnosis_record
-from atleak.report.pdf.typesetting import printable_picture
+from atleak.report.pictures import printable_picture
 
 SECONDS = 2.0
 """Time of this process's own that a file may take; what a child process takes has a budget of its own."""

@@ -21,7 +21,8 @@ from atleak.report.pdf.body import Body, chosen_sections
 from atleak.report.pdf.customer import CustomerPage
 from atleak.report.pdf.front import Front
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.report.pdf.typesetting import common_data, compile_pdf, named_characters, unprintable, write_pictures
+from atleak.report.pdf.typesetting import common_data, compile_pdf, named_characters, unprintable
+from atleak.report.pictures import write_pictures
 from atleak.report.printed_fonts import OwnFont
 from atleak.report.tables.road_test import road_series
 

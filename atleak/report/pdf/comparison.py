@@ -21,7 +21,8 @@ from atleak.diagnosis.land import LandDiagnosis
 from atleak.measurements.job_card import Job
 from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.pdf.blocks import joined, section_blocks, signatures
-from atleak.report.pdf.typesetting import common_data, compile_pdf, write_pictures
+from atleak.report.pdf.typesetting import common_data, compile_pdf
+from atleak.report.pictures import write_pictures
 from atleak.report.printed_fonts import OwnFont
 from atleak.report.tables.comparison import (
     differing_sentence,

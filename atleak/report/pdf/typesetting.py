@@ -1,8 +1,6 @@
-"""Turn the core's drawings into pictures for programs that take no SVG, with the package's own fonts alone.
+"""Set pages with typst: as PDF/A-2a and PDF/UA-1 where the bundled fonts allow, else as a plain PDF that says so.
 
-Prepare the pictures of a job for printing.
-
-Set pages with typst: as PDF/A-2a and PDF/UA-1 where the bundled fonts allow, else as a plain PDF that says so.
+Typst also turns the core's drawings into pictures for programs that take no SVG.
 """
 
 from __future__ import annotations
@@ -12,7 +10,6 @@ import io
 import json
 import shutil
 import unicodedata
-import warnings
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -20,12 +17,9 @@ from pathlib import Path
 from typing import Any
 
 import typst
-from PIL import Image, ImageColor, ImageOps
+from PIL import Image, ImageColor
 
-from atleak.common.damage import own_errors_only
-from atleak.common.errors import InputError
 from atleak.common.seals import KEYWORD
-from atleak.common.sentences import Sentence
 from atleak.common.style import LOOKS, PAPER_INKS, SHEET_OF_PAPER, Paper
 from atleak.common.verdicts import VERDICTS, Verdict
 from atleak.common.wording import Wording
@@ -85,51 +79,6 @@ def _shades(ground: str) -> list[int]:
     """Return for every shade the nearest one that is kept: sixteen and that of the ground, so that no box is seen."""
     kept = (*range(0, 256, 17), ImageColor.getcolor(ground, "L"))
     return [min(kept, key=lambda shade: abs(shade - each)) for each in range(256)]
-
-
-_PHOTO_PIXELS = 1400  # of the longer side: enough to be sharp at the printed size
-_PICTURE_LIMIT = 80_000_000  # a picture with more pixels is not opened
-
-
-def write_pictures(job: Job, folder: Path) -> dict[str, str]:
-    """Write the job's pictures beside the template, upright and no larger than they are printed; return their files."""
-    files = {}
-    for number, (name, content) in enumerate(job.pictures.items()):
-        suffix, content = printable_picture(name, content)
-        files[name] = f"picture{number}.{suffix}"
-        (folder / files[name]).write_bytes(content)
-    return files
-
-
-@own_errors_only(InputError, "name")
-def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
-    """Return a picture as PNG or JPEG, upright, scaled down and without its metadata (a phone writes the place there).
-
-    Raises
-    ------
-    InputError
-        if the picture is no PNG, JPEG or WebP file, is damaged or is too large.
-    """
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of damaged notes of the camera: the picture can be seen all the same
-            warnings.simplefilter("error", Image.DecompressionBombWarning)
-            picture: Image.Image = Image.open(io.BytesIO(content), formats=("PNG", "JPEG", "WEBP"))
-            if picture.width * picture.height > _PICTURE_LIMIT:
-                expected = Sentence("at most {count} pixels", count=_PICTURE_LIMIT)
-                raise InputError(Sentence("picture too large"), value=name, expected=expected)
-            picture = ImageOps.exif_transpose(picture)
-            picture.thumbnail((_PHOTO_PIXELS, _PHOTO_PIXELS))
-            transparent = picture.mode in ("RGBA", "LA", "PA") or "transparency" in picture.info
-            target = io.BytesIO()
-            if transparent:
-                picture.convert("RGBA").save(target, "PNG")
-                return "png", target.getvalue()
-            picture.convert("RGB").save(target, "JPEG", quality=85)
-            return "jpg", target.getvalue()
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
-        expected = Sentence("a sound PNG, JPEG or WebP file")
-        raise InputError(Sentence("picture cannot be read"), value=name, expected=expected) from error
 
 
 STANDARDS: tuple[typst.PDFStandard, ...] = ("a-2a", "ua-1")

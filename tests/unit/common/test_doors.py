@@ -22,7 +22,7 @@ from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.logs import log_columns, understand
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.typed_sheet import typed_in
-from atleak.report.pdf.typesetting import printable_picture
+from atleak.report.pictures import printable_picture
 
 DOORS = (
     *(read_readings, read_pressure_table, read_study, understand, log_columns, read_controller_workbook),

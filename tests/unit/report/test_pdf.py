@@ -30,7 +30,7 @@ from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.measurements.job_card import Job
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import PDF_SECTIONS
-from atleak.report.pdf.typesetting import printable_picture
+from atleak.report.pictures import printable_picture
 from atleak.report.tables.first_sentence import lands_part
 from atleak.report.tables.lands import leaking_worst_first
 from tests.unit.report.read_back import is_archival, pages_of, squeezed, text_of

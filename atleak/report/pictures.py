@@ -1,0 +1,58 @@
+"""Pictures of a job, made ready for printing."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from pathlib import Path
+
+from PIL import Image, ImageOps
+
+from atleak.common.damage import own_errors_only
+from atleak.common.errors import InputError
+from atleak.common.sentences import Sentence
+from atleak.measurements.job_card import Job
+
+_PHOTO_PIXELS = 1400  # of the longer side: enough to be sharp at the printed size
+_PICTURE_LIMIT = 80_000_000  # a picture with more pixels is not opened
+
+
+def write_pictures(job: Job, folder: Path) -> dict[str, str]:
+    """Write the job's pictures beside the template, upright and no larger than they are printed; return their files."""
+    files = {}
+    for number, (name, content) in enumerate(job.pictures.items()):
+        suffix, content = printable_picture(name, content)
+        files[name] = f"picture{number}.{suffix}"
+        (folder / files[name]).write_bytes(content)
+    return files
+
+
+@own_errors_only(InputError, "name")
+def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
+    """Return a picture as PNG or JPEG, upright, scaled down and without its metadata (a phone writes the place there).
+
+    Raises
+    ------
+    InputError
+        if the picture is no PNG, JPEG or WebP file, is damaged or is too large.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of damaged notes of the camera: the picture can be seen all the same
+            warnings.simplefilter("error", Image.DecompressionBombWarning)
+            picture: Image.Image = Image.open(io.BytesIO(content), formats=("PNG", "JPEG", "WEBP"))
+            if picture.width * picture.height > _PICTURE_LIMIT:
+                expected = Sentence("at most {count} pixels", count=_PICTURE_LIMIT)
+                raise InputError(Sentence("picture too large"), value=name, expected=expected)
+            picture = ImageOps.exif_transpose(picture)
+            picture.thumbnail((_PHOTO_PIXELS, _PHOTO_PIXELS))
+            transparent = picture.mode in ("RGBA", "LA", "PA") or "transparency" in picture.info
+            target = io.BytesIO()
+            if transparent:
+                picture.convert("RGBA").save(target, "PNG")
+                return "png", target.getvalue()
+            picture.convert("RGB").save(target, "JPEG", quality=85)
+            return "jpg", target.getvalue()
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
+        expected = Sentence("a sound PNG, JPEG or WebP file")
+        raise InputError(Sentence("picture cannot be read"), value=name, expected=expected) from error
