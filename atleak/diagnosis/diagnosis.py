@@ -28,7 +28,7 @@ from atleak.diagnosis.land import (
     without_rate,
 )
 from atleak.diagnosis.messages import messages_of, sheet_messages
-from atleak.diagnosis.provisional import AssumedBasis, representative_bases
+from atleak.diagnosis.provisional import AssumedBasis, Representative
 from atleak.diagnosis.road import driven, evaluated
 from atleak.diagnosis.road_findings import RoadFindings
 from atleak.diagnosis.rules import Rule, UnitRules, cannot_be, unit_rules
@@ -275,7 +275,7 @@ class Diagnosis:
             else:
                 rules += [(rule, self.controller.lands) for rule in ([each] if isinstance(each, Rule) else each.rules)]
         states = [land.state for land in self.lands]
-        return representative_bases(rules, self.controller, self.fluid, states, uses_slip=self.model.uses_slip)
+        return Representative(self.controller, self.fluid, states, uses_slip=self.model.uses_slip).bases(rules)
 
     def with_mileage(self, mileage: float | None) -> Diagnosis:
         """Return the same at another mileage [km]: only when lands are to be replaced, and a message, follow from it.

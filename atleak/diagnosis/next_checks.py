@@ -6,7 +6,7 @@ source study, or this project's own choice. The words stand with the other texts
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -46,9 +46,9 @@ def next_checks(
     against = tuple(_against_command(findings, commanded_limit, low=low))
     as_commanded = any(check.code == "low_as_commanded" for check in against)  # then no leak is behind it
     checks = [
-        *(_where_low(permitted, leaks=not as_commanded) if permitted is not None and low else ()),
+        *(_WhereLow(permitted, leaks=not as_commanded).checks() if permitted is not None and low else ()),
         *against,
-        *(_too_high(permitted) if permitted is not None else ()),
+        *([NextCheck("above_permitted", "project")] if permitted is not None and permitted.above > 0.0 else ()),
         *_not_judged(findings, gauged=gauged),
         *_tests(findings),
         *_temperature(findings, low=low),
@@ -56,39 +56,63 @@ def next_checks(
     return tuple(checks)
 
 
-def _where_low(permitted: RoadPressure, *, leaks: bool) -> Iterator[NextCheck]:
-    """Read from where pressure is low, and from how warm the fluid is there, what may be behind it.
+class _WhereLow:
+    """Where main pressure was low, and where it was judged, as warm, and was not.
 
     ``leaks``: whether a leak may be behind a fall with the fluid's temperature; else it falls as commanded.
     """
-    judged = [place for place in permitted.places if place.worst is not None]
-    low = [place for place in judged if place.below > 0.0]
-    fine = [place for place in judged if not place.below]
-    slumps = [place for place in low if place.slump is not None] if leaks else []
-    if slumps:
-        yield from _falls_with_heat(min(slumps, key=_idle_and_lowest_first))
-        hot, cold = (pick(place.held[end].temperature for place in slumps) for pick, end in ((max, -1), (min, 0)))
-        # others were not seen as hot, or as cold
-        fine = [place for place in fine if place.held and place.held[-1].temperature >= hot - SLUMP_SPAN]
-        cold_too = [place for place in low if place.held and place.held[0].temperature <= cold + SLUMP_SPAN]
-        if not fine and all(place in slumps for place in cold_too):
+
+    def __init__(self, permitted: RoadPressure, *, leaks: bool) -> None:
+        judged = [place for place in permitted.places if place.worst is not None]
+        self.low = [place for place in judged if place.below > 0.0]
+        self.fine = [place for place in judged if not place.below]
+        self.slumps = [place for place in self.low if place.slump is not None] if leaks else []
+        if self.slumps:  # others were not seen as hot
+            hot = max(place.held[-1].temperature for place in self.slumps) - SLUMP_SPAN
+            self.fine = [place for place in self.fine if place.held and place.held[-1].temperature >= hot]
+        self.gears = {place.gear for place in self.low}
+        self.states, self.fine_states = ({place.state for place in places} for places in (self.low, self.fine))
+
+    @property
+    def only_hot(self) -> bool:
+        """Tell whether it slumps wherever it was seen hot, and is low from cold nowhere."""
+        if self.fine or not self.slumps:
+            return False
+        cold = min(place.held[0].temperature for place in self.slumps) + SLUMP_SPAN
+        return all(place in self.slumps for place in self.low if place.held and place.held[0].temperature <= cold)
+
+    @property
+    def in_one_place(self) -> bool:
+        return len({(place.gear, place.state) for place in self.low}) == 1
+
+    @property
+    def in_one_gear(self) -> bool:
+        return len(self.gears) == 1 and not any(place.gear in self.gears for place in self.fine)
+
+    def checks(self) -> Iterator[NextCheck]:
+        """Read from where pressure is low, and from how warm the fluid is there, what may be behind it."""
+        if self.slumps:
+            yield from _falls_with_heat(min(self.slumps, key=_idle_and_lowest_first))
+        if self.only_hot:
             return  # fluid level and filter come first only where it is low from cold
-    if not fine:
-        alone = len({(place.gear, place.state) for place in low}) == 1
-        yield NextCheck("low_where_judged" if alone else "low_everywhere", "project")
-        coldest = [place.held[0].temperature for place in low if place.held]
-        if coldest and min(coldest) >= WARM:
+        code, source = next((code, source) for code, source, holds in _WHERE if holds(self))
+        named = {"low_in_one_gear": "gear", "low_in_some": "gears"}.get(code)
+        yield NextCheck(code, source, {named: ", ".join(map(str, sorted(self.gears)))} if named else {})
+        coldest = [place.held[0].temperature for place in self.low if place.held]
+        if not self.fine and coldest and min(coldest) >= WARM:
             yield NextCheck("compare_cold", "practice", {"coldest": Quantity(min(coldest), "temperature")})
-    elif all(place.state == "idle" for place in low) and any(place.state != "idle" for place in fine):
-        yield NextCheck("low_at_idle_only", "practice")
-    elif len(gears := _gears(low)) == 1 and not gears & _gears(fine):
-        yield NextCheck("low_in_one_gear", "practice", {"gear": str(min(gears))})
-    elif all(place.state != "idle" for place in low) and any(place.state == "idle" for place in fine):
-        yield NextCheck("low_under_load", "project")
-    else:
-        yield NextCheck("low_in_some", "project", {"gears": ", ".join(map(str, sorted(gears)))})
-    if not slumps:
-        yield NextCheck("then_measure", "project")
+        if not self.slumps:
+            yield NextCheck("then_measure", "project")
+
+
+_WHERE: tuple[tuple[str, CheckSource, Callable[[_WhereLow], bool]], ...] = (  # the first that holds
+    ("low_where_judged", "project", lambda it: not it.fine and it.in_one_place),
+    ("low_everywhere", "project", lambda it: not it.fine),
+    ("low_at_idle_only", "practice", lambda it: it.states == {"idle"} and it.fine_states != {"idle"}),
+    ("low_in_one_gear", "practice", lambda it: it.in_one_gear),
+    ("low_under_load", "project", lambda it: "idle" not in it.states and "idle" in it.fine_states),
+    ("low_in_some", "project", lambda it: True),
+)
 
 
 def _idle_and_lowest_first(place: PlaceFinding) -> tuple[int, float]:
@@ -104,10 +128,6 @@ def _falls_with_heat(place: PlaceFinding) -> Iterator[NextCheck]:
             values[f"{name}_at"] = Quantity(each.temperature, "temperature")
         values["least"] = Quantity(place.worst.limit * KPA, "pressure")
         yield NextCheck("falls_with_heat", "practice", values)
-
-
-def _gears(places: Iterable[PlaceFinding]) -> set[int]:
-    return {place.gear for place in places}
 
 
 def _against_command(findings: RoadFindings, limit: float | None, *, low: bool) -> Iterator[NextCheck]:
@@ -126,11 +146,6 @@ def _against_command(findings: RoadFindings, limit: float | None, *, low: bool) 
         yield NextCheck("above_commanded", "ford_2017", values)
     elif low:
         yield NextCheck("low_as_commanded", "project", values)
-
-
-def _too_high(permitted: RoadPressure) -> Iterator[NextCheck]:
-    if permitted.above > 0.0:
-        yield NextCheck("above_permitted", "project")
 
 
 def _not_judged(findings: RoadFindings, *, gauged: bool) -> Iterator[NextCheck]:

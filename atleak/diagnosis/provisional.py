@@ -5,7 +5,7 @@ A representative value is one of such units in general, neither measured on this
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from enum import StrEnum
 
 from atleak.catalogue.controller import Controller, Land
@@ -68,55 +68,60 @@ _HARDLY_MATTERS = ("density_g_cm3", "density_slope_g_cm3_k")  # by which fluids 
 _TABLES = {"pressures": AssumedBasis.SECTIONS}  # of a file whose name is not that of what rests on them
 
 
-def representative_bases(
-    rules: Iterable[tuple[Rule, Iterable[Land]]],
-    controller: Controller,
-    fluid: Fluid,
-    states: Iterable[LandClearance],
-    *,
-    uses_slip: bool,
-) -> tuple[AssumedBasis, ...]:
-    """Return which representative values some rules rest on, each once.
+class Representative:
+    """The representative values of a unit: of its valve body, its fluid and the lands that nobody measured.
 
     Parameters
     ----------
-    rules
-        each with the lands that it judges or that take part in what it judges.
     states
         what was measured of every land: of one measured on both parts the nominal diameter counts for nothing, and a
         sleeve that was not is taken as wide as the mounting clearance makes it.
     uses_slip
         whether the pump's flow is computed with its slip, else with its volumetric efficiency.
     """
-    states = tuple(states)
-    whole = {state.land.key for state in states if state.status == "measured"}
-    without_sleeve = {state.land.key for state in states if state.status == "spool_only"}
-    entry, of_pump = controller.entry, _of_pump(controller, uses_slip)
-    values = [each for each in known_values(entry) if each.evidence is Evidence.REPRESENTATIVE] if entry else []
-    tables = {_TABLES.get(each.table, each.table) for each in values if each.table != "pump" or each.value in of_pump}
-    own_points = entry.operating_points if entry else ()
-    points = {point.name for point in own_points if point.evidence is Evidence.REPRESENTATIVE}
-    bases: set[AssumedBasis] = set()
-    for rule, lands in rules:
-        rests_on = _RESTS_ON.get(rule.kind, set())
-        if rule.kind is RuleKind.CLEARANCE and any(land.key in without_sleeve for land in lands):
-            rests_on = {*rests_on, AssumedBasis.MOUNTING_CLEARANCE}
+
+    def __init__(
+        self, controller: Controller, fluid: Fluid, states: Iterable[LandClearance], *, uses_slip: bool
+    ) -> None:
+        status = {state.land.key: state.status for state in states}
+        self._measured = {key for key, each in status.items() if each == "measured"}
+        self._without_sleeve = {key for key, each in status.items() if each == "spool_only"}
+        self._fluid = any(value not in _HARDLY_MATTERS for value in fluid.representative)
+        entry, of_pump = controller.entry, _of_pump(controller, uses_slip)
+        values = [each for each in known_values(entry) if each.evidence is Evidence.REPRESENTATIVE] if entry else []
+        self._tables = {
+            _TABLES.get(each.table, each.table) for each in values if each.table != "pump" or each.value in of_pump
+        }
+        points = entry.operating_points if entry else ()
+        self._points = {point.name for point in points if point.evidence is Evidence.REPRESENTATIVE}
+
+    def bases(self, rules: Iterable[tuple[Rule, Iterable[Land]]]) -> tuple[AssumedBasis, ...]:
+        """Return which of them some rules rest on, each once; a rule comes with the lands that take part in it."""
+        found = {basis for rule, lands in rules for basis in self._of_rule(rule, tuple(lands))}
+        return tuple(basis for basis in AssumedBasis if basis in found)
+
+    def _of_rule(self, rule: Rule, lands: Sequence[Land]) -> Iterator[AssumedBasis]:
         if rule.condition is None and rule.kind is RuleKind.PERMISSIBLE_PRESSURE:  # gauges or a log measured it
             rests_on = {AssumedBasis.PERMISSIBLE_PRESSURE}
-        for basis in rests_on - bases:
+        else:
+            rests_on = _RESTS_ON.get(rule.kind, set())
+        if rule.kind is RuleKind.CLEARANCE and any(land.key in self._without_sleeve for land in lands):
+            rests_on = {*rests_on, AssumedBasis.MOUNTING_CLEARANCE}
+        for basis in rests_on:
             if basis in _OF_LANDS:
-                unknown = [
-                    each for each in lands if basis is not AssumedBasis.NOMINAL_DIAMETER or each.key not in whole
-                ]
-                rests = any(_OF_LANDS[basis] in each.representative for each in unknown)
+                rests = any(self._of_land(basis, land) for land in lands)
             elif basis is AssumedBasis.FLUID:
-                rests = any(value not in _HARDLY_MATTERS for value in fluid.representative)
-            elif basis is AssumedBasis.OPERATING_POINT:
-                rests = bool(points) if rule.condition is None else rule.condition.like in points  # gauges: at several
+                rests = self._fluid
+            elif basis is AssumedBasis.OPERATING_POINT:  # gauges: at several
+                rests = bool(self._points) if rule.condition is None else rule.condition.like in self._points
             else:
-                rests = basis in tables
-            bases |= {basis} if rests else set()
-    return tuple(basis for basis in AssumedBasis if basis in bases)
+                rests = basis in self._tables
+            if rests:
+                yield basis
+
+    def _of_land(self, basis: AssumedBasis, land: Land) -> bool:
+        measured = basis is AssumedBasis.NOMINAL_DIAMETER and land.key in self._measured
+        return not measured and _OF_LANDS[basis] in land.representative
 
 
 def _of_pump(controller: Controller, uses_slip: bool) -> set[str]:
