@@ -29,7 +29,7 @@ from atleak.diagnosis.land import (
 )
 from atleak.diagnosis.messages import messages_of, sheet_messages
 from atleak.diagnosis.provisional import AssumedBasis, Representative
-from atleak.diagnosis.road import driven, evaluated
+from atleak.diagnosis.road import diagnosed_road, evaluated
 from atleak.diagnosis.road_findings import RoadFindings
 from atleak.diagnosis.rules import Rule, UnitRules, cannot_be, unit_rules
 from atleak.diagnosis.uncertainty import (
@@ -496,9 +496,9 @@ def diagnose(
     temperature = REFERENCE_TEMPERATURE if measured_at is None else measured_at.value
     states = clearances(readings, controller, temperature=temperature, instruments=instruments)
     unit = BesideNew.of(LeakageModel(controller, states, fluid, profile), states, condition)
-    drive = driven(road_test, unit.model, condition, limits, assumptions, guard_factor)
+    road = diagnosed_road(road_test, unit.model, condition, limits, assumptions, guard_factor)
     measured = [state.land.key for state in states if state.measured]
-    rules, uncertainty = _judged(unit, limits, drive.road, pump_new, readings, instruments, assumptions, guard_factor)
+    rules, uncertainty = _judged(unit, limits, road.leakage, pump_new, readings, instruments, assumptions, guard_factor)
     better = pump_new.unit_rules if pump_new else ()
     checked = (
         None
@@ -514,15 +514,14 @@ def diagnose(
             guard_factor=guard_factor,
         )
     )
-    messages = messages_of(readings, controller, fluid, profile, unit.now, drive, states, unit.unworn)
-    messages += [*limits.doubts, *(checked.messages if checked else ()), *drive.messages]
-    if fluid_state_assumed:
-        messages.append(fresh_assumed(fluid))
-    if uncertainty is not None and readings is not None and measured_at is not None:
-        sources = [land.sources for land in uncertainty.lands]
-        messages += sheet_messages(readings, measured_at, sources, drive.log.road_test if drive.log else None)
-        messages += [rateless] if (rateless := without_rate(uncertainty.lands, mileage)) else []
-        messages = list(dict.fromkeys([*messages, *uncertainty.messages]))
+    messages = [
+        *messages_of(unit, road, readings),
+        *limits.doubts,
+        *(checked.messages if checked else ()),
+        *road.messages,
+        *([fresh_assumed(fluid)] if fluid_state_assumed else ()),
+        *sheet_messages(readings, measured_at, uncertainty, road_test, mileage),
+    ]
     return Diagnosis(
         readings=readings,
         measured_at=measured_at,
@@ -540,8 +539,8 @@ def diagnose(
         new_projections=unit.new,
         unworn_projections=unit.unworn,
         losses=tuple(pressure_losses(unit.model, unit.as_new, each.condition, measured) for each in unit.now),
-        road=drive.road,
-        log=drive.log,
+        road=road.leakage,
+        log=road.log,
         pressures=checked,
         uncertainty=uncertainty,
         total_rules=rules.totals,
@@ -549,7 +548,7 @@ def diagnose(
         pump=diagnosed_pump(controller.pump, rules, better, assumptions.pump_clearance, guard_factor),
         pump_new=pump_new,
         complaint=complaint,
-        messages=tuple(messages),
+        messages=tuple(dict.fromkeys(messages)),
     )
 
 

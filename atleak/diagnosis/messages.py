@@ -1,33 +1,33 @@
-"""Judge a measuring sheet as a whole: what no single land can show.
+"""Say what a person should know about a result: what is assumed, left out, out of its range, or odd about its sheet.
 
-All pairs moved alike, pairs tighter than new ones can be, spools and sleeves measured unequally often, a temperature
-that job and sheet state differently, a sheet older than the road test. Nothing is corrected: each finding is a message.
-
-Say what a person should know about a result: what is representative, assumed, left out or out of its range.
+Of a measuring sheet as a whole: all pairs moved alike, pairs tighter than new ones can be, spools and sleeves measured
+unequally often, a temperature that job and sheet state differently, a sheet older than the road test. Nothing is
+corrected.
 """
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from statistics import median
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_tables import NewOrigin
-from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.common.errors import Message, Place
 from atleak.common.sentences import Name, Sentence, all_of
 from atleak.common.unit_systems import KPA, UM, Quantity
-from atleak.diagnosis.road import Driven
+from atleak.diagnosis.land import without_rate
+from atleak.diagnosis.road import RoadDiagnosis
 from atleak.diagnosis.rules import cannot_be
+from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.diagnosis.uncertainty.sources import LandSources
 from atleak.engine.leakage import narrow_gap_messages
 from atleak.engine.profile import Profile
-from atleak.engine.projection import Projection
+from atleak.engine.projection import BesideNew, Projection
 from atleak.measurements.readings import LandClearance, MeasuringTemperature, Readings
 from atleak.measurements.road_test import RoadTest
 
@@ -56,33 +56,25 @@ class CommonShift:
 
 
 def sheet_messages(
-    readings: Readings,
-    measured_at: MeasuringTemperature,
-    lands: Sequence[LandSources],
+    readings: Readings | None,
+    measured_at: MeasuringTemperature | None,
+    uncertainty: UnitUncertainty | None,
     road_test: RoadTest | None,
-) -> tuple[Message, ...]:
-    """Return what is to be said of a sheet as a whole.
-
-    Parameters
-    ----------
-    readings
-        the sheet.
-    measured_at
-        the measuring temperature that was used.
-    lands
-        the sources of the uncertainty of every land.
-    road_test
-        the log that is diagnosed with the sheet, if any.
-    """
-    place = Place(readings.file, readings.sheet)
-    return (
-        *_other_temperature(readings, measured_at, place),
-        *_older(readings, road_test, place),
-        *_shifted(lands, place),
-        *_suspect(lands, readings, place),
-        *_slips(lands, readings, place),
-        *_unequal_repeats([land.state for land in lands], place),
-    )
+    mileage: float | None,
+) -> Iterator[Message]:
+    """Yield what is to be said of a sheet as a whole, and of how sure its lands are; nothing without a sheet."""
+    if readings is None or measured_at is None or uncertainty is None:
+        return
+    place, lands = Place(readings.file, readings.sheet), [land.sources for land in uncertainty.lands]
+    yield from _other_temperature(readings, measured_at, place)
+    yield from _older(readings, road_test, place)
+    yield from _shifted(lands, place)
+    yield from _suspect(lands, readings, place)
+    yield from _slips(lands, readings, place)
+    yield from _unequal_repeats([land.state for land in lands], place)
+    if (rateless := without_rate(uncertainty.lands, mileage)) is not None:
+        yield rateless
+    yield from uncertainty.messages
 
 
 # --- all pairs moved alike
@@ -422,33 +414,38 @@ def _lack(new: Projection) -> Sentence:
     )
 
 
-def messages_of(
-    readings: Readings | None,
-    controller: Controller,
-    fluid: Fluid,
-    profile: Profile,
-    projections: Sequence[Projection],
-    drive: Driven,
-    states: Iterable[LandClearance],
-    unworn: Iterable[Projection],
-) -> list[Message]:
-    """Return the messages on inputs and projections, each once; those of gauges, log and uncertainty are not in it.
+def messages_of(unit: BesideNew, road: RoadDiagnosis, readings: Readings | None) -> Iterator[Message]:
+    """Yield the messages on inputs and projections; those of gauges, log and uncertainty are not among them."""
+    controller, fluid, profile = unit.model.controller, unit.model.fluid, unit.model.profile
+    yield from _cannot_be(unit.unworn, controller.operating_points)
+    yield from controller.doubts
+    yield from fluid.doubts
+    yield from _about_controller(controller, {projection.condition.gear for projection in unit.now})
+    yield from _what_new_was(controller)
+    yield from _about_pump(controller.pump, profile, readings)
+    if readings is None:
+        text = Sentence("No measuring sheet: every land is computed at its mounting clearance.")
+        yield Message("warning", "no_readings", text)
+    else:
+        yield from readings.messages
+    for state in unit.states:
+        yield from state.messages
+    temperatures = [projection.condition.temperature for projection in unit.now]
+    if road.log is not None and road.leakage is not None:
+        temperatures += road.log.temperatures or ()
+    yield from fluid.messages(min(temperatures), max(temperatures), profile.viscosity)
+    yield from narrow_gap_messages(gap for projection in unit.now for gap in projection.gaps)
+    yield from _about_conditions(controller, unit.now)
+    if road.leakage is not None:
+        yield from road.leakage.road_test.messages
+        yield from road.leakage.messages
 
-    Parameters
-    ----------
-    projections
-        at every condition that is judged.
-    drive
-        what is known of a road test.
-    states
-        the clearance of every land.
-    unworn
-        at every condition that is judged, with every land new.
-    """
-    messages: list[Message] = [*_cannot_be(unworn, controller.operating_points), *controller.doubts, *fluid.doubts]
+
+def _about_controller(controller: Controller, gears: Collection[int]) -> Iterator[Message]:
+    """Say what a valve body's file assumes, and which of its lands and circuits are not judged in some gears."""
     if controller.representative:
         text = Sentence("{controller}: {what}", controller=Name(controller.name), what=Name(controller.representative))
-        messages.append(Message("warning", "controller_representative", text))
+        yield Message("warning", "controller_representative", text)
     without = [land for land in controller.lands if land.key in controller.gaps_not_described]
     if 0 < len(without) < sum(not land.seal for land in controller.lands):
         text = Sentence(
@@ -457,7 +454,7 @@ def messages_of(
             controller=Name(controller.name),
             lands=[f"{land.component}/{land.land}" for land in without],
         )
-        messages.append(Message("warning", "land_without_gap", text))
+        yield Message("warning", "land_without_gap", text)
     sealed = [f"{land.component}/{land.land}" for land in controller.lands if land.seal]
     if sealed:
         text = Sentence(
@@ -465,42 +462,25 @@ def messages_of(
             "ring is a leak of its own.",
             lands=sealed,
         )
-        messages.append(Message("info", "land_sealed", text))
-    gears = {projection.condition.gear for projection in projections}
-    nowhere = [Name(circuit.name) for circuit in controller.circuits if not circuit.gears & gears]
+        yield Message("info", "land_sealed", text)
+    nowhere = [Name(circuit.name) for circuit in controller.circuits if circuit.gears.isdisjoint(gears)]
     if nowhere:
         text = Sentence("No operating point applies {circuits}: what they hold is judged nowhere.", circuits=nowhere)
-        messages.append(Message("warning", "circuit_nowhere_applied", text))
-    messages += _what_new_was(controller)
-    messages += _about_pump(controller.pump, profile, readings)
-    if readings is None:
-        text = Sentence("No measuring sheet: every land is computed at its mounting clearance.")
-        messages.append(Message("warning", "no_readings", text))
-    else:
-        messages += readings.messages
-    for state in states:
-        messages += state.messages
-    temperatures = [projection.condition.temperature for projection in projections]
-    road = drive.road
-    if drive.log is not None and road is not None:
-        temperatures += drive.log.temperatures or ()
-    messages += fluid.messages(min(temperatures), max(temperatures), profile.viscosity)
-    messages += narrow_gap_messages(gap for projection in projections for gap in projection.gaps)
+        yield Message("warning", "circuit_nowhere_applied", text)
+
+
+def _about_conditions(controller: Controller, projections: Sequence[Projection]) -> Iterator[Message]:
     for projection in projections:
-        messages += projection.messages
+        yield from projection.messages
         if projection.pump_capacity <= 0.0:
             text = Sentence(
                 "{condition}: the pump delivers nothing at this pressure and viscosity.",
                 condition=projection.condition,
             )
-            messages.append(Message("warning", "pump_delivers_nothing", text))
+            yield Message("warning", "pump_delivers_nothing", text)
     if all(projection.condition.name != HOT_IDLE for projection in projections):
         text = Sentence(
             "{controller} states no operating point hot_idle, where a worn unit fails first.",
             controller=Name(controller.name),
         )
-        messages.append(Message("info", "no_hot_idle", text))
-    if road is not None:
-        messages += road.road_test.messages
-        messages += road.messages
-    return list(dict.fromkeys(messages))
+        yield Message("info", "no_hot_idle", text)

@@ -21,22 +21,22 @@ _LOGGED = ("main_pressure", "converter_pressure", "atf_temperature", "gear")  # 
 
 
 @dataclass(frozen=True)
-class Driven:
-    """What is known of a unit's road test; nothing where none was driven."""
+class RoadDiagnosis:
+    """What a unit's road test says; nothing where none was driven."""
 
     log: RoadFindings | None = None  # what it says by itself
-    road: RoadLeakage | None = None  # None where no leakage can be computed over it
+    leakage: RoadLeakage | None = None  # None where no leakage can be computed over it
     messages: tuple[Message, ...] = ()  # of a log without leakage over it: its own, and why
 
 
-def driven(
+def diagnosed_road(
     road_test: RoadTest | None,
     model: LeakageModel,
     condition: OperatingPoint,
     limits: Limits,
     assumptions: Assumptions,
     guard_factor: float,
-) -> Driven:
+) -> RoadDiagnosis:
     """Evaluate a road test, if there is one.
 
     Parameters
@@ -49,15 +49,15 @@ def driven(
         by which the log is judged, and what is uncertain.
     """
     if road_test is None:
-        return Driven()
+        return RoadDiagnosis()
     log = road_findings(model.controller, road_test, limits, assumptions, guard_factor)
     try:
-        return Driven(log, evaluated(model, road_test, condition))
+        return RoadDiagnosis(log, evaluated(model, road_test, condition))
     except RoadTestError as error:
         text = Sentence(
             "No leakage is computed over {file}: {problem}.", file=log.road_test.file, problem=error.problem
         )
-        return Driven(log, None, (*log.road_test.messages, Message("warning", NO_LEAKAGE, text)))
+        return RoadDiagnosis(log, None, (*log.road_test.messages, Message("warning", NO_LEAKAGE, text)))
 
 
 def evaluated(model: LeakageModel, road_test: RoadTest, condition: OperatingPoint) -> RoadLeakage:
