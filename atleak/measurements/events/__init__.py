@@ -18,7 +18,7 @@ from atleak.measurements.events.driving import (
     stalls,
     steady_driving,
 )
-from atleak.measurements.events.event import AccelerationTest, Event, EventKind, Thresholds, runs
+from atleak.measurements.events.event import USUAL, AccelerationTest, Event, EventKind, Thresholds, runs
 from atleak.measurements.events.gears import gear_shifts, ratio_levels, with_derived_gear
 from atleak.measurements.road_test import RoadTest
 
@@ -29,12 +29,11 @@ __all__ = [
 ]  # fmt: skip
 
 
-def events(road_test: RoadTest, thresholds: Thresholds | None = None, gears: Sequence[int] = ()) -> tuple[Event, ...]:
+def events(road_test: RoadTest, limits: Thresholds = USUAL, gears: Sequence[int] = ()) -> tuple[Event, ...]:
     """Return all events of a road test by their start; a missing channel leaves out only the events that need it.
 
     ``gears`` are those of the valve body: a minimum-acceleration test goes through all of them.
     """
-    limits = thresholds or Thresholds()
     all_events = [
         *gear_shifts(road_test, limits),
         *hot_idle(road_test, limits),

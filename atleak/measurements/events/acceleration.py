@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from atleak.measurements.events.event import AccelerationTest, Event, TestFault, Thresholds, segments
+from atleak.measurements.events.event import USUAL, AccelerationTest, Event, TestFault, Thresholds, segments
 from atleak.measurements.road_test import RoadTest
 
 
@@ -28,9 +28,7 @@ class Climb:
     begun: bool  # far enough to have been meant as a test
 
 
-def minimum_acceleration(
-    road_test: RoadTest, limits: Thresholds | None = None, gears: Sequence[int] = ()
-) -> list[Event]:
+def minimum_acceleration(road_test: RoadTest, limits: Thresholds = USUAL, gears: Sequence[int] = ()) -> list[Event]:
     """Return the minimum-acceleration tests, each with how it was driven.
 
     A test begins with the last sample at rest and ends where the car slows down or the recording breaks off. One that
@@ -43,7 +41,6 @@ def minimum_acceleration(
     gears
         those of the valve body; with them a test that does not reach the highest is broken off.
     """
-    limits = limits or Thresholds()
     engine, vehicle = road_test.values("engine_speed"), road_test.values("vehicle_speed")
     time, gear = road_test.time, road_test.values("gear")
     if engine is None:

@@ -1,7 +1,4 @@
-"""Detect idling, stall tests, lock-ups, steady driving and starts of the engine in a road test.
-
-Tell how far the torque converter slips: engine speed minus turbine speed while the car drives.
-"""
+"""Detect idling, stall tests, lock-ups, steady driving and starts of the engine; how far the converter slips."""
 
 from __future__ import annotations
 
@@ -13,6 +10,7 @@ import pandas as pd
 
 from atleak.common.sentences import Sentence
 from atleak.measurements.events.event import (
+    USUAL,
     Event,
     EventKind,
     Thresholds,
@@ -24,9 +22,8 @@ from atleak.measurements.events.event import (
 from atleak.measurements.road_test import RoadTest
 
 
-def hot_idle(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+def hot_idle(road_test: RoadTest, limits: Thresholds = USUAL) -> list[Event]:
     """Return hot idling: the car stands, the engine idles, the fluid is at working temperature."""
-    limits = limits or Thresholds()
     engine, atf = road_test.values("engine_speed"), road_test.values("atf_temperature")
     standing = standing_samples(road_test, limits)
     if engine is None or standing is None or atf is None:
@@ -46,12 +43,11 @@ def _events(
     return [Event(kind, float(time[low]), float(time[high]), note=note) for low, high in found]
 
 
-def stalls(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+def stalls(road_test: RoadTest, limits: Thresholds = USUAL) -> list[Event]:
     """Return stall tests: the car stands while the engine pulls against the converter; a logged turbine stands too.
 
     A run longer than `Thresholds.stall_longest` is no stall test but an engine revved in neutral or park.
     """
-    limits = limits or Thresholds()
     engine, standing = road_test.values("engine_speed"), standing_samples(road_test, limits)
     if engine is None or standing is None:
         return []
@@ -70,12 +66,11 @@ def stalls(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]
     ]
 
 
-def lock_ups(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+def lock_ups(road_test: RoadTest, limits: Thresholds = USUAL) -> list[Event]:
     """Return lock-ups: engine and turbine turn alike; without a turbine speed, the lock-up is commanded.
 
     Where the car stands, or no gear is engaged, there is none: the engine turns an idle turbine along.
     """
-    limits = limits or Thresholds()
     engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
     channel, note = road_test.values("lock_up"), _NOTHING
     if engine is not None and turbine is not None:
@@ -92,9 +87,8 @@ def lock_ups(road_test: RoadTest, limits: Thresholds | None = None) -> list[Even
     return _events("lock_up", road_test, locked, limits.lock_up_seconds, note)
 
 
-def steady_driving(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+def steady_driving(road_test: RoadTest, limits: Thresholds = USUAL) -> list[Event]:
     """Return steady driving: vehicle and engine speed stay within a narrow band for some seconds."""
-    limits = limits or Thresholds()
     engine, vehicle = road_test.values("engine_speed"), road_test.values("vehicle_speed")
     if engine is None or vehicle is None:
         return []
@@ -119,14 +113,13 @@ def _band(values: np.ndarray, count: int, width: float) -> np.ndarray:
         return ((rolling.max() - rolling.min()) <= 2 * width).to_numpy()
 
 
-def engine_starts(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+def engine_starts(road_test: RoadTest, limits: Thresholds = USUAL) -> list[Event]:
     """Return the first moments after each start of the engine, in which pressure builds up.
 
     A start begins with the first sample at which a standing engine turns, in the same stretch of the log, and ends
     three seconds after the engine first runs by itself. One sample without speed between others is a fault of the
     logger, not a standstill. A log that begins with the engine running has no start there.
     """
-    limits = limits or Thresholds()
     engine = road_test.values("engine_speed")
     if engine is None:
         return []
@@ -164,9 +157,8 @@ class ConverterSlip:
     commanded_median: float | None  # [1/s] of slip then, either way
 
 
-def converter_slip(road_test: RoadTest, thresholds: Thresholds | None = None) -> ConverterSlip | None:
+def converter_slip(road_test: RoadTest, limits: Thresholds = USUAL) -> ConverterSlip | None:
     """Return the slip of the converter; None where engine or turbine speed are not logged, or the car never drives."""
-    limits = thresholds or Thresholds()
     engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
     if engine is None or turbine is None:
         return None

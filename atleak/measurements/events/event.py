@@ -53,6 +53,9 @@ class Thresholds:
     shift_sampling: float = 0.5  # longest interval that shows such a fall
 
 
+USUAL = Thresholds()
+
+
 TestFault = Literal["too_fast", "broken_off"]
 
 

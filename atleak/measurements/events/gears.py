@@ -10,18 +10,17 @@ import numpy as np
 
 from atleak.common.errors import Message
 from atleak.common.sentences import Sentence
-from atleak.measurements.events.event import Event, Thresholds, gear_engaged, segments
+from atleak.measurements.events.event import USUAL, Event, Thresholds, gear_engaged, segments
 from atleak.measurements.road_test import Channel, ChannelSource, RoadTest
 
 
-def gear_shifts(road_test: RoadTest, limits: Thresholds | None = None) -> list[Event]:
+def gear_shifts(road_test: RoadTest, limits: Thresholds = USUAL) -> list[Event]:
     """Return shifts between forward gears.
 
     They follow from the ratio of turbine to output speed where both are logged, since a logged gear may lag by half a
     second; else from the gear channel. Two gears with reverse between them, or with neutral or an unknown gear for
     longer than `Thresholds.shift_pause`, are no shift.
     """
-    limits = limits or Thresholds()
     channel = road_test.channel("gear")
     ratio = speed_ratio(road_test, ("turbine_speed",))
     if channel is None and ratio is None:
@@ -89,9 +88,10 @@ def speed_ratio(road_test: RoadTest, drivers: Sequence[str] = ("turbine_speed", 
 
 
 _APART, _NEAR = 0.12, 0.03  # of the logarithm: between two levels, and around one
+_FEWEST = 0.02  # part of a log's samples that are near a level
 
 
-def ratio_levels(ratio: np.ndarray, share: float = 0.02) -> list[float]:
+def ratio_levels(ratio: np.ndarray) -> list[float]:
     """Return the ratios at which a log stays, highest first: the gears. Levels closer than 12 % are one.
 
     >>> r = np.repeat([2.8, 1.5, 1.0], 200)
@@ -108,7 +108,7 @@ def ratio_levels(ratio: np.ndarray, share: float = 0.02) -> list[float]:
     order = np.argsort(wide)[::-1]
     levels: list[float] = []
     for index in order:
-        if wide[index] < share * len(logarithms):
+        if wide[index] < _FEWEST * len(logarithms):
             break
         bin_middle = 0.5 * (edges[index] + edges[index + 1])
         if any(abs(bin_middle - level) <= _APART - _NEAR for level in levels):
@@ -125,55 +125,33 @@ def ratio_levels(ratio: np.ndarray, share: float = 0.02) -> list[float]:
     return [float(np.exp(level)) for level in sorted(levels, reverse=True)]
 
 
-def gear_by_ratio(ratio: np.ndarray, levels: Sequence[float], tolerance: float = 0.06) -> np.ndarray:
-    """Return the gear of every sample, from the highest of the ratios on; NaN where it is near none of them."""
-    distance = np.abs(ratio[:, None] / np.array(levels)[None, :] - 1)
-    nearest = np.argmin(np.where(np.isnan(distance), np.inf, distance), axis=1)
-    close = distance[np.arange(len(ratio)), nearest] <= tolerance
-    return np.where(close, nearest + 1.0, np.nan)
-
-
-def with_derived_gear(road_test: RoadTest, ratios: Sequence[float] | None = None, tolerance: float = 0.06) -> RoadTest:
+def with_derived_gear(road_test: RoadTest) -> RoadTest:
     """Return the road test with a gear derived from the speed ratio, marked ``derived``; unchanged where one is logged.
 
-    Parameters
-    ----------
-    ratios
-        Ratios of the gears from first on, in the scale of turbine (or engine) over output (or vehicle) speed. Without
-        them the levels found in the log are numbered from the highest ratio as first gear.
-    tolerance
-        How far from a gear's ratio a sample may be [1]; between gears, and with a slipping converter, it is unknown.
+    The levels found in the log are numbered from the highest ratio as first gear. Between gears, and with a slipping
+    converter, the gear is unknown.
     """
-    if road_test.channel("gear") is not None:
+    ratio = None if road_test.channel("gear") is not None else speed_ratio(road_test)
+    levels = np.array([] if ratio is None else ratio_levels(ratio))
+    if ratio is None or not len(levels):
         return road_test
-    ratio = speed_ratio(road_test)
-    if ratio is None:
-        return road_test
-    levels = list(ratios) if ratios else ratio_levels(ratio)
-    if not levels:
-        return road_test
-    gear = gear_by_ratio(ratio, levels, tolerance)
+    distance = np.abs(ratio[:, None] / levels - 1)
+    nearest = np.argmin(np.where(np.isnan(distance), np.inf, distance), axis=1)
+    close = distance[np.arange(len(ratio)), nearest] <= Thresholds.ratio_tolerance
+    gear = np.where(close, nearest + 1.0, np.nan)
     channel = Channel(
-        "gear",
-        road_test.time,
-        gear,
-        np.zeros(len(gear), bool),
-        column="",
+        *("gear", road_test.time, gear, np.zeros(len(gear), bool)),
         source="derived",
         independent=int(np.count_nonzero(gear > 0)),
     )
-    if ratios:
-        text = Sentence("no gear is logged: it is derived from the speed ratio (given ratios)")
-    else:
-        text = Sentence(
-            "no gear is logged: it is derived from the speed ratio ({count} ratios found in the log, the highest taken "
-            "as first gear)",
-            count=len(levels),
-        )
-    note = Message("warning", "gear_derived", text)
+    text = Sentence(
+        "no gear is logged: it is derived from the speed ratio ({count} ratios found in the log, the highest taken "
+        "as first gear)",
+        count=len(levels),
+    )
     return replace(
         road_test,
         channels=MappingProxyType({**road_test.channels, "gear": channel}),
-        messages=(*road_test.messages, note),
+        messages=(*road_test.messages, Message("warning", "gear_derived", text)),
         _held={},
     )
