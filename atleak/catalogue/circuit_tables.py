@@ -166,13 +166,13 @@ class LeakTable(Strict):
 
 def _flows(value: object) -> float | dict[str, float]:
     """Take one flow [dm³/min], or one for every operating point."""
-    each = list(value.values()) if isinstance(value, dict) else [value]
-    for flow in each:
+    flows = list(value.values()) if isinstance(value, dict) else [value]
+    for flow in flows:
         if isinstance(flow, bool) or not isinstance(flow, int | float) or not 0.0 <= flow <= 1000.0:
             raise NotAccepted(Sentence("dm³/min, a number from 0 to 1000, or one for every operating point"))
     if isinstance(value, dict):
         return {str(name): float(flow) for name, flow in value.items()}
-    return float(each[0])  # type: ignore[arg-type]  # checked above
+    return float(flows[0])  # type: ignore[arg-type]  # checked above
 
 
 class ConsumerTable(Strict):

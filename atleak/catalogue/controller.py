@@ -115,12 +115,12 @@ class Land:
     @property
     def built(self) -> tuple[str, ...]:
         """Say what is there that a plain spool in its bore has not."""
-        said = (
+        parts = (
             self.part_name if self.part == "end_plug" else "",
             "bore sleeved" if self.sleeved else "",
             f"sealed by {SEALS[self.seal]}: its clearance leaks nothing and is not judged" if self.seal else "",
         )
-        return tuple(filter(None, said))
+        return tuple(filter(None, parts))
 
     def with_repair(self, repair: Repair) -> Land:
         """Return the land as a repair leaves it: with the nominal diameter and mounting clearance that this states.

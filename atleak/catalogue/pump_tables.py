@@ -1,5 +1,4 @@
-"""Define the table of a pump in a controller's TOML file: what it displaces, and the gaps "
-"through which it slips."""
+"""Define the table of a pump in a controller's TOML file: what it displaces, and the gaps through which it slips."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
-"""Describe how a component can be repaired: with which part, at what price, and what clearance that leaves.
+"""Describe how a component can be repaired, and what customers complain of.
 
-Map what a customer complains of to the operating points and lands of a controller that can explain it.
+A repair has a part, a price and the clearance that it leaves; a complaint points to the operating points and lands that
+can explain it.
 """
 
 from __future__ import annotations

@@ -228,8 +228,8 @@ def _range(ends: tuple[float, float], asked: AskedNumber) -> Sentence:
 
 
 def _with_unit(value: _Spelled | str, asked: AskedNumber) -> Sentence:
-    said = value.replace("-", "−") if isinstance(value, str) else value
-    return Sentence("{value} {unit}", value=said, unit=asked.unit) if asked.unit else Sentence("{value}", value=said)
+    shown = value.replace("-", "−") if isinstance(value, str) else value
+    return Sentence("{value} {unit}", value=shown, unit=asked.unit) if asked.unit else Sentence("{value}", value=shown)
 
 
 def _plain_sign(sign: str) -> str:

@@ -1,12 +1,8 @@
-"""The folder in which atleak keeps what belongs to the user of this computer: own catalogue files, columns, drafts.
+"""Write files whole, and keep the user's own: catalogue files, columns of logs, drafts.
 
-Write files whole: whoever opens one reads the earlier file or all of the new one, never a part.
-
-Keep entries in a JSON file that several programs change: each change is written whole, one at a time.
-
-Keep what somebody is typing in the user's folder, so that it outlives a page that is closed or loaded anew.
-
-Drafts of a person who is signed in are that person's alone; those of nobody are everybody's.
+Whoever opens a file reads the earlier one or all of the new one, never a part. Entries of a JSON file that several
+programs change are written one at a time. Drafts of a person who is signed in are that person's alone; those of nobody
+are everybody's.
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
-"""Define how things look on every medium: one row per verdict, and the colours of lines and words.
+"""Define how things look on every medium: one row per verdict, the colours of lines and words, the papers of reports.
 
 Verdicts differ in sign, word and shade, and bars on the screen in their pattern too, so that a greyscale print or a
 colour-blind reader loses nothing. Their words in each language stand in `atleak/texts`.
-
-Name the papers that reports are printed on, as people, the PDF and the workbook call them.
 """
 
 from __future__ import annotations

@@ -1,11 +1,7 @@
 """Say in which unit each kind of quantity is read: metric, metric with bar and litres, or US.
 
 Records, files and the engine's results keep their own units (µm, mm, kPa, °C, dm³/min, km); only what people read and
-type is converted, here and nowhere else.
-
-Factors from SI to the units people read, in reports, figures and records alike: ``metres * UM`` are micrometres.
-
-Units in capitals with a bracket behind them are that unit in SI.
+type is converted, here and nowhere else. Names in capitals are factors from SI: ``metres * UM`` are micrometres.
 """
 
 from __future__ import annotations

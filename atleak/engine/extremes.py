@@ -1,11 +1,8 @@
 """Find the instants of a log that are worth knowing: the largest and the smallest leakage, the largest share.
 
-A single sample may be noise. The sustained extremes are those of a running median over half a second, which one wrong
-sample cannot move: people read these first. Where several samples are equal but for rounding, the first is the instant.
-
-Tell what of a log's values lasts: a value counts as large as it stays for a second on end.
-
-Pressure rises and falls within a shift and sensors err for single samples; neither says anything of wear.
+A single sample may be noise, and pressure rises and falls within a shift. The sustained extremes are those of a running
+median over half a second, which people read first; a value counts as large as it stays for a second on end. Where
+several samples are equal but for rounding, the first is the instant.
 """
 
 from __future__ import annotations

@@ -1,17 +1,12 @@
-"""Write gaps as polynomials in temperature, so that a log costs the same for many gaps as for one.
+"""Compute gaps and circuits over a log, so that many gaps cost the same as one.
 
 The clearance of a gap is linear in temperature, ``c = c_r + a τ`` with ``τ = T − T₀``, and so is its diameter D where
 that is the mean one. Hence ``π D c³ / 12 l`` is a polynomial of degree 4, and the conductance of the gap is that
-polynomial over the dynamic viscosity. Gaps that close, or lose pressure at their entry, leave it: they are computed on
-their own.
-
-Compute the pressures of circuits at every sample of a log, and what leaks through all that they take part in.
+polynomial over the dynamic viscosity. Gaps that close, or lose pressure at their entry, are computed on their own.
 
 Main pressure is the measured one: what the pump holds is not asked. The network of one gear is that of
-`atleak.engine.leakage`, with an array where a single condition has a number, and it is solved by the same solver. What
-makes it quick is that gaps between the same two pressures are one branch: their polynomials in temperature are
-added up once (`atleak.engine.log_gaps`). The samples of a gear are worked through in parts that fit the
-processor's cache.
+`atleak.engine.leakage` with arrays for numbers, and the same solver solves it. Gaps between the same two pressures are
+one branch, and the samples of a gear are worked through in parts that fit the processor's cache.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Find the line pressure that holds: what is required, or what the pump keeps up against all that leaves the line.
 
 The pump delivers what it displaces less its slip. Out of the line go what the gaps and leaks draw, through the circuits
-or not, and the consumers, but for those behind the line's regulator: these get what is left over and starve first.
-
-Compute a unit with some of its lands repaired, for several choices at once: leakage, line, circuits.
+or not, and the consumers; those behind the line's regulator get what is left over and starve first. Units with some of
+their lands repaired are computed for several choices at once.
 """
 
 from __future__ import annotations

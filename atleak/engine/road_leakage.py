@@ -1,8 +1,7 @@
-"""Compute leakage and pump flow of a log's samples, and say what of them had to be assumed or left out.
+"""Compute leakage and pump flow over a road test: for every sample, and at the instants worth knowing.
 
-Compute leakage and pump flow over a road test: for every sample, and at the instants worth knowing.
-
-Give a road test without main pressure that of the valve body's operating points, by gear and state, and say so.
+What has to be assumed or left out is said; main pressure that is not logged can be that of the operating points, by
+gear and state.
 """
 
 from __future__ import annotations
@@ -86,19 +85,19 @@ def samples_of(model: LeakageModel, road_test: RoadTest, assumed: OperatingPoint
 
 def _refuse_without_pressure(road_test: RoadTest) -> None:
     values = road_test.values("main_pressure")
-    known = np.empty(0) if values is None else values[~np.isnan(values)]
+    values = np.empty(0) if values is None else values[~np.isnan(values)]
     why = road_test.refused.get("main_pressure")
     if road_test.channel("main_pressure") is None:
         missing = Sentence("the log has no main pressure")
         if why is not None:
             missing = Sentence("the log's column of main pressure is not usable: {why}", why=why)
-    elif not known.size:
+    elif not values.size:
         missing = Sentence("the log has no usable sample of main pressure")
-    elif not known.max() >= 0.0:
+    elif not values.max() >= 0.0:
         missing = Sentence(
             "main pressure is below zero throughout this log ({low:.4g} to {high:.4g} {high.unit})",
-            low=Quantity(float(known.min()) * KPA, "pressure"),
-            high=Quantity(float(known.max()) * KPA, "pressure"),
+            low=Quantity(float(values.min()) * KPA, "pressure"),
+            high=Quantity(float(values.max()) * KPA, "pressure"),
         )
     else:
         return
@@ -109,7 +108,7 @@ def _refuse_without_pressure(road_test: RoadTest) -> None:
     )
 
 
-def said_of_assumed(road_test: RoadTest, assumed: OperatingPoint) -> Iterator[Message]:
+def assumption_messages(road_test: RoadTest, assumed: OperatingPoint) -> Iterator[Message]:
     """Say which channels the log does not hold, and what is taken for them."""
     if (pressure := road_test.channel("main_pressure")) is not None and pressure.source == "constant":
         text = Sentence(
@@ -160,7 +159,7 @@ def _nothing_known(model: LeakageModel, series: LeakageSeries, file: str) -> Roa
     )
 
 
-def said_of_samples(model: LeakageModel, samples: RoadSamples, hotter: int) -> Iterator[Message]:
+def sample_messages(model: LeakageModel, samples: RoadSamples, hotter: int) -> Iterator[Message]:
     """Say what of a log was left out, and what does not hold everywhere; ``hotter`` samples are so than the fluid."""
     capacity, total, size = samples.pump_capacity, samples.series.total, len(samples.main)
     if capacity is None:
@@ -354,7 +353,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     samples = samples_of(model, road_test, assumed)
     series, capacity = samples.series, samples.pump_capacity
     hotter = int(np.count_nonzero((samples.temperature > hottest(model)) & (samples.main > 0.0)))
-    messages = [*said_of_assumed(road_test, assumed), *said_of_samples(model, samples, hotter)]
+    messages = [*assumption_messages(road_test, assumed), *sample_messages(model, samples, hotter)]
     starts = engine_starts(road_test)
     starting = within_span(road_test.time, starts)
     extremes, start = _extremes(road_test, samples, starting & samples.known, len(starts), messages)
@@ -468,8 +467,8 @@ def with_assumed_pressure(controller: Controller, road_test: RoadTest) -> RoadTe
     """
     if road_test.channel("main_pressure") is not None:
         text = Sentence("The log has a main pressure: none is assumed from the valve body's operating points.")
-        said = Message("warning", "pressure_not_assumed", text)
-        return replace(road_test, messages=(*road_test.messages, said))
+        message = Message("warning", "pressure_not_assumed", text)
+        return replace(road_test, messages=(*road_test.messages, message))
     points, used = controller.operating_points, dict[tuple[float, int], OperatingPoint]()
     first, count = points[0], len(road_test.time)
     gear, speed = road_test.values("gear"), road_test.values("engine_speed")
@@ -483,7 +482,7 @@ def with_assumed_pressure(controller: Controller, road_test: RoadTest) -> RoadTe
                 used[each, rank] = _nearest(points, int(each), "driving" if rank else "idle")
                 pressure[here] = used[each, rank].main_pressure
     channel = Channel("main_pressure", road_test.time, pressure, np.zeros(len(pressure), bool), source="derived")
-    messages = (*road_test.messages, _said([used[key] for key in sorted(used)]))
+    messages = (*road_test.messages, _assumed_pressures([used[key] for key in sorted(used)]))
     channels = MappingProxyType({**road_test.channels, "main_pressure": channel})
     return replace(road_test, channels=channels, messages=messages, _held={})
 
@@ -493,7 +492,7 @@ def _nearest(points: Sequence[OperatingPoint], gear: int, state: State) -> Opera
     return min(points, key=lambda point: (point.state != state, abs(point.gear - gear)))
 
 
-def _said(points: Sequence[OperatingPoint]) -> Message:
+def _assumed_pressures(points: Sequence[OperatingPoint]) -> Message:
     parts = [
         Sentence(
             "{pressure:g} {pressure.unit} ({condition})",

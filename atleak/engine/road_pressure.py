@@ -1,11 +1,8 @@
 """Compare the main pressure of a road test with what the valve body permits, and with what was commanded.
 
-Only what lasts counts (`atleak.engine.extremes`): a departure is as large as it stays for a second.
-
-Tell for how long a log stays in each range of fluid temperature, and how leakage, share and pressure are there.
-
-Every sample counts until the next one of its stretch of the log. As for main pressure, those do not count in which the
-engine stands or starts, nor those of short shifts (`atleak.engine.extremes`).
+Only what lasts counts (`atleak.engine.extremes`): a departure is as large as it stays for a second. For each range of
+fluid temperature it is told how long the log stays there, and how leakage, share and pressure are; samples in which the
+engine stands or starts, and those of short shifts, do not count.
 """
 
 from __future__ import annotations

@@ -1,11 +1,8 @@
-"""Convert the numbers of a controller's file to the units that a workbook's author chose, and back without loss.
+"""Turn the cells of a workbook into values of a controller's file and back, without loss, in the units that it chose.
 
-Everything is computed with decimal digits, as people write them: 0.571 inch is 14.5034 mm and nothing beside it. A
-number that its cell could not hold to the last digit is written as text.
-
-Say what the cells of a column hold, and turn a cell into a value of a controller's file and back.
-
-A cell is what a workbook's reader gives: text, a number, a truth value, a date; never empty here.
+A cell is what a workbook's reader gives: text, a number, a truth value, a date; never empty here. Numbers are computed
+with decimal digits, as people write them: 0.571 inch is 14.5034 mm and nothing beside it. One that its cell could not
+hold to the last digit is written as text.
 """
 
 from __future__ import annotations

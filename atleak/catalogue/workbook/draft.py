@@ -1,9 +1,7 @@
-"""Say of a cell what a check of the tables says of its value: in the unit, and with the text, that was typed there.
+"""An entry of the catalogue as it is typed on a page: tables of text, which become the tables of its file.
 
-An entry of the catalogue as it is typed on a page: tables of text, which become the tables of its file.
-
-What is typed stays as it is, sign for sign, whether or not it can be read; every fault and doubt has its cell. Which
-tables and columns there are says a `Subject`.
+What is typed stays as it is, sign for sign, whether or not it can be read. Every fault and doubt has its cell, and is
+said in the unit and with the text that were typed there. A `Subject` says which tables and columns there are.
 """
 
 from __future__ import annotations
@@ -68,7 +66,7 @@ def in_cells(
     What is wrong with a default that lands take from the head is said once, at the head, and nothing is said of a cell
     that could not be read.
     """
-    declared, said = {sheet.name: sheet for sheet in sheets}, set()
+    declared, at_head = {sheet.name: sheet for sheet in sheets}, set()
     for each in (error, *error.others):
         steps = each.place.steps
         if into.is_unread(steps):
@@ -85,8 +83,8 @@ def in_cells(
             yield SheetFault(spot, each.problem, each.value, each.expected, each.nearest)
         elif each.value is None or of_head is None or column.heading in row.cells:
             yield fault_of_cell(each, column, row, units)
-        elif (of_head, str(each.value)) not in said:
-            said.add((of_head, str(each.value)))
+        elif (of_head, str(each.value)) not in at_head:
+            at_head.add((of_head, str(each.value)))
             yield SheetFault(of_head, each.problem, each.value, each.expected, each.nearest)
 
 
@@ -278,8 +276,8 @@ def checked(draft: Draft) -> Checked:
         further = in_cells(error, into, subject.sheets, rows, draft.units)
         faults = [*faults, *(_on_page(fault, draft) for fault in further)]
     order = {sheet.name: number for number, sheet in enumerate(subject.sheets)}
-    told = {(fault.spot, str(fault.text)): fault for fault in faults}.values()
-    faults = sorted(told, key=lambda fault: (order.get(fault.spot.sheet, -1), fault.spot.row or 0))
+    different = {(fault.spot, str(fault.text)): fault for fault in faults}.values()
+    faults = sorted(different, key=lambda fault: (order.get(fault.spot.sheet, -1), fault.spot.row or 0))
     wrong = {fault.spot for fault in faults}
     asked: dict[Spot, SheetFault] = {}
     for doubt in _doubts(draft, entry, into, rows):

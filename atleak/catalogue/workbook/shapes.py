@@ -1,9 +1,7 @@
-"""Collect what the rows of a workbook say about a valve body, and remember which cell each value stood in.
-
-Turn the rows of each sheet into tables of a controller's file, and those tables into rows.
+"""Turn the rows of each sheet into tables of a controller's file, and those tables into rows.
 
 Every shape does both: `Sheet.rows` writes what `Sheet.fill` reads. Rows are dictionaries by the heading of a column, in
-the units of the controller's file.
+the units of the controller's file; it is remembered in which cell each value stood.
 """
 
 from __future__ import annotations

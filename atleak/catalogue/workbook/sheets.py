@@ -1,9 +1,7 @@
-"""Turn the keys of a file's tables, as their models describe them, into the columns of sheets and forms.
+"""List the sheets of the workbook that describes a valve body, in the order of its tabs.
 
-Say which sheets the workbook that describes a valve body has, in the order of its tabs.
-
-What stands in their columns say the models of the file's tables. A key that stood in no column would be lost on the way
-through a workbook; a test compares this declaration with the models.
+Their columns follow from the keys of the file's tables, as the models describe them. A key that stood in no column
+would be lost on the way through a workbook; a test compares this list with the models.
 """
 
 from __future__ import annotations

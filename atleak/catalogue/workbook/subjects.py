@@ -1,7 +1,4 @@
-"""The valve body as a subject that can be typed, and what of it can be drawn before it is complete.
-
-Limits, instruments and fluids as subjects that can be typed in forms and tables, like a valve body.
-"""
+"""Describe what can be typed on a page: valve bodies, limits, instruments and fluids."""
 
 from __future__ import annotations
 

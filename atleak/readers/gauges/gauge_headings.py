@@ -1,6 +1,6 @@
-"""What the words of a pressure table say: ranges of the lever, what the engine does, taps, and headings.
+"""Find the tables of gauge readings on a sheet, and what their headings mean.
 
-Where on a sheet tables of gauge readings stand, and what their columns are.
+The words are those of ``gauge_vocabulary.toml``: ranges of the lever, what the engine does, taps.
 """
 
 from __future__ import annotations
@@ -430,11 +430,11 @@ def _head(sheet: Sheet, rows: Sequence[int], words: GaugeWords) -> _Head:
     return head
 
 
-def _beside(sheet: Sheet, row: int, column: int, told: str | None) -> tuple[Any, int, int] | None:
+def _beside(sheet: Sheet, row: int, column: int, value: str | None) -> tuple[Any, int, int] | None:
     """Return the value of a label with its place: behind it in the same cell, or in one of the next two."""
-    if told:
-        return told, row, column
-    if told is None:
+    if value:
+        return value, row, column
+    if value is None:
         return None
     places = ((sheet.cell(row, at), row, at) for at in (column + 1, column + 2))
     return next((place for place in places if not is_blank_heading(place[0])), None)

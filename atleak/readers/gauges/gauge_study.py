@@ -1,8 +1,4 @@
-"""Find the table of a gauge study in a sheet: its row of headings, and what each column holds.
-
-The cells of a gauge study's table → readings by part, operator and trial; what cannot be read is a problem.
-
-A workbook of repeated readings → the readings of a gauge study.
+"""A workbook of repeated readings → the readings of a gauge study, by part, operator and trial.
 
 Either a reading on each row, with its part, its operator and perhaps its trial, or readings side by side: a column for
 each trial, for each part (as AIAG's form has them) or for each operator. Everything wrong is listed at once, with
@@ -194,9 +190,9 @@ def _read_row(table: StudyTable, row: int, stated: Unit | None, cells: _Cells) -
     for column in filled:
         value, place = _value(table, row, column, stated, cells), _place(table, row, column)
         if value is not None:
-            said: Mapping[str, str] = {**named, **table.values[column]}
-            pair = said["part"], said["operator"]
-            cells.by_pair.setdefault(pair, []).append((said.get("trial") or None, value, place))
+            names: Mapping[str, str] = {**named, **table.values[column]}
+            pair = names["part"], names["operator"]
+            cells.by_pair.setdefault(pair, []).append((names.get("trial") or None, value, place))
 
 
 def _is_filled(table: StudyTable, row: int, column: int) -> bool:
@@ -272,20 +268,20 @@ def _messages(table: StudyTable, stated: Unit | None, values: np.ndarray) -> Ite
     if table.sheet.note:
         yield Message("info", "read_as", table.sheet.note, place)
     if stated is None and not table.units:
-        said = Sentence("No heading states a unit: the readings are taken as mm.")
-        yield Message("info", "unit_assumed", said, place)
+        text = Sentence("No heading states a unit: the readings are taken as mm.")
+        yield Message("info", "unit_assumed", text, place)
     if stated is None and len({unit.name for unit in table.units.values()}) > 1:
         names = tuple(dict.fromkeys(unit.name for unit in table.units.values()))
-        said = Sentence("The headings state several units: {units}.", units=names)
-        yield Message("warning", "several_units", said, place)
+        text = Sentence("The headings state several units: {units}.", units=names)
+        yield Message("warning", "several_units", text, place)
     middle = median(values.ravel().tolist())
     if not _USUAL_M[0] <= middle <= _USUAL_M[1]:
-        said = Sentence(
+        text = Sentence(
             "The median reading is {median:.6g} {median.unit}, which is no usual diameter of a valve body: is the unit "
             "of the readings right?",
             median=Quantity(middle * MM, "length"),
         )
-        yield Message("warning", "unusual_readings", said, place)
+        yield Message("warning", "unusual_readings", text, place)
     yield from _apart(table, values)
 
 
@@ -296,7 +292,7 @@ def _apart(table: StudyTable, values: np.ndarray) -> Iterator[Message]:
     far = ranges > 10.0 * usual
     if usual > 0.0 and 0 < far.sum() <= max(1, _SHOWN):
         widest = float(ranges.max())
-        said = Sentence(
+        text = Sentence(
             "{count} of {total} sets of repeats differ by up to {widest:.4g} {widest.unit}, the others by some "
             "{usual:.3g} {usual.unit}: a slip of the pen counts in every number here.",
             count=int(far.sum()),
@@ -304,7 +300,7 @@ def _apart(table: StudyTable, values: np.ndarray) -> Iterator[Message]:
             widest=Quantity(widest * UM, "clearance"),
             usual=Quantity(usual * UM, "clearance"),
         )
-        yield Message("warning", "repeats_apart", said, Place(table.sheet.file, table.sheet.name))
+        yield Message("warning", "repeats_apart", text, Place(table.sheet.file, table.sheet.name))
 
 
 __all__ = ["read_study"]

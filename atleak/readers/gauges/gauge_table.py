@@ -1,6 +1,4 @@
-"""Rows of pressure tables → gauge readings, each with its place; what cannot be read is a problem.
-
-A stationary pressure table (workbook or text) → gauge readings.
+"""A stationary pressure table (workbook or text) → gauge readings, each with its place.
 
 Ranges of the lever stand in rows or in columns, and so do the states of the engine and the taps; see
 ``docs/pressure-table.md``. An empty cell was not measured. Everything wrong is listed at once, with file, sheet, row

@@ -44,7 +44,7 @@ class TypedGauges:
 
     def with_cell(self, cell: GaugeCell, text: str) -> TypedGauges:
         """Return this with another text in a cell; an empty one takes the cell out."""
-        others = {known: said for known, said in self.cells.items() if known != cell}
+        others = {other: typed for other, typed in self.cells.items() if other != cell}
         return replace(self, cells={**others, cell: text.strip()} if text.strip() else others)
 
     def part_at(self, place: Place) -> GaugeCell | str | None:

@@ -133,14 +133,14 @@ def _minutes_of_digits(values: np.ndarray) -> tuple[int, int]:
     """
     if len(values) < 3:
         return 0, 0
-    steps, told = np.diff(values), _seconds_of_digits(values)
+    steps, stamps = np.diff(values), _seconds_of_digits(values)
     usual = float(np.median(steps))
     far = np.abs(steps) > 3 * usual
     lone = np.append(far, True) & np.append(True, far)
-    if not 0 < usual < 30 or (np.isnan(told) & ~lone).any():
+    if not 0 < usual < 30 or (np.isnan(stamps) & ~lone).any():
         return 0, 0
-    known = np.isfinite(told)
-    steps, true = np.diff(values[known]), np.diff(told[known])
+    good = np.isfinite(stamps)
+    steps, true = np.diff(values[good]), np.diff(stamps[good])
     true = np.where(true < -DAY / 2, true + DAY, true)  # past midnight
     leaps = np.abs(steps - true) > 1
     return int(np.count_nonzero(leaps & (true >= 0) & (true <= 3 * usual))), int(np.count_nonzero(leaps))

@@ -1,7 +1,4 @@
-"""Takes long columns part by part.
-
-Reads the columns of delimited text in blocks of whole lines.
-"""
+"""Reads the columns of delimited text in blocks of whole lines."""
 
 from __future__ import annotations
 

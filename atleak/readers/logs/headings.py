@@ -1,6 +1,6 @@
-"""Says what each column of a log's table is called, from the rows of names, units and sources above the data.
+"""Says what each column of a log's table is called.
 
-Reads what the lines above a table say of its columns: blocks that define channels, sections of names and units.
+Names, units and sources stand in the rows above the data, or in blocks that define channels.
 """
 
 from __future__ import annotations

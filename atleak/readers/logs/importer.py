@@ -25,11 +25,10 @@ from atleak.readers.logs.log_sheets import LogSheet, open_log_sheets
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.mdf_log import understand_mdf
 from atleak.readers.logs.parquet_log import open_parquet
-from atleak.readers.logs.protocol import TableResult
 from atleak.readers.logs.table_reader import read_table
 from atleak.readers.logs.timeline import Timeline
 from atleak.readers.logs.timeline import build as build_timeline
-from atleak.readers.logs.understood import Understood, finish, labels_of
+from atleak.readers.logs.understood import TableResult, Understood, finish, labels_of
 
 
 @dataclass

@@ -1,6 +1,6 @@
 """Decides what a single cell is: a number, a clock's reading, missing, or text.
 
-Says why the cells of a column are no numbers: thousands parted by a sign, another decimal sign, several units.
+Of a column whose cells are no numbers it says why: thousands parted by a sign, another decimal sign, several units.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ def cause(cells: pd.Series, values: np.ndarray, decimal: Decimal) -> tuple[Sente
             return Sentence("numbers in which {sign!r} parts thousands", sign=sign), shown
         return Sentence("numbers in which {sign!r} parts thousands or is the decimal sign", sign=sign), shown
     if sum(kind_of_cells(text, _OTHER[decimal]) == "number" for text in few) * 2 > len(few):
-        said = Sentence("numbers with the decimal sign {sign!r}, beside others with {usual!r}", sign=_OTHER[decimal],
+        text = Sentence("numbers with the decimal sign {sign!r}, beside others with {usual!r}", sign=_OTHER[decimal],
                         usual=decimal)  # fmt: skip
-        return said, quoted(few[0])
+        return text, quoted(few[0])
     return TEXT, quoted(few[0])

@@ -1,6 +1,6 @@
-"""Opens a log from a path or bytes and says what kind of file it is; refuses what is no log before reading it all.
+"""Opens a log from a path or bytes and says what kind of file it is.
 
-Names files that are no log which can be read: pictures, archives, binaries, JSON, files of measured parts.
+What is no log (pictures, archives, binaries, JSON, files of measured parts) is named and refused before all is read.
 """
 
 from __future__ import annotations
@@ -115,8 +115,8 @@ def without_a_table(head: bytes, file: str) -> RoadTestError:
 
 def of_measured_parts(head: bytes, file: str) -> RoadTestError | None:
     """Return the error for a report of a coordinate measuring machine; None where it is none."""
-    said = {word.lower() for word in _PARTS.findall(head.decode("utf-8", errors="replace"))}
-    if len(said) < _SEVERAL:
+    words = {word.lower() for word in _PARTS.findall(head.decode("utf-8", errors="replace"))}
+    if len(words) < _SEVERAL:
         return None
     problem = Sentence("is a measuring machine's report of parts, no road-test log")
     expected = Sentence("a log; diameters belong in a measuring sheet")

@@ -1,6 +1,6 @@
-"""Holds the cells of a workbook's sheet block by block and column by column, numbers packed.
+"""Opens workbooks: a log on one sheet, or one signal per sheet with its own time.
 
-Opens workbooks: a log on one sheet, or one signal per sheet with its own time.
+Cells are held block by block and column by column, numbers packed.
 """
 
 from __future__ import annotations

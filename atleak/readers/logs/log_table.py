@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -19,7 +20,7 @@ from atleak.readers.logs.headings import (
     units_share,
     with_stated_units,
 )
-from atleak.readers.logs.log_cells import CellKind, Decimal, kind_of_cells, unit_in_cells
+from atleak.readers.logs.log_cells import CellKind, Decimal, kind_of_cells, to_float, unit_in_cells
 
 WHITESPACE = " "
 _DELIMITERS = (",", ";", "\t", "|", WHITESPACE)
@@ -80,6 +81,14 @@ class LogTable:
     def sampled(self, index: int) -> list[str]:
         """Return the cells of a column in the sample."""
         return [row[index] for row in self.sample if index < len(row)]
+
+    def bytes_of_row(self, columns: Sequence[int]) -> float:
+        """Return how many bytes these cells of a row take: eight as a number, as text by their length."""
+        width = 0.0
+        for cells in map(self.sampled, columns):
+            texts = [cell for cell in cells if cell and math.isnan(to_float(cell, self.decimal))]
+            width += 8 + (20 + sum(map(len, texts)) / len(texts) if 2 * len(texts) > len(cells) else 0)
+        return width
 
     def read(self, columns: Sequence[int], every: int = 1) -> pd.DataFrame:
         """Read these columns from the first data row on: numbers as floats, anything else as text.

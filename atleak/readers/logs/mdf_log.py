@@ -18,9 +18,8 @@ from atleak.readers.logs.delimited import Filled
 from atleak.readers.logs.headings import Heading
 from atleak.readers.logs.log_file import LogFile
 from atleak.readers.logs.names import split_unit
-from atleak.readers.logs.protocol import TableResult
 from atleak.readers.logs.timeline import build as build_timeline
-from atleak.readers.logs.understood import Understood, finish, labels_of
+from atleak.readers.logs.understood import TableResult, Understood, finish, labels_of
 from atleak.readers.process.mdf import mdf_contents, mdf_ranges
 from atleak.readers.process.parent import MDF, read_apart, read_apart_in_parts
 

@@ -1,9 +1,7 @@
-"""Derives the quantity that a column may hold from the name a logger gives it.
+"""Derives the quantity that a column may hold from the name a logger gives it, and numbers from words for gears.
 
 The unit is taken out of the name first; the rest is compared, as a whole and longest first, with the synonyms of
 ``synonyms.toml``. Words that say nothing (*SAE*, *OBD*) are left out; a veto word (*target*, *duty*) forbids the match.
-
-Converts gears and selector positions written in words to numbers.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Decides which lines are rows and reads a column's numbers; a column that cannot be read is refused, never guessed.
 
-Refuses a log in the middle of which another header, or another row of units, begins: its columns change meaning.
-
-A unit that only one of two headers states is asked about, unless the numbers of the other part are in it, too.
+A log in the middle of which another header, or another row of units, begins is refused: its columns change meaning. A
+unit that only one of two headers states is asked about, unless the numbers of the other part are in it, too.
 """
 
 from __future__ import annotations
@@ -424,13 +423,13 @@ def _numbers_but_for_few(
         what, found = cause(words, values[:: max(1, len(values) // 50_000)], decimal)
         assigner.refuse(candidate, "column_refused", holds(candidate.label, what, found))
         return False
-    said = Sentence(
+    text = Sentence(
         "{column!r}: {count} cell(s) are no numbers ({found}) and left out",
         column=candidate.label,
         count=len(words),
         found=quoted(words.iloc[0]),
     )
-    assigner.say("cells_unreadable", said, "warning", candidate.label)
+    assigner.say("cells_unreadable", text, "warning", candidate.label)
     return True
 
 
@@ -439,19 +438,19 @@ def _names_gears(
 ) -> bool:
     """Tell whether the numbers and words of a column name gears, and which words do not."""
     if np.isnan(values).all() and words_as_numbers.only_positions(words):
-        said = Sentence("{column!r} holds selector positions, no gears", column=candidate.label)
-        assigner.say("gear_is_selector", said, "info", candidate.label)
+        text = Sentence("{column!r} holds selector positions, no gears", column=candidate.label)
+        assigner.say("gear_is_selector", text, "info", candidate.label)
         return False
     unnamed = words[np.isnan(in_words)].astype("str").str.strip()
     if words_as_numbers.only_positions(unnamed):
-        said = Sentence(
+        text = Sentence(
             "{column!r}: {words} names no gear, so it is not known at {count} of {total} samples",
             column=candidate.label,
             words=tuple(sorted(unnamed.unique())),
             count=len(unnamed),
             total=len(values),
         )
-        assigner.say("gear_not_named", said, "info", candidate.label)
+        assigner.say("gear_not_named", text, "info", candidate.label)
     return True
 
 

@@ -27,7 +27,6 @@ from atleak.readers.logs.headings import Heading, named_by_a_date
 from atleak.readers.logs.log_cells import is_clock, kind_of_cells
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.names import Tier, clean_unit, match_name, split_unit
-from atleak.readers.logs.protocol import TableResult, bytes_of
 from atleak.readers.logs.remembered_columns import NOT_LOGGED
 from atleak.readers.logs.rows import (
     LeftOutRow,
@@ -47,6 +46,7 @@ from atleak.readers.logs.time_column import (
 )
 from atleak.readers.logs.timeline import Timeline
 from atleak.readers.logs.timeline import build as build_timeline
+from atleak.readers.logs.understood import TableResult
 from atleak.readers.logs.unit_cells import UNIT_HEADERS, say_two_units, two_units, with_units_beside
 
 _NAME_HEADERS = {
@@ -118,7 +118,7 @@ class _LongRows:
     def __init__(self, table: LogTable, shape: _LongColumns, assigner: Assigner | None = None) -> None:
         columns = sorted({heading.index for heading in shape.headings})
         if assigner is not None:
-            assigner.refuse_too_large(table.rows, bytes_of(table, columns), thins=False)
+            assigner.refuse_too_large(table.rows, table.bytes_of_row(columns), thins=False)
         self.every = table.read(columns)
         names = self.every[shape.name.index].astype("str").str.strip()
         keep = self.every[shape.name.index].notna() & (names != shape.name.label)
@@ -274,7 +274,7 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     channels = [candidate for candidate in candidates if candidate.quantity != "time"]
     chosen = [candidate.heading.index for candidate in (*times, *channels)]
     columns_read = sorted(set(chosen)) or [0]
-    assigner.refuse_too_large(table.rows, bytes_of(table, columns_read))
+    assigner.refuse_too_large(table.rows, table.bytes_of_row(columns_read))
     frame = table.read(columns_read, assigner.every)
     rows = rows_of_log(frame, times, channels, table, assigner)
     frame = rows.frame

@@ -1,6 +1,7 @@
-"""Decodes bytes to text: encodings with and without a byte-order mark, embedded NULs.
+"""Decodes the bytes of a log and makes every line of it a row.
 
-Makes every line of a log a row: line ends of all kinds, quotation marks that none closes, cells too many.
+Encodings may have a byte-order mark or not, and embedded NULs; line ends are of all kinds, quotation marks
+may stay open, lines may have too many cells.
 """
 
 from __future__ import annotations

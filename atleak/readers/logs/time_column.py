@@ -57,10 +57,10 @@ def clock_of(
         if sum(map(reads, probe)) > 0.5 * len(probe):
             return clocks.text_clock(column)
         if (destroyed := next(filter(is_destroyed, probe), None)) is not None:
-            said = Sentence(
+            text = Sentence(
                 "{column!r}: a spreadsheet has destroyed its numbers ({found})", column=candidate.label, found=destroyed
             )
-            assigner.say("column_refused", said, "warning", candidate.label)
+            assigner.say("column_refused", text, "warning", candidate.label)
             return None
     read = numbers(frame, candidate.heading.index, table.decimal)
     return _clock_of_numbers(candidate, read, table, assigner, motions)
@@ -80,10 +80,10 @@ def _clock_of_numbers(
     sampled = [cell for cell in table.sampled(candidate.heading.index) if cell]
     destroyed = list(filter(is_destroyed, sampled))
     if len(destroyed) > 0.3 * len(sampled):  # only three digits of a long number are left, such as 1,51E+12
-        said = Sentence(
+        text = Sentence(
             "{column!r}: a spreadsheet has cut its numbers short ({found})", column=candidate.label, found=destroyed[0]
         )
-        assigner.say("column_refused", said, "warning", candidate.label)
+        assigner.say("column_refused", text, "warning", candidate.label)
         return None
     unit = assigner.units.get("time", candidate.unit)
     if "time" in assigner.units and (stated := given("time", assigner.units["time"]).unit) is not None:
@@ -122,7 +122,7 @@ def best_clock(
     """
     readable: list[tuple[Candidate, Clock]] = []
     for candidate in times:
-        said = len(assigner.messages)
+        before = len(assigner.messages)
         clock = clock_of(candidate, rows.frame, table, assigner, motions)
         if clock is not None and runs_of_rows(clock.seconds):
             readable.append((candidate, clock))
@@ -131,7 +131,7 @@ def best_clock(
         elif clock is not None and _starts_again(clock.seconds):
             text = Sentence("{column!r} starts again every few rows", column=candidate.label)
             assigner.say("column_refused", text, "warning", candidate.label)
-        elif candidate.mapped and len(assigner.messages) == said:
+        elif candidate.mapped and len(assigner.messages) == before:
             cell = next(iter(table.sampled(candidate.heading.index)), "")
             text = Sentence("{column!r} tells no time that runs on ({found})", column=candidate.label, found=cell)
             assigner.say("column_refused", text, "warning", candidate.label)

@@ -1,6 +1,6 @@
-"""Holds what is understood of a log and makes a road test of its assigned columns.
+"""Holds what is understood of a log, makes a road test of its assigned columns, and writes both for other programs.
 
-Writes what is understood of a log as JSON for programs, and a road test as a table in workshop units.
+``describe`` is the JSON form, ``tidy_csv`` a plain table in workshop units.
 """
 
 from __future__ import annotations
@@ -18,16 +18,30 @@ from atleak.common.sentences import Sentence
 from atleak.common.units import Unit, unit
 from atleak.measurements.road_test import QUANTITIES, Channel, RoadTest, Segment
 from atleak.readers.logs import channels as build
-from atleak.readers.logs.clock import YEAR
+from atleak.readers.logs.clock import YEAR, Clock
 from atleak.readers.logs.columns import Ambiguous, Assigner
 from atleak.readers.logs.headings import Heading
-from atleak.readers.logs.protocol import TableResult
 from atleak.readers.logs.remembered_columns import NOT_LOGGED
+from atleak.readers.logs.timeline import Timeline
 from atleak.version import __version__
 
 FORMATS: Mapping[str, Sentence] = MappingProxyType(  # of files, as pages name them; those of MDF and Parquet are names
     {"delimited text": Sentence("delimited text"), "workbook": Sentence("workbook")}
 )
+
+
+@dataclass(frozen=True)
+class TableResult:
+    """The result of reading a table: number of rows and time base; the assigner holds the signals."""
+
+    rows: int
+    timeline: Timeline
+    time_label: str
+    clock: Clock
+    long: bool = False
+    used: tuple[str, ...] = ()
+    file_segments: tuple[Segment, ...] | None = None
+    left_out: int = 0  # lines of the table that are no rows
 
 
 @dataclass(frozen=True)

@@ -60,10 +60,10 @@ def two_units(cells: pd.Series, kind: str | None) -> tuple[str | None, str | Non
 
 def say_two_units(channel: Candidate, first: str | None, other: str, assigner: Assigner) -> None:
     """Say that a channel is not taken because its numbers are in several units."""
-    said = Sentence(
+    text = Sentence(
         "{column!r} holds numbers in several units ({first}, {other}): it is not used",
         column=channel.label,
         first=str(first),
         other=other,
     )
-    assigner.refuse(channel, "column_refused", said)
+    assigner.refuse(channel, "column_refused", text)

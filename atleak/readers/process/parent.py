@@ -174,17 +174,17 @@ def _items(
     except _ChildGone as gone:
         better = None if explain is None or gone.reason == "time" else _explained(explain, source, memory)
         if better is None:
-            said = {"kind": budget.kind, "suspicion": budget.suspicion}
+            values = {"kind": budget.kind, "suspicion": budget.suspicion}
             problem = {
                 "time": Sentence(
                     "reading this {kind} took longer than {limit:.0f} s and was stopped; {suspicion}",
-                    limit=seconds, **said,
+                    limit=seconds, **values,
                 ),
                 "memory": Sentence(
                     "reading this {kind} took more than {limit} MB of memory and was stopped; {suspicion}",
-                    limit=memory >> 20, **said,
+                    limit=memory >> 20, **values,
                 ),
-                "death": Sentence("this {kind} cannot be read: what reads it broke down; {suspicion}", **said),
+                "death": Sentence("this {kind} cannot be read: what reads it broke down; {suspicion}", **values),
             }[gone.reason]  # fmt: skip
             raise error(problem, place=Place(file), expected=budget.expected) from None
         kind, content = better

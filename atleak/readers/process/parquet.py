@@ -132,8 +132,8 @@ def _columns(batch: Any, keys: Sequence[tuple[str, int]]) -> list[Any]:
 def _twice(schema: Any) -> set[int]:
     """Return the places of index columns of pandas whose values another column holds."""
     try:
-        told = json.loads((schema.metadata or {}).get(b"pandas", b"{}"))
-        names = {each["field_name"]: each["name"] for each in told["columns"]}
+        pandas = json.loads((schema.metadata or {}).get(b"pandas", b"{}"))
+        names = {each["field_name"]: each["name"] for each in pandas["columns"]}
     except (ValueError, LookupError, TypeError):
         return set()
     columns = {field.name for field in schema if not field.name.startswith(_INDEX)}
@@ -152,13 +152,16 @@ def _described(field: Any) -> dict[str, Any]:
     Refused
         where its cells hold several values each.
     """
-    told = {key.decode("utf-8", "replace").strip().lower(): value for key, value in (field.metadata or {}).items()}
-    unit = next((told[key].decode("utf-8", "replace").strip() for key in _UNITS if key in told), "")
+    metadata = {key.decode("utf-8", "replace").strip().lower(): value for key, value in (field.metadata or {}).items()}
+    unit = next((metadata[key].decode("utf-8", "replace").strip() for key in _UNITS if key in metadata), "")
     kind = _kind(_plain(field.type))
     if kind is None:
-        said = {"column": field.name, "type": str(field.type)[:_TYPE_SHOWN]}
         raise Refused(
-            Sentence("its column {column!r} holds several values in a cell ({type})", **said),
+            Sentence(
+                "its column {column!r} holds several values in a cell ({type})",
+                column=field.name,
+                type=str(field.type)[:_TYPE_SHOWN],
+            ),
             expected=Sentence("columns of numbers, texts or times, with one value in a cell"),
         )
     return {"name": field.name, "unit": unit or None, "kind": kind}
