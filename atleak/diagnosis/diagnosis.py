@@ -29,11 +29,10 @@ from atleak.diagnosis.land import (
 )
 from atleak.diagnosis.messages import messages_of, sheet_messages
 from atleak.diagnosis.provisional import AssumedBasis, Representative
-from atleak.diagnosis.road import diagnosed_road, evaluated
+from atleak.diagnosis.road import diagnosed_road, leakage_over
 from atleak.diagnosis.road_findings import RoadFindings
-from atleak.diagnosis.rules import Rule, UnitRules, cannot_be, unit_rules
+from atleak.diagnosis.rules import Rule, UnitRules, cannot_be, farthest_first, unit_rules
 from atleak.diagnosis.uncertainty import (
-    DECISIONS,
     DEFAULTS,
     GUARD_FACTOR,
     Assumptions,
@@ -41,6 +40,7 @@ from atleak.diagnosis.uncertainty import (
     RuleDecision,
     UnitUncertainty,
     assess,
+    certainty,
 )
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import Losses, pressure_losses
@@ -187,7 +187,7 @@ class Diagnosis:
         RoadTestError
             a road test without usable main pressure.
         """
-        return evaluated(self.model, road_test, self.projection.condition)
+        return leakage_over(self.model, road_test, self.projection.condition)
 
     @property
     def temperature_classes(self) -> tuple[TemperatureClass, ...]:
@@ -236,11 +236,11 @@ class Diagnosis:
         candidates += [self.pump] if self.pump.verdict.flagged else []
         if self.judged:
             candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
-            candidates += _farthest_first(self.pressure_rules)
-        candidates += [*_farthest_first(self.gauge_rules), *_farthest_first(self.log_rules)]
+            candidates += farthest_first(self.pressure_rules)
+        candidates += [*farthest_first(self.gauge_rules), *farthest_first(self.log_rules)]
         return max(
             candidates,
-            key=lambda each: (each.verdict.rank, each is self.pump, _certainty(self._decision_on(each))),
+            key=lambda each: (each.verdict.rank, each is self.pump, certainty(self._decision_on(each))),
             default=None,
         )
 
@@ -258,7 +258,7 @@ class Diagnosis:
         if self.verdict == Verdict.NOT_MEASURED:
             return None
         every: list[LandDiagnosis | PumpDiagnosis | Rule] = [*self.lands, self.pump, *self.unit_rules]
-        return max((self._decision_on(each) for each in every), key=_certainty, default=None)
+        return max((self._decision_on(each) for each in every), key=certainty, default=None)
 
     @cached_property
     def provisional(self) -> tuple[AssumedBasis, ...]:
@@ -584,16 +584,6 @@ def _judged(
     if pump_new is not None and pump_new.uncertainty is not None:  # a worn pump makes no land worn
         uncertainty = uncertainty.with_lands_of(pump_new.uncertainty)
     return uncertainty.judged(rules), uncertainty
-
-
-def _farthest_first(rules: Iterable[Rule]) -> list[Rule]:
-    """Return the rules that reached a limit, the one that is farthest past it first."""
-    return sorted((rule for rule in rules if rule.verdict.flagged), key=lambda rule: -rule.severity)
-
-
-def _certainty(decision: Decision | None) -> int:
-    """Rank a decision: the surer a limit is passed, the higher."""
-    return -1 if decision is None else DECISIONS.index(decision)
 
 
 def _mileage(stated: float | None, readings: Readings | None) -> float | None:

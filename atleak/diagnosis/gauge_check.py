@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import cast
@@ -453,45 +453,20 @@ class _Checker:
             for selected, gear in gears.items()
         }
 
-    def messages(self, readings: Sequence[CheckedReading]) -> Iterable[Message]:
+    def messages(self, readings: Sequence[CheckedReading]) -> Iterator[Message]:
         """Say which gears stand for ranges, what could not be judged, and what is over the permissible."""
         place = Place(self.table.file, self.table.sheet)
-        by_gear: dict[int, list[str]] = {}
-        for selected in dict.fromkeys(each.cell.range for each in readings):
-            gear = gear_in(selected, self.controller.gears)
-            if gear is not None:
-                by_gear.setdefault(gear, []).append(selected)
-        if by_gear:
-            text = Sentence(
-                "Gauge readings of a standing vehicle: {taken} where the file names no range (choice of this project).",
-                taken=in_a_row(
-                    Sentence("{ranges} as gear {gear}", ranges=ranges, gear=gear) for gear, ranges in by_gear.items()
-                ),
-            )
-            yield Message("info", "ranges_as_gears", text, place)
-        by_reason: dict[Sentence, list[Sentence]] = {}
-        for each in readings:
-            if each.unjudged is not None:
-                by_reason.setdefault(each.unjudged, []).append(each.label)
-        for reason, unjudged in by_reason.items():
-            named = in_a_row(unjudged[:_SHOWN])
-            text = Sentence(
-                "{count} of {readings} gauge readings cannot be judged, since {reason}: {cells}.",
-                count=len(unjudged),
-                readings=len(readings),
-                reason=reason,
-                cells=Sentence("{named} …", named=named) if len(unjudged) > _SHOWN else named,
-            )
-            yield Message("info", "pressure_not_judged", text, place)
-        alone = [each.label for each in readings if each.lost is not None and each.line is None]
-        alone = [label for label in alone if not any(each.cell.tap == LINE_TAP for each in readings)]
-        if alone:
-            text = Sentence(
-                "The line was not read: whether a circuit lost its pressure by itself or with the line cannot be told "
-                "from {cells}.",
-                cells=in_a_row(alone[:_SHOWN]),
-            )
-            yield Message("info", "line_not_read", text, place)
+        yield from self._ranges_as_gears(readings, place)
+        yield from _not_judged(readings, place)
+        if all(each.cell.tap != LINE_TAP for each in readings):
+            alone = [each.label for each in readings if each.lost is not None and each.line is None]
+            if alone:
+                text = Sentence(
+                    "The line was not read: whether a circuit lost its pressure by itself or with the line cannot be "
+                    "told from {cells}.",
+                    cells=in_a_row(alone[:_SHOWN]),
+                )
+                yield Message("info", "line_not_read", text, place)
         for each in readings:
             high = each.permissible.high if each.permissible else None
             if each.over is not None and high is not None:
@@ -505,6 +480,38 @@ class _Checker:
         for reason in dict.fromkeys(error.sentence for error in self.outside):
             text = Sentence("No pressure is expected from the engine: {reason}", reason=reason)
             yield Message("warning", "pressure_not_expected", text, place)
+
+    def _ranges_as_gears(self, readings: Sequence[CheckedReading], place: Place) -> Iterator[Message]:
+        by_gear: dict[int, list[str]] = {}
+        for selected in dict.fromkeys(each.cell.range for each in readings):
+            gear = gear_in(selected, self.controller.gears)
+            if gear is not None:
+                by_gear.setdefault(gear, []).append(selected)
+        if by_gear:
+            text = Sentence(
+                "Gauge readings of a standing vehicle: {taken} where the file names no range (choice of this project).",
+                taken=in_a_row(
+                    Sentence("{ranges} as gear {gear}", ranges=ranges, gear=gear) for gear, ranges in by_gear.items()
+                ),
+            )
+            yield Message("info", "ranges_as_gears", text, place)
+
+
+def _not_judged(readings: Sequence[CheckedReading], place: Place) -> Iterator[Message]:
+    by_reason: dict[Sentence, list[Sentence]] = {}
+    for each in readings:
+        if each.unjudged is not None:
+            by_reason.setdefault(each.unjudged, []).append(each.label)
+    for reason, labels in by_reason.items():
+        named = in_a_row(labels[:_SHOWN])
+        text = Sentence(
+            "{count} of {readings} gauge readings cannot be judged, since {reason}: {cells}.",
+            count=len(labels),
+            readings=len(readings),
+            reason=reason,
+            cells=Sentence("{named} …", named=named) if len(labels) > _SHOWN else named,
+        )
+        yield Message("info", "pressure_not_judged", text, place)
 
 
 def _section(tap: str) -> str:

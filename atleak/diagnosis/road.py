@@ -52,7 +52,7 @@ def diagnosed_road(
         return RoadDiagnosis()
     log = road_findings(model.controller, road_test, limits, assumptions, guard_factor)
     try:
-        return RoadDiagnosis(log, evaluated(model, road_test, condition))
+        return RoadDiagnosis(log, leakage_over(model, road_test, condition))
     except RoadTestError as error:
         text = Sentence(
             "No leakage is computed over {file}: {problem}.", file=log.road_test.file, problem=error.problem
@@ -60,7 +60,7 @@ def diagnosed_road(
         return RoadDiagnosis(log, None, (*log.road_test.messages, Message("warning", NO_LEAKAGE, text)))
 
 
-def evaluated(model: LeakageModel, road_test: RoadTest, condition: OperatingPoint) -> RoadLeakage:
+def leakage_over(model: LeakageModel, road_test: RoadTest, condition: OperatingPoint) -> RoadLeakage:
     """Compute the leakage over a log, or take it from the last time, where nothing has changed on which it rests.
 
     The condition counts only where it stands for what the log does not hold, or sets the pressure of circuits.

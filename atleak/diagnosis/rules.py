@@ -268,3 +268,8 @@ def clearance_limits(state: LandClearance, limits: Limits) -> Steps | None:
     if own is None:
         return limits.clearance
     return Steps(((Verdict.REPLACE, own),), LimitOrigin.WORKSHOP, _OWN_LIMIT_SOURCE)
+
+
+def farthest_first(rules: Iterable[Rule]) -> list[Rule]:
+    """Return the rules that reached a limit, the one that is farthest past it first."""
+    return sorted((rule for rule in rules if rule.verdict.flagged), key=lambda rule: -rule.severity)

@@ -200,15 +200,22 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
     }
     own = {slot: _source(slot, getattr(case, slot), used[slot]) for slot in OWN_FILES if used[slot] is not None}
     sources = {**own, **_catalogue_files(diagnosis, case)}
+    choices = _choices(diagnosis, job, case, {slot: source.name for slot, source in sources.items()})
+    pictures = {name: without_notes(content) for name, content in job.pictures.items()}
+    return JobParts(choices, sources, pictures, case, diagnosis)
+
+
+def _choices(diagnosis: Diagnosis, job: Job, case: Case, files: Mapping[str, str]) -> Choices:
+    """Return what was chosen, as the diagnosis took it: what it found in a file by itself is not among it."""
     uncertainty = diagnosis.uncertainty
+    head = diagnosis.readings.identity.mileage if diagnosis.readings else None
     # a log is judged with what was assumed also where nothing was measured
     assumed = DEFAULTS.with_settings(dict(case.assumptions)).settings if case.assumptions else {}
-    head = diagnosis.readings.identity.mileage if diagnosis.readings else None
     measured: dict[str, Any] = dict(
         zip(_OF_RECORD, (case.measuring_temperature, *case.pump_clearances.um), strict=True)
     )
     log_choices = {**case.log_choices, "constants": dict(case.constants) or None}
-    choices = Choices(
+    return Choices(
         format=JOB_FORMAT,
         atleak=__version__,
         job=job,
@@ -216,17 +223,15 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
         options=diagnosis.profile.options,
         condition=_Condition(**asdict(diagnosis.projection.condition)),
         mileage=case.mileage if diagnosis.mileage == head else diagnosis.mileage,
-        readings=ReadingChoices(**case.sheet_choices, **measured) if "readings" in own else ReadingChoices(),
+        readings=ReadingChoices(**case.sheet_choices, **measured) if "readings" in files else ReadingChoices(),
         fluid_state=None if diagnosis.fluid_state_assumed else diagnosis.fluid.state,
         complaint=diagnosis.complaint.id if diagnosis.complaint else None,
         repairs=[repair.id for repair in diagnosis.repairs],
-        road_test=LogChoices(**log_choices) if "road_test" in own else LogChoices(),
+        road_test=LogChoices(**log_choices) if "road_test" in files else LogChoices(),
         assumptions=uncertainty.assumptions.settings if uncertainty else assumed,
         guard_factor=uncertainty.guard_factor if uncertainty else case.guard_factor,
-        files={slot: source.name for slot, source in sources.items()},
+        files=dict(files),
     )
-    pictures = {name: without_notes(content) for name, content in job.pictures.items()}
-    return JobParts(choices, sources, pictures, case, diagnosis)
 
 
 class OfBook(_Strict):

@@ -279,29 +279,39 @@ def draw_saving(
             args=(editing, name, text, over, partial(_renamed, desk, old) if renaming else None),
             help=say("typed_entries.save_help"),
         )
-        for slot in _slots(desk):
-            if slot.part is None or slot.part in getattr(found.entry, "measures", (slot.part,)):
-                st.button(
-                    say("typed_entries.use" if slot.part is None else f"workshop_data.use_{slot.part}"),
-                    disabled=not complete or not saved,
-                    on_click=pick,
-                    args=(slot.name, name),
-                    help=say("typed_entries.use_help"),
-                    key=editing.key(f"use-{slot.name}"),
-                )
+        _draw_uses(desk, editing, found, name, say, usable=complete and saved)
         st.download_button(say("typed_entries.toml"), text, f"{name or 'unnamed'}.toml", on_click="ignore")
         if more is not None:
             more(name or "unnamed")
     with st.container():
         if saved and _used_by(desk, name):
             st.caption(say("workshop_data.used"))
+    _draw_outcome(editing, path if saved else None, say, complete=complete)
+
+
+def _draw_outcome(editing: Editing, saved: Path | None, say: Wording, *, complete: bool) -> None:
+    """Say where it is saved, or why it is not."""
     with st.container():
         if refused := st.session_state.pop(editing.key("refused"), None):
             st.error(show.plain(refused))
-        elif saved:
-            st.caption(show.plain(say("typed_entries.saved", path=path)))
+        elif saved is not None:
+            st.caption(show.plain(say("typed_entries.saved", path=saved)))
         elif not complete:
             st.caption(say("typed_entries.not_yet"))
+
+
+def _draw_uses(desk: Desk, editing: Editing, found: Checked, name: str, say: Wording, *, usable: bool) -> None:
+    """Offer to take it for each part of the job that it may be taken for."""
+    for slot in _slots(desk):
+        if slot.part is None or slot.part in getattr(found.entry, "measures", (slot.part,)):
+            st.button(
+                say("typed_entries.use" if slot.part is None else f"workshop_data.use_{slot.part}"),
+                disabled=not usable,
+                on_click=pick,
+                args=(slot.name, name),
+                help=say("typed_entries.use_help"),
+                key=editing.key(f"use-{slot.name}"),
+            )
 
 
 def _save(editing: Editing, name: str, text: str, over: str, then: Callable[[str], None] | None) -> None:

@@ -14,6 +14,7 @@ from atleak.diagnosis.uncertainty.decision import (
     LevelDecision,
     Remedy,
     RuleDecision,
+    certainty,
     decide,
 )
 from atleak.diagnosis.uncertainty.results import (
@@ -46,5 +47,6 @@ __all__ = [
     "UncertaintySource",
     "UnitUncertainty",
     "assess",
+    "certainty",
     "decide",
 ]

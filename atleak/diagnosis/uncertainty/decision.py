@@ -1,7 +1,4 @@
-"""Decide from a value, its uncertainty and a limit: pass, conditional pass, conditional fail or fail.
-
-Say in plain words what to do about a decision that the measurement leaves open.
-"""
+"""Decide from a value, its uncertainty and a limit, and say in plain words what to do where that is left open."""
 
 from __future__ import annotations
 
@@ -22,6 +19,11 @@ from atleak.equations.statistics import guard_band, normal_cdf, probability_over
 Decision = Literal["pass", "conditional_pass", "conditional_fail", "fail"]
 DECISIONS: tuple[Decision, ...] = ("pass", "conditional_pass", "conditional_fail", "fail")  # the worst last
 GUARD_FACTOR = 1.645  # one-sided 95 %
+
+
+def certainty(decision: Decision | None) -> int:
+    """Rank a decision: the surer a limit is passed, the higher."""
+    return -1 if decision is None else DECISIONS.index(decision)
 
 
 @dataclass(frozen=True)
