@@ -29,6 +29,19 @@ class Layer:
     lift: float = 0.0  # above its row's middle, part of the row's height
     open: Sequence[bool] = ()  # whether each mark is an outline alone
 
+    def span(self, row: int) -> Span | None:
+        """Return the interval in a row; None without one."""
+        return self.spans[row] if self.spans else None
+
+    def ends(self, row: int) -> tuple[float, ...]:
+        """Return the value of a row and the ends of its interval; none where nothing is drawn."""
+        value = self.values[row]
+        return () if value is None else (value, *(self.span(row) or ()))
+
+    def reach(self, row: int) -> float:
+        """Return where it ends in a row: its value, or the end of its interval; 0 where nothing is drawn."""
+        return (0.0, *self.ends(row))[-1]
+
 
 @dataclass(frozen=True)
 class RowChart:
@@ -40,6 +53,11 @@ class RowChart:
     beside: Sequence[str] = ()  # words at the end of each row
     stacked: bool = False  # each bar begins where the one before it ends, up to 100
     zero: bool = False  # values are differences: a line marks where there is none
+
+    @property
+    def ends(self) -> list[float]:
+        """Return all values and ends of intervals."""
+        return [end for layer in self.layers for row in range(len(self.names)) for end in layer.ends(row)]
 
 
 @dataclass(frozen=True)
@@ -69,6 +87,11 @@ class ClassChart:
     fields: Sequence[Field]
     name: str = ""  # of what it is, where several stand beside one another
     thousands: str = ""  # what the axis shows where its numbers are thousands, as they are then
+
+    def known(self, field: Field) -> list[tuple[Span, Spread, str]]:
+        """Return each class with its ends, its spread and its name, where there is a spread."""
+        classes = zip(self.edges, field.spreads, self.classes, strict=True)
+        return [(edge, spread, name) for edge, spread, name in classes if spread is not None]
 
 
 Chart = RowChart | ClassChart | Sequence[ClassChart]

@@ -12,7 +12,7 @@ from atleak.catalogue.limits import RuleKind
 from atleak.common.style import MOST, SCREEN, STATED_INKS, look_of
 from atleak.common.thinning import thinned
 from atleak.common.unit_systems import PERCENT, UM
-from atleak.common.verdicts import VERDICTS, Band
+from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
@@ -37,17 +37,25 @@ def clearance_chart(lands: Sequence[LandComparison], names: Sequence[str], say: 
         (say("figures.mounting"), STATED_INKS, [each.state.land.mounting_high * um for each in latest], {}),
         (say("figures.first_limit"), MOST, [(limit := _limit(each)) and limit * um for each in latest], {}),
     ]
-    for side, lift in (("after", -0.2), ("before", 0.2)):
-        for verdict in VERDICTS:
-            at: list[LandDiagnosis | None] = [getattr(land, side) for land in lands]
-            here = [each if each and each.state.measured and each.verdict == verdict else None for each in at]
-            intervals = [each and each.uncertainty and each.uncertainty.clearance_interval for each in here]
-            spans = [each and (each[0] * um, each[1] * um) for each in intervals]
-            values = [None if each is None else each.state.radial_clearance * um for each in here]
-            more = {"spans": spans, "lift": lift, "open": [side == "before"] * len(lands)}
-            marks.append((f"{say(f'compare.{side}')}: {say.level(verdict)}", look_of(verdict), values, more))
+    sides = (("after", -0.2), ("before", 0.2))
+    marks += [_at_visit(lands, side, lift, verdict, say) for side, lift in sides for verdict in VERDICTS]
     axis = say("figures.clearance", unit=say.unit("clearance"), coverage=say.percent(0.95, 0))
     return RowChart(names, layers_of(marks), axis)
+
+
+def _at_visit(lands: Sequence[LandComparison], side: str, lift: float, verdict: Verdict, say: Wording) -> LayerOf:
+    """Return the clearances of those lands that a visit found with one verdict."""
+    um = say.convert(UM, "clearance")
+    at: list[LandDiagnosis | None] = [getattr(land, side) for land in lands]
+    here = [each if each and each.state.measured and each.verdict == verdict else None for each in at]
+    intervals = [each and each.uncertainty and each.uncertainty.clearance_interval for each in here]
+    more = {
+        "spans": [each and (each[0] * um, each[1] * um) for each in intervals],
+        "lift": lift,
+        "open": [side == "before"] * len(lands),
+    }
+    values = [None if each is None else each.state.radial_clearance * um for each in here]
+    return f"{say(f'compare.{side}')}: {say.level(verdict)}", look_of(verdict), values, more
 
 
 def total_chart(comparison: Comparison, shown: Sequence[ConditionComparison], say: Wording) -> RowChart:

@@ -1,16 +1,13 @@
-"""Turn results into plotly figures: transparent, with units on the axes and few points per trace.
+"""Draw lands and totals on the screen: leakage, wear and clearance against their limits, and how sure each is.
 
-Nothing is computed here but what a picture needs. Figures are tested by their trace data.
-
-Draw how sure a unit's numbers are: intervals, limits, and the sources of the uncertainty.
-
-A decision shows by its symbol and its words as well as by its colour. Units are those that people read.
+A decision shows by its symbol and its words as well as by its colour. Units are those that people read, on the axes.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,8 +21,7 @@ from atleak.common.wording import Wording, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
-from atleak.diagnosis.uncertainty import DECISIONS, LandUncertainty, TotalUncertainty, UnitUncertainty
-from atleak.engine.projection import Projection
+from atleak.diagnosis.uncertainty import DECISIONS, LandUncertainty, UnitUncertainty
 from atleak.report.charts.figure import Figure, by_land, framed
 
 _POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
@@ -88,6 +84,36 @@ def _interval(land: LandDiagnosis) -> tuple[float, float] | None:
     return land.uncertainty.leakage_interval if land.uncertainty else None
 
 
+class _Total(NamedTuple):
+    """A total share of the pump's flow, as `total_share` draws it; None where something is not known."""
+
+    name: str
+    share: float
+    interval: tuple[float, float] | None = None
+    new: float | None = None  # of the same unit new
+    likely: str = ""  # how likely each band is; those below half a percent are left out
+
+    @property
+    def ends(self) -> list[float]:
+        """Return the share and the ends of its interval [%], where they have an end."""
+        return [end * PERCENT for end in (self.share, *(self.interval or ())) if math.isfinite(end)]
+
+
+def _totals(diagnosis: Diagnosis, say: Wording) -> Iterator[_Total]:
+    """Yield the total at each condition, then the worst of the road test."""
+    for point in diagnosis.reported:
+        name, new = _two_lines(say.condition(point.condition)), diagnosis.total_rule(point).new
+        total = diagnosis.uncertainty.total(point.condition.name) if diagnosis.uncertainty else None
+        if total is None:
+            yield _Total(name, point.share, new=new)
+        else:
+            likely = (f"{say.level(band)} {say.percent(p, 0)}" for band, p in total.band_probabilities if p >= 0.005)
+            yield _Total(name, point.share, total.share_interval, new, ", ".join(likely))
+    worst = diagnosis.road.max_share if diagnosis.road else None
+    if worst is not None and worst.share is not None:
+        yield _Total(_two_lines(say("figures.worst_of_log", time=say.number(worst.time, 1))), worst.share)
+
+
 def total_share(diagnosis: Diagnosis, say: Wording | None = None) -> Figure:
     """Draw the total share at each condition over the bands that apply there, and the worst of the road test.
 
@@ -95,61 +121,35 @@ def total_share(diagnosis: Diagnosis, say: Wording | None = None) -> Figure:
     measurement, where readings are there; the hover says how likely each band is. English unless ``say`` is given.
     """
     say = say or wording("en")
-    unit, reported = diagnosis.uncertainty, diagnosis.reported
-    totals = [unit.total(point.condition.name) if unit else None for point in reported]
-    rules = [diagnosis.total_rule(point) for point in reported]
-    points = [
-        (_named(point, say), point.share, total.share_interval if total else None, _likely_bands(total, say))
-        for point, total in zip(reported, totals, strict=True)
-    ]
-    worst = diagnosis.road.max_share if diagnosis.road else None
-    if worst is not None and worst.share is not None:
-        points.append((say("figures.worst_of_log", time=say.number(worst.time, 1)), worst.share, None, ""))
-    ends = [
-        end * PERCENT for _, share, interval, _ in points for end in (share, *(interval or ())) if math.isfinite(end)
-    ]
+    totals = list(_totals(diagnosis, say))
+    shown = [total for total in totals if math.isfinite(total.share)]
+    new = [(total.new, total.name) for total in totals if total.new is not None and math.isfinite(total.new)]
+    rules = map(diagnosis.total_rule, diagnosis.reported if diagnosis.judged else ())
     figure = Figure()
-    right = _bands(figure, rules if diagnosis.judged else [], max(ends, default=0.0), say)
-    new = [
-        (_named(point, say), rule.new)
-        for point, rule in zip(reported, rules, strict=True)
-        if rule.new is not None and math.isfinite(rule.new)
-    ]
-    shown = [point for point in points if math.isfinite(point[1])]
+    right = _bands(figure, list(rules), max((end for total in totals for end in total.ends), default=0.0), say)
     figure.marks(
-        [share for _, share, _, _ in shown],
-        [_two_lines(label) for label, _, _, _ in shown],
+        [total.share for total in shown],
+        [total.name for total in shown],
         say("figures.as_measured" if diagnosis.judged else "figures.as_new"),
         (SCREEN.leakage, "diamond", 14, 1.5),
         factor=PERCENT,
-        spans=[interval for _, _, interval, _ in shown],
-        text=[f"<b>{say.percent(share)}</b>" for _, share, _, _ in shown],
-        textposition=["top right" if share * PERCENT < _NEAR * right else "top center" for _, share, _, _ in shown],
-        told=[likely for _, _, _, likely in shown],
+        spans=[total.interval for total in shown],
+        text=[f"<b>{say.percent(total.share)}</b>" for total in shown],
+        textposition=["top right" if total.share * PERCENT < _NEAR * right else "top center" for total in shown],
+        told=[total.likely for total in shown],
         hover="%{y}: %{x:.2f} %<br>%{customdata}",
     )
     mark, hover = (SCREEN.leakage, "circle-open", 12, 2.0), f"%{{y}}: %{{x:.2f}} % {say('figures.new')}"
-    labels = [_two_lines(label) for label, _ in new]
-    figure.marks([share for _, share in new], labels, say("figures.same_unit_new"), mark, factor=PERCENT, hover=hover)
+    shares, names = zip(*new, strict=True) if new else ((), ())
+    figure.marks(shares, names, say("figures.same_unit_new"), mark, factor=PERCENT, hover=hover)
     figure.update_xaxes(title=say("figures.drawn_share"), range=[0.0, right])
-    order = [_two_lines(label) for label, _, _, _ in points]
-    figure.update_yaxes(type="category", categoryarray=order, range=[len(points) - 0.4, -0.8])
-    return framed(figure, 130 + 56 * len(points), top=40)
+    order = [total.name for total in totals]
+    figure.update_yaxes(type="category", categoryarray=order, range=[len(order) - 0.4, -0.8])
+    return framed(figure, 130 + 56 * len(order), top=40)
 
 
 def _two_lines(label: str) -> str:
     return label.replace(", ", ",<br>")
-
-
-def _named(point: Projection, say: Wording) -> str:
-    return say.condition(point.condition)
-
-
-def _likely_bands(total: TotalUncertainty | None, say: Wording) -> str:
-    """Return how likely each band is; bands below half a percent are left out."""
-    if total is None:
-        return ""
-    return ", ".join(f"{say.level(band)} {say.percent(p, 0)}" for band, p in total.band_probabilities if p >= 0.005)
 
 
 def _bands(figure: Figure, rules: Sequence[Rule], largest: float, say: Wording) -> float:
@@ -183,21 +183,22 @@ def land_wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None
     chosen = diagnosis.lands if lands is None else lands
     worn = [(0.0 if land.within_new else land.wear, land) for land in chosen if land.wear is not None]
     worn.sort(key=lambda pair: pair[0])
+    marked: dict[tuple[str, tuple[str, str, int, float]], list[tuple[float, str]]] = {
+        (say.level(verdict), (look_of(verdict).screen, look_of(verdict).marker, 11, 0.0)): [
+            (wear, land_name(land)) for wear, land in worn if land.verdict == verdict
+        ]
+        for verdict in VERDICTS
+    }
+    rules = ((rule, land_name(land)) for _, land in worn for rule in land.rules if rule.kind is RuleKind.WEAR)
+    for rule, name in rules:
+        for level, limit in rule.steps.levels:
+            named, look = say("figures.from_here", level=say.level(level)), look_of(level)
+            marked.setdefault((named, (look.screen, f"{look.marker}-open", 9, 1.0)), []).append((limit, name))
     figure = Figure()
-    hover = "%{y}: %{x:.1f} %"
-    for verdict in VERDICTS:
-        these = [(wear, land_name(land)) for wear, land in worn if land.verdict == verdict]
-        if these:
-            values, names, look = [wear for wear, _ in these], [name for _, name in these], look_of(verdict)
-            mark = (look.screen, look.marker, 11, 0.0)
-            figure.marks(values, names, say.level(verdict), mark, factor=PERCENT, hover=hover)
-    rules = [(rule, land_name(land)) for _, land in worn for rule in land.rules if rule.kind is RuleKind.WEAR]
-    for level in dict.fromkeys(level for rule, _ in rules for level, _ in rule.steps.levels):
-        limits = [(limit, name) for rule, name in rules if (limit := rule.steps.limit_of(level)) is not None]
-        mark = (look_of(level).screen, f"{look_of(level).marker}-open", 9, 1.0)
-        values, names = [limit for limit, _ in limits], [name for _, name in limits]
-        named = say("figures.from_here", level=say.level(level))
-        figure.marks(values, names, named, mark, factor=PERCENT, hover=hover)
+    for (named, mark), places in marked.items():
+        if places:
+            values, names = zip(*places, strict=True)
+            figure.marks(values, names, named, mark, factor=PERCENT, hover="%{y}: %{x:.1f} %")
     figure.update_xaxes(title=f"{say('figures.wear')} [%]")
     return by_land(figure, [land_name(land) for _, land in reversed(worn)], 18, say)
 

@@ -59,32 +59,26 @@ def drawn_on_paper(chart: Chart, say: Wording, *, scale: float = 1.0) -> str:
 
 
 def _rows(chart: RowChart, say: Wording) -> str:
-    ends = [
-        end
-        for layer in chart.layers
-        for end in (*layer.values, *(end for span in layer.spans if span for end in span))
-        if end is not None
-    ]
+    rows = range(len(chart.names))
+    high = max(chart.ends, default=1.0)
     marks = sum(not layer.thick for layer in chart.layers)
-    right = 100.0 if chart.stacked else max(ends, default=1.0) * (1.04 if marks > 1 else 1.0)
-    row = _ROW + 5.0 if chart.stacked else _ROW + _MARK * max(marks - 1, 0)
+    right = 100.0 if chart.stacked else high * (1.04 if marks > 1 else 1.0)
+    height = _ROW + 5.0 if chart.stacked else _ROW + _MARK * max(marks - 1, 0)
     room = widest(chart.beside) + 12.0
-    with rows_of_labels(chart.names, row, right, room, chart.axis, say) as (figure, axes):
+    with rows_of_labels(chart.names, height, right, room, chart.axis, say) as (figure, axes):
         if chart.zero:
-            axes.set_xlim(min(*ends, 0.0), max(*ends, 0.0))
+            axes.set_xlim(min([0.0, *chart.ends]), max([0.0, *chart.ends]))
             axes.axvline(0.0, color=PAPER_INKS.rule, lw=1.0, ls=":")
         point = axes.get_position().width * WIDTH / right  # [pt] of a unit of the axis
-        reached = [0.0] * len(chart.names)
-        for layer in chart.layers:
-            for number, place in enumerate(places(chart.names)):
-                value = layer.values[number]
-                if value is not None:
-                    begin = reached[number] if chart.stacked else 0.0
-                    end = _drawn(axes, layer, number, place, begin, point)
-                    reached[number] = max(reached[number], end)
-        for place, end, told in zip(places(chart.names), reached, chart.beside, strict=False):
-            at = right if chart.stacked or marks > 1 else end
-            axis_words(axes, (at, place), told, (5.0, 0.0), bbox=None if chart.stacked else _GROUND)
+        for row, place in zip(rows, places(chart.names), strict=True):
+            reached = 0.0
+            for layer in chart.layers:
+                if layer.values[row] is not None:
+                    begin = reached if chart.stacked else 0.0
+                    reached = max(reached, _drawn(axes, layer, row, place, begin, point))
+            if chart.beside:
+                at = right if chart.stacked or marks > 1 else reached
+                axis_words(axes, (at, place), chart.beside[row], (5.0, 0.0), bbox=None if chart.stacked else _GROUND)
         for number in range(1, len(chart.names) if marks > 1 else 0):
             axes.axhline(number - 0.5, color=PAPER_INKS.rule, lw=0.5)
         return plotting.svg(figure)
@@ -95,7 +89,7 @@ def _drawn(axes: Axes, layer: Layer, number: int, place: int, begin: float, poin
     value, at = layer.values[number] or 0.0, place + layer.lift
     end = begin + value
     if not layer.thick:
-        span = layer.spans[number] if layer.spans else None
+        span = layer.span(number)
         if span is not None:
             interval(axes, *span, at)
         sign(axes, layer.look, value, at)
@@ -107,7 +101,7 @@ def _drawn(axes: Axes, layer: Layer, number: int, place: int, begin: float, poin
         ground = {"boxstyle": "square,pad=0.12", "fc": layer.look.fill, "ec": "none"} if layer.look.hatch else None
         middle = 0.5 * (begin + end), at
         axis_words(axes, middle, said, ha="center", color=layer.look.on_fill, bbox=ground, zorder=4)
-    span = layer.spans[number] if layer.spans else None
+    span = layer.span(number)
     if span is not None:
         interval(axes, *span, at)
     return max(end, span[1]) if span is not None else end

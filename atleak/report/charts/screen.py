@@ -36,30 +36,16 @@ def drawn(chart: Chart, say: Wording) -> Figure:
 def _rows(chart: RowChart) -> Figure:
     figure, rows = Figure(), len(chart.names)
     places = list(range(rows))[::-1]
-    ends, named = [0.0] * rows, set[tuple[str, Look]]()
-    for layer in chart.layers:
-        spans = layer.spans or [None] * rows
-        here = [number for number in range(rows) if layer.values[number] is not None]
-        values = [layer.values[number] or 0.0 for number in here]
-        bars = {"type": "bar"} if layer.thick else {}
-        for number, value in zip(here, values, strict=True):
-            span = spans[number]
-            ends[number] = max(ends[number], span[1] if span else value)
-        figure.add(
-            "bar" if bars else "scatter",
-            x=values,
-            y=[places[number] + 0.6 * layer.lift for number in here],
-            name=layer.name,
-            error_x=error_bars(values, [spans[at] for at in here], 1.0, *(() if bars else (layer.look.screen,))),
-            customdata=[layer.told[number] for number in here] if layer.told else None,
-            hovertemplate="%{customdata}<extra></extra>" if layer.told else f"{layer.name}: %{{x:.4g}}<extra></extra>",
-            showlegend=None if (layer.name, layer.look) not in named else False,
-            **(_bars(layer, here, values, stacked=chart.stacked) if bars else _marks(layer, here)),
-        )
-        named.add((layer.name, layer.look))
-    if any(chart.beside) and not chart.stacked:
+    for number, layer in enumerate(chart.layers):
+        named = any((layer.name, layer.look) == (each.name, each.look) for each in chart.layers[:number])
+        here = [row for row in range(rows) if layer.values[row] is not None]
+        _layer(figure, chart, layer, here, [places[row] + 0.6 * layer.lift for row in here], named=named)
+    ends = [max([0.0, *(layer.reach(row) for layer in chart.layers)]) for row in range(rows)]
+    longest = max(ends, default=0.0)
+    beside = any(chart.beside) and not chart.stacked
+    if beside:
         figure.add_scatter(
-            x=[end + _APART * max(ends) for end in ends],
+            x=[end + _APART * longest for end in ends],
             y=places,
             mode="text",
             text=list(chart.beside),
@@ -72,11 +58,30 @@ def _rows(chart: RowChart) -> Figure:
         figure.add_vline(x=0.0, line={"color": SCREEN.rule, "width": 1.5, "dash": "dot"})
     for name, place in zip(chart.names, places, strict=True):  # above its row: names are long, and a phone is narrow
         figure.add_annotation(x=0.0, y=place + _ABOVE, xref="x domain", text=name, xanchor="left", yanchor="bottom")
-    most = 100.0 if chart.stacked else _BESIDE * max(ends) if any(chart.beside) and not chart.zero else 0.0
+    most = 100.0 if chart.stacked else _BESIDE * longest if beside and not chart.zero else 0.0
     figure.update_xaxes(title=chart.axis, range=[0.0, most] if most > 0.0 else None)
     figure.update_xaxes(rangemode=None if chart.zero or chart.stacked else "tozero")
     figure.update_yaxes(range=[-_ABOVE - 0.1, rows - 0.2], showticklabels=False, showgrid=False)
     return framed(figure, 170 + 46 * max(rows, 1), barmode="stack" if chart.stacked else "overlay")
+
+
+def _layer(
+    figure: Figure, chart: RowChart, layer: Layer, here: Sequence[int], places: Sequence[float], *, named: bool
+) -> None:
+    """Draw a layer in the rows where it has a value; ``named`` where another one has its entry of the legend."""
+    values, spans = [layer.values[row] or 0.0 for row in here], [layer.span(row) for row in here]
+    look = _bars(layer, here, values, stacked=chart.stacked) if layer.thick else _marks(layer, here)
+    figure.add(
+        "bar" if layer.thick else "scatter",
+        x=values,
+        y=places,
+        name=layer.name,
+        showlegend=False if named else None,
+        error_x=error_bars(values, spans, 1.0, *(() if layer.thick else (layer.look.screen,))),
+        customdata=[layer.told[row] for row in here] if layer.told else None,
+        hovertemplate="%{customdata}<extra></extra>" if layer.told else f"{layer.name}: %{{x:.4g}}<extra></extra>",
+        **look,
+    )
 
 
 def _bars(layer: Layer, here: Sequence[int], values: Sequence[float], *, stacked: bool) -> dict[str, Any]:
@@ -125,6 +130,7 @@ def _classes(chart: ClassChart, say: Wording) -> Figure:
     for row, field in enumerate(chart.fields, start=1):
         if any(field.spreads):
             _boxes(figure, row, chart, field, say)
+            _medians(figure, row, chart, field, say)
             _beside(figure, row, chart, field, say)
         if field.stack:
             _stack(figure, row, chart, field)
@@ -155,21 +161,18 @@ def _over(edges: Sequence[tuple[float, float]], narrower: float = 0.0) -> dict[s
 
 
 def _boxes(figure: Figure, row: int, chart: ClassChart, field: Field, say: Wording) -> None:
-    """Draw boxes where there are enough units, thin lines elsewhere, and the medians."""
-
-    def shown(value: float) -> float:
-        return float(say.convert(value, field.kind))
-
-    known = [
-        (edge, spread, name)
-        for edge, spread, name in zip(chart.edges, field.spreads, chart.classes, strict=True)
-        if spread is not None
+    """Draw boxes where there are enough units, thin lines elsewhere."""
+    known = chart.known(field)
+    boxed = [
+        (edge, [float(say.convert(part, field.kind)) for part in spread.quantiles])
+        for edge, spread, _ in known
+        if spread.quantiles is not None
     ]
-    boxed = [(edge, tuple(map(shown, spread.quantiles))) for edge, spread, _ in known if spread.quantiles is not None]
+    edges = [edge for edge, _ in boxed]
     for number, shade_of_box in enumerate(SPREADS_ON_SCREEN):
         figure.add_bar(
             row=row,
-            **_over([edge for edge, _ in boxed], 0.3 * number),
+            **_over(edges, 0.3 * number),
             base=[parts[number] for _, parts in boxed],
             y=[parts[-1 - number] - parts[number] for _, parts in boxed],
             name=say(f"fleet.{'half' if number else 'most'}"),
@@ -178,11 +181,12 @@ def _boxes(figure: Figure, row: int, chart: ClassChart, field: Field, say: Wordi
             marker={"color": shade_of_box, "line": {"width": 0}},
             hoverinfo="skip",
         )
-    few = [(edge, spread) for edge, spread, _ in known if spread.quantiles is None]
+    few = [(0.5 * sum(edge), spread) for edge, spread, _ in known if spread.quantiles is None]
+    ends = [end for _, spread in few for end in (spread.least, spread.most, None)]
     figure.add_scatter(
         row=row,
-        x=[at for edge, _ in few for at in (0.5 * sum(edge), 0.5 * sum(edge), None)],
-        y=[end for _, spread in few for end in (shown(spread.least), shown(spread.most), None)],
+        x=[at for middle, _ in few for at in (middle, middle, None)],
+        y=[None if end is None else float(say.convert(end, field.kind)) for end in ends],
         mode="lines",
         name=say("fleet.few"),
         legendgroup="few",
@@ -190,10 +194,14 @@ def _boxes(figure: Figure, row: int, chart: ClassChart, field: Field, say: Wordi
         line={"color": _MIDDLE, "width": 1.5},
         hoverinfo="skip",
     )
+
+
+def _medians(figure: Figure, row: int, chart: ClassChart, field: Field, say: Wording) -> None:
+    known = chart.known(field)
     figure.add_scatter(
         row=row,
         x=[0.5 * sum(edge) for edge, _, _ in known],
-        y=[shown(spread.median) for _, spread, _ in known],
+        y=[float(say.convert(spread.median, field.kind)) for _, spread, _ in known],
         mode="markers+lines",
         name=say("fleet.median"),
         legendgroup="median",

@@ -91,32 +91,42 @@ def printed(content: Table, *, whole: bool = False) -> Block:
     """
     if not content.rows:
         return {}
-    say, by_key = content.say, {column.key: column for column in content.columns}
-    intervals = {key: (by_key[f"{key}_low"], by_key[f"{key}_high"]) for key in by_key if f"{key}_low" in by_key}
-    shown = [column for column in content.columns if not any(column in both for both in intervals.values())]
-    groups: list[list[list[Any]]] = []  # of rows that hold together
-    for title, items in itertools.groupby(content.rows, content.group or (lambda _: "")):
-        groups.append([[[title]]] if title else [])
-        for item in items:
-            said = "" if content.told is None else content.told(item)
-            row = [_cell(column, intervals.get(column.key), item, say) for column in shown]
-            groups[-1].append([row, [{"told": said}]] if said else [row])
-    rows = [row for group in groups for held in group for row in held]
+    say, intervals = content.say, _intervals(content.columns)
+    below = [column for both in intervals.values() for column in both]
+    shown = [column for column in content.columns if column not in below]
+
+    def held(item: Any) -> list[list[Any]]:
+        """Return the rows of an item, which hold together."""
+        said = content.told and content.told(item)
+        row = [_cell(column, intervals.get(column.key), item, say) for column in shown]
+        return [row, [{"told": said}]] if said else [row]
+
+    groups = [  # each of the rows of its items, below its heading
+        [*([[[title]]] if title else []), *map(held, items)]
+        for title, items in itertools.groupby(content.rows, content.group or (lambda _: ""))
+    ]
+    rows = [*itertools.chain(*itertools.chain(*groups))]
+    full = (row for row in rows if len(row) == len(shown))
     block: Block = {
         "kind": "table",
         "names": [_name(column, say) for column in shown],
         "rows": rows,
-        "widths": [  # what is left of the page is shared, in parts of 50 pixels of the screen
-            0 if column.kind == VERDICT else (column.width or 0) // 50 for column in shown
-        ],
-        "aligned": "".join(map(_side, shown, zip(*(row for row in rows if len(row) == len(shown)), strict=True))),
+        # what is left of the page is shared, in parts of 50 pixels of the screen
+        "widths": [0 if column.kind == VERDICT else (column.width or 0) // 50 for column in shown],
+        "aligned": "".join(map(_side, shown, zip(*full, strict=True))),
         "whole": whole,
     }
     if content.group is not None:
         block["groups"] = [sum(map(len, group)) for group in groups]
     elif content.told is not None:
-        block["groups"] = _held([len(held) for held in groups[0]])
+        block["groups"] = _held([len(together) for together in groups[0]])
     return block
+
+
+def _intervals(columns: Sequence[Column]) -> dict[str, tuple[Column, Column]]:
+    """Return the columns that stand below another one, by its key."""
+    by_key = {column.key: column for column in columns}
+    return {key: (by_key[f"{key}_low"], by_key[f"{key}_high"]) for key in by_key if f"{key}_low" in by_key}
 
 
 def _name(column: Column, say: Wording) -> str:

@@ -245,32 +245,40 @@ def because_of(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str | None:
     if rule.kind not in _BECAUSE_OF or rule.condition is None or rule.new is None:
         return None
     at = pressures_at(diagnosis, diagnosis.at(rule.condition))
-    values = {"condition": say.condition(rule.condition)}
     held = next((each for each in at.applied if each.rule == rule), at.line if rule == at.reserve_rule else None)
     if held is None:
         return None
     keys = [key for key, _ in held.costly]
-    if rule.probable:
-        because = may_be(diagnosis, rule, say) or ""
-    elif rule.kind is RuleKind.RESERVE:
+    if rule.kind is RuleKind.RESERVE and not rule.probable:
         keys = [] if rule in diagnosis.pump.lacking else list(drawing_more(diagnosis, at.projection))
-        limit = say.number(rule.limit, 2)
-        because = say("held.by_reserve", reserve=say.number(rule.value, 2), limit=limit, **values)
-    elif rule.kind is RuleKind.PERMISSIBLE_PRESSURE:
-        because = say("held.by_permissible", held=_kpa(held.now, say), low=_kpa(held.low or 0.0, say), **values)
-    else:
-        circuit = say.name(rule.circuit.name) if rule.circuit else ""
-        kind = "held.by_circuit" if held.now <= rule.new else "held.by_rise"
-        because = say(kind, circuit=circuit, held=_kpa(held.now, say), new=_kpa(held.new, say), **values)
-    said = [f"{because}."]
-    with_new = () if diagnosis.pump_new is None or diagnosis.pump.verdict.flagged else diagnosis.pump_new.unit_rules
-    if any(each.id == rule.id and not each.verdict.flagged for each in with_new):
+    because = may_be(diagnosis, rule, say) if rule.probable else _by_rule(rule, held, say)
+    said = [f"{because or ''}."]
+    if _kept_by_pump(diagnosis, rule):
         keys = [land.key for land in diagnosis.flagged if land.key in keys]
         said.append(say("pump.new_does"))
     if keys:
         lands = ", ".join(land_in_words(diagnosis, key, say) for key in keys[:LOOK_FIRST])
         said.append(say("held.look_first", lands=lands))
     return " ".join(said)
+
+
+def _kept_by_pump(diagnosis: Diagnosis, rule: Rule) -> bool:
+    """Tell whether a new pump would keep a rule that is past its limit, though this one is within its own."""
+    new = None if diagnosis.pump.verdict.flagged else diagnosis.pump_new
+    return new is not None and any(each.id == rule.id and not each.verdict.flagged for each in new.unit_rules)
+
+
+def _by_rule(rule: Rule, held: HeldPressure, say: Wording) -> str:
+    """Say the numbers of a rule past its limit: a reserve, the line's permissible pressure, or what a circuit lost."""
+    values = {"condition": say.condition(rule.condition) if rule.condition else "", "held": _kpa(held.now, say)}
+    if rule.kind is RuleKind.RESERVE:
+        reserve, limit = say.number(rule.value, 2), say.number(rule.limit, 2)
+        return say("held.by_reserve", reserve=reserve, limit=limit, **values)
+    if rule.kind is RuleKind.PERMISSIBLE_PRESSURE:
+        return say("held.by_permissible", low=_kpa(held.low or 0.0, say), **values)
+    circuit = say.name(rule.circuit.name) if rule.circuit else ""
+    kind = "held.by_circuit" if rule.new is None or held.now <= rule.new else "held.by_rise"
+    return say(kind, circuit=circuit, new=_kpa(held.new, say), **values)
 
 
 def may_be(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str | None:

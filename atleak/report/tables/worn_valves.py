@@ -88,23 +88,17 @@ def worn_valves(diagnosis: Diagnosis, choice: Choice) -> tuple[WornValve, ...]:
         complaint: {key for each in explanations(diagnosis, complaint) for key in each.lands}
         for complaint in diagnosis.controller.complaints
     }
-    valves = []
-    for (component, flagged), moves, totals in zip(by_component.items(), mine, after, strict=True):
+
+    def valve(component: str, flagged: list[LandDiagnosis], alone: tuple[RepairedAt, ...]) -> WornValve:
         lands = tuple(sorted(flagged, key=lambda land: -land.verdict.rank))
         keys = {land.key for land in lands}
-        alone = tuple(RepairedAt(one, other) for one, other in zip(now, totals, strict=True)) if moves else ()
-        valves.append(
-            WornValve(
-                component,
-                lands,
-                _paths(diagnosis, keys),
-                tuple(complaint for complaint, behind in explained.items() if keys & behind),
-                tuple(
-                    (each, loss) for each in past if (loss := sum(own for key, own in each.costly if key in keys)) > 0.0
-                ),
-                alone,
-            )
-        )
+        complaints = tuple(complaint for complaint, behind in explained.items() if keys & behind)
+        costs = ((each, sum(own for key, own in each.costly if key in keys)) for each in past)
+        lost = tuple((each, loss) for each, loss in costs if loss > 0.0)
+        return WornValve(component, lands, _paths(diagnosis, keys), complaints, lost, alone)
+
+    effects = (tuple(map(RepairedAt, now, totals)) if moves else () for moves, totals in zip(mine, after, strict=True))
+    valves = map(valve, by_component, by_component.values(), effects)
 
     def order(valve: WornValve) -> tuple[int, float]:
         return -valve.verdict.rank, -max((each.saving for each in valve.alone), default=0.0)
