@@ -12,10 +12,11 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import catalogue_files
 from atleak.common.errors import Message, OtherControllerError
 from atleak.common.sentences import Sentence, counted
-from atleak.common.units import Unit, find_unit
+from atleak.common.units import Unit
 from atleak.common.units import unit as unit_named
 from atleak.measurements.readings import Reading
 from atleak.readers.cells.sheet import rows_named
+from atleak.readers.sheets.column_headings import unit_of_heading
 from atleak.readers.sheets.columns import Columns
 from atleak.readers.sheets.diameters import DiameterCell
 from atleak.readers.sheets.table import HeadedTable
@@ -76,7 +77,7 @@ class _Beside:
 
     def stated(self, index: int) -> Iterator[tuple[int, list[Reading], float, Unit | None]]:
         """Yield each number of a column that stands beside readings: its row, the readings, itself and its unit."""
-        unit = _unit(self.table.heading(index))
+        _, unit = unit_of_heading(self.table.heading(index))
         for row, readings in self.rows.items():
             stated = stated_number(self.table.sheet.cell(row, index))
             if stated is not None:
@@ -170,15 +171,6 @@ class _Beside:
             rows=rows_named(self.table.sheet, rows),
         )
         yield Message("warning", "clearance_not_used", text, self.table.sheet.place(rows[0], index, heading))
-
-
-def _unit(heading: str) -> Unit | None:
-    for bracketed in re.finditer(r"[\[\(]([^\[\]\(\)]+)[\]\)]", heading):
-        unit = find_unit(bracketed[1].strip(), "length")
-        if unit is not None:
-            return unit
-    words = plain(heading).replace("_", " ").replace(",", " ").split()
-    return find_unit(words[-1], "length") if words and words[-1] in {"mm", "um", "µm", "μm", "inch"} else None
 
 
 def temperatures(table: HeadedTable, columns: Columns, rows: Collection[int]) -> Iterator[Message]:

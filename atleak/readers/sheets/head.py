@@ -65,7 +65,7 @@ _CLEARANCES = tuple(
 
 
 @dataclass(frozen=True)
-class _Head:
+class SheetHead:
     """Temperature [°C] and date of measuring and the pump's clearances as a head states them, and whose unit it is.
 
     ``cells`` are those read, as sheet, row and column.
@@ -80,7 +80,7 @@ class _Head:
     problems: tuple[ReadingsError, ...] = ()
 
 
-def read_head(tables: Sequence[HeadedTable], sheets: Sequence[Sheet]) -> _Head:
+def read_head(tables: Sequence[HeadedTable], sheets: Sequence[Sheet]) -> SheetHead:
     """Read what stands above the first headings of every sheet that holds one of the tables.
 
     Two temperatures or dates that differ are named, and none of them is taken. A temperature that is none is a problem;
@@ -108,7 +108,7 @@ def read_head(tables: Sequence[HeadedTable], sheets: Sequence[Sheet]) -> _Head:
     dates = list(stated_values(heads, ("date",), ("beside_head",), "temperature"))
     date, doubts = _read_date(dates)
     identity, fields, of_identity = read_identity(heads)
-    return _Head(
+    return SheetHead(
         temperature=temperature,
         date=date,
         pump=PumpClearances.of_um(side, tip),

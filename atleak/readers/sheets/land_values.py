@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
+from itertools import product
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.repairs import LandKey
@@ -20,9 +21,9 @@ from atleak.common.unit_systems import UM, Quantity
 from atleak.common.units import Unit, find_unit
 from atleak.measurements.own_lands import LENGTHS_MEASURED, REPAIR_FITTED, FittedRepair, OwnLands, OwnLength
 from atleak.measurements.readings import NOMINAL_TOLERANCE
-from atleak.readers.cells.sheet import Cell, Sheet
+from atleak.readers.cells.sheet import Cell
 from atleak.readers.sheets.column_headings import HeadedColumn
-from atleak.readers.sheets.columns import Columns, find_columns
+from atleak.readers.sheets.columns import find_columns
 from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames
 from atleak.readers.sheets.repeats import rows_left_out
 from atleak.readers.sheets.table import HeadedTable
@@ -56,7 +57,7 @@ def read_land_values(
     values = LandValues(names)
     for table in tables:
         if table.of_lands:
-            values.read(table, given_unit, rows_left_out(table, where or {}))
+            _LandRows(values, table, given_unit).read(rows_left_out(table, where or {}))
     values.messages += [*_about_lengths(values.own, names.controller), *_about_repairs(values.own, names.controller)]
     return values
 
@@ -65,52 +66,61 @@ class LandValues:
     """What was read of lands themselves; ``cells`` are those it was read from, by sheet, row and column."""
 
     def __init__(self, names: ControllerNames) -> None:
-        self.names, self.controller = names, names.controller
+        self.names = names
         self.lengths: dict[LandKey, dict[str, tuple[float, Place]]] = defaultdict(dict)
         self.fitted: dict[tuple[str, str], Place] = {}
         self.cells: list[tuple[str | None, int, int]] = []
         self.problems: list[ReadingsError] = []
         self.messages: list[Message] = []
 
-    def read(self, table: HeadedTable, given_unit: Unit | None, left_out: frozenset[int]) -> None:
-        sheet, columns = table.sheet, find_columns(table, self.names)
-        for row in table.rows:
-            for column in table.of_lands:
-                self.cells.append((sheet.name, row, column.index))
-                if row in left_out or sheet.is_struck(row, column.index):
-                    continue
-                place = table.place(row, column)
-                try:
-                    self._read_cell(table, columns, row, column, given_unit, place)
-                except ReadingsError as problem:
-                    self.problems.append(problem if problem.place.file else at(place, problem))
+    @cached_property
+    def own(self) -> OwnLands:
+        """Return what lands have of their own, once all is read."""
+        lengths = tuple(_own_length(key, stated) for key, stated in self.lengths.items())
+        return OwnLands(lengths, tuple(FittedRepair(*key, place) for key, place in self.fitted.items()))
 
-    def _read_cell(
-        self,
-        table: HeadedTable,
-        columns: Columns,
-        row: int,
-        column: HeadedColumn,
-        given_unit: Unit | None,
-        place: Place,
-    ) -> None:
-        cell, fault = table.sheet.cell(row, column.index), table.sheet.faults.get((row, column.index))
+
+class _LandRows:
+    """The rows of one table, of which what lands themselves have is read."""
+
+    def __init__(self, values: LandValues, table: HeadedTable, given_unit: Unit | None) -> None:
+        self.values, self.table, self.sheet, self.given_unit = values, table, table.sheet, given_unit
+        self.names, self.controller = values.names, values.names.controller
+        self.columns = find_columns(table, self.names)
+        self.place_column = self.columns.land or self.columns.plane
+
+    def read(self, left_out: frozenset[int]) -> None:
+        for row, column in product(self.table.rows, self.table.of_lands):
+            self.values.cells.append((self.sheet.name, row, column.index))
+            if row in left_out or self.sheet.is_struck(row, column.index):
+                continue
+            place = self.table.place(row, column)
+            try:
+                self._read_cell(row, column, place)
+            except ReadingsError as problem:
+                self.values.problems.append(problem if problem.place.file else at(place, problem))
+
+    def _read_cell(self, row: int, column: HeadedColumn, place: Place) -> None:
+        cell, fault = self.sheet.cell(row, column.index), self.sheet.faults.get((row, column.index))
         if is_blank(cell) and fault is not None:
             problem, wanted = Sentence("this cell's formula has no usable result"), Sentence("its value")
             raise ReadingsError(problem, value=fault, expected=wanted)
-        component = None if is_blank(cell) else self._component(table, columns, row)
+        component = None if is_blank(cell) else self._component(row)
         if component is None:
             return
         if column.role == "fitted repair":
-            self._take_repair(component, columns, table.sheet, row, text_of(cell), place)
+            self._take_repair(component, row, text_of(cell), place)
             return
-        land = self._land(columns, table.sheet, row, component)
+        land = self._land(row, component)
         try:
             value, written = number(cell)
         except ReadingsError as error:
             raise ReadingsError(error.problem, value=error.value, expected=_LENGTH) from error
-        of_row = find_unit(text_of(table.sheet.filled(row, columns.unit.index)), "length") if columns.unit else None
-        metres = (written or given_unit or of_row or column.unit or columns.sheet_unit or MILLIMETRE).to_si(value)
+        unit, of_row = self.columns.unit, None
+        if unit is not None:
+            of_row = find_unit(text_of(self.sheet.filled(row, unit.index)), "length")
+        stated = written or self.given_unit or of_row or column.unit or self.columns.sheet_unit
+        metres = (stated or MILLIMETRE).to_si(value)
         template = Sentence("another position of {land} stands in {where} already")
         if column.role == "contact length":
             self._check_contact_length(land, metres, cell, place)
@@ -118,36 +128,40 @@ class LandValues:
         elif not 0.0 <= metres <= 1.0:
             problem = Sentence("no position on a spool")
             raise ReadingsError(problem, value=cell, expected=Sentence("0 or more, from the spool's left end"))
-        known = self.lengths[land.key].setdefault(column.role, (metres, place))
-        if abs(known[0] - metres) > _SAME:
-            problem = template.of(land=named(land), where=known[1].sentence)
+        earlier = self.values.lengths[land.key].setdefault(column.role, (metres, place))
+        if abs(earlier[0] - metres) > _SAME:
+            problem = template.of(land=named(land), where=earlier[1].sentence)
             raise ReadingsError(problem, value=cell, expected=Sentence("each once"))
 
-    def _component(self, table: HeadedTable, columns: Columns, row: int) -> str | None:
+    def _component(self, row: int) -> str | None:
         """Return the component of a row; None where nothing names one, which a row of diameters reports itself."""
-        if columns.component is None:
+        table = self.table
+        if self.columns.component is None:
             if table.component is None and not table.values:
                 problem = Sentence("nothing says which component this is of")
                 raise ReadingsError(problem, expected=Sentence("a column 'No.'"))
             return table.component
-        cell = table.sheet.filled(row, columns.component.index)
-        holds = any(not is_blank(table.sheet.cell(row, value.index)) for value in table.values)
+        cell = self.sheet.filled(row, self.columns.component.index)
+        holds = any(not is_blank(self.sheet.cell(row, value.index)) for value in table.values)
         if holds and self.names.component(cell) is None:
             return None
         if is_blank(cell):
             raise ReadingsError(Sentence("the row names no component"), expected=Sentence("its number or name"))
         return self.names.require_component(cell)
 
-    def _land(self, columns: Columns, sheet: Sheet, row: int, component: str) -> Land:
-        lands = self.controller.lands_of(component)
-        column = columns.land or columns.plane
-        cell = "" if column is None else sheet.filled(row, column.index)
-        if is_blank(cell) and len(lands) == 1:
+    def _place_cell(self, row: int) -> Cell:
+        """Return what says the land of a row; "" where nothing does."""
+        cell = "" if self.place_column is None else self.sheet.filled(row, self.place_column.index)
+        return "" if is_blank(cell) else cell
+
+    def _land(self, row: int, component: str) -> Land:
+        lands, cell = self.controller.lands_of(component), self._place_cell(row)
+        if cell == "" and len(lands) == 1:
             return lands[0]
-        if is_blank(cell):
+        if cell == "":
             problem = Sentence("nothing says which land of component {component} this is of", component=component)
             raise ReadingsError(problem, expected=one_of(str(land.land) for land in lands))
-        if column is columns.land:
+        if self.columns.land is not None:
             return self.names.land(component, cell)
         plane = self.names.plane(component, cell)
         return next(land for land in lands if plane in land.planes)
@@ -185,9 +199,9 @@ class LandValues:
                 measured=_mm(metres),
                 stated=_mm(stated),
             )
-            self.messages.append(Message("warning", "contact_length_differs", text, place))
+            self.values.messages.append(Message("warning", "contact_length_differs", text, place))
 
-    def _take_repair(self, component: str, columns: Columns, sheet: Sheet, row: int, wanted: str, place: Place) -> None:
+    def _take_repair(self, component: str, row: int, wanted: str, place: Place) -> None:
         """Note a repair that is fitted.
 
         Raises
@@ -206,10 +220,9 @@ class LandValues:
         if wanted not in options:
             problem = Sentence("component {component} has no such repair", component=component)
             raise unknown(problem, wanted, options, kind=ReadingsError)
-        repair, lands = options[wanted], self.controller.lands_of(component)
-        column = columns.land or columns.plane
-        if column is not None and not is_blank(sheet.filled(row, column.index)):
-            land = self._land(columns, sheet, row, component)
+        repair, lands, fitted = options[wanted], self.controller.lands_of(component), self.values.fitted
+        if self._place_cell(row) != "":
+            land = self._land(row, component)
             if not repair.changes(land.key):
                 mended = [land.land for land in lands if repair.changes(land.key)]
                 problem = Sentence("{repair} does not change land {land} of component {component}")
@@ -218,23 +231,17 @@ class LandValues:
                     value=wanted,
                     expected=Sentence("land {names}", names=mended),
                 )
-        for other in (options[known] for of, known in self.fitted if of == component and known != wanted):
+        for other in (options[known] for of, known in fitted if of == component and known != wanted):
             both = [land.land for land in lands if repair.changes(land.key) and other.changes(land.key)]
             if both:
                 problem = Sentence("{repair} stands in {where} already, for land {land} too")
-                where = self.fitted[component, other.id].sentence
+                where = fitted[component, other.id].sentence
                 raise ReadingsError(
                     problem.of(repair=other.id, where=where, land=both[0]),
                     value=wanted,
                     expected=Sentence("one repair of each land"),
                 )
-        self.fitted.setdefault((component, wanted), place)
-
-    @cached_property
-    def own(self) -> OwnLands:
-        """Return what lands have of their own, once all is read."""
-        lengths = tuple(_own_length(key, stated) for key, stated in self.lengths.items())
-        return OwnLands(lengths, tuple(FittedRepair(*key, place) for key, place in self.fitted.items()))
+        fitted.setdefault((component, wanted), place)
 
 
 def _own_length(key: LandKey, stated: Mapping[str, tuple[float, Place]]) -> OwnLength:

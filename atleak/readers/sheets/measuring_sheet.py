@@ -6,22 +6,15 @@ The form is that of the source study's Table 1, a tidy table, or a table with se
 What happens to a file:
 
 1. `readers.cells` turns its bytes into sheets: cells, what is merged, hidden or crossed out.
-2. `layout` cuts a sheet into tables; `column_headings` says what a column is by its heading, `table` by all of them;
-   ``vocabulary.toml`` holds the words in every language, and `words` understands single cells. What is laid out
-   unusually becomes usual before anything else is read: `layout` exchanges rows and columns and adds deviations to
-   nominal diameters, `labels` gives each thing that a cell says a column, `diameters` fills blocks.
-3. `choice` picks the tables that are the measurement, of the visible sheets or of the one that was asked for.
-4. `columns` decides which columns of a table to read, by headings and contents.
-5. `rows` reads every row; `controller_names` knows the components, planes and lands of the controller, and what has
-   the size of one of its diameters. `exclusions` leaves out rows of means and rows that do not count; `repeats` asks
-   where two states would be averaged.
-6. `diameters` converts the numbers into metres, and finds the unit where none is stated.
-7. `leftovers` looks at all cells again: what has the size of a diameter and was not read is named or refused.
-8. `agreement` compares the diameters with clearances and means on the sheet, `plausibility` with the controller.
-9. `head` and `head_fields` read what stands above the headings: measuring temperature, date, the pump's clearances,
-   whose unit it is.
-10. `land_values` reads what stands there of lands themselves: contact lengths, positions, repairs that are fitted. A
-    fitted repair comes first: the diameters are compared with its nominal ones.
+2. `layout` cuts a sheet into tables: `column_headings` reads single headings, `table` all of them together, `labels`
+   cells that say several things; `words` and ``vocabulary.toml`` know the words of every language.
+3. `choice` picks the tables that are the measurement, and `columns` the columns of each that are read.
+4. `rows` reads every row, with `controller_names`; `exclusions` leaves out rows that are no reading, and `repeats` asks
+   where two states would be averaged. `diameters` makes metres of what they hold.
+5. `head`, `head_fields` and `land_values` read what stands above the headings, and what lands have of their own. A
+   repair that is fitted comes first: the diameters are compared with its nominal ones.
+6. `leftovers` looks at all cells again: what has the size of a diameter and was not read is named or refused.
+7. `agreement` compares the diameters with clearances and means on the sheet, `plausibility` with the controller.
 """
 
 from __future__ import annotations

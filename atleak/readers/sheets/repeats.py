@@ -37,7 +37,7 @@ Splits = Mapping[StationKey, Mapping[str, list[int]]]  # values of a column, and
 Break = tuple[int, str]  # a row between readings, and the title in it
 
 
-def question(
+def states_question(
     entries: Sequence[DiameterCell], breaks: Sequence[Break], table: HeadedTable, columns: Columns
 ) -> ReadingsError | None:
     """Return an error where the same stations come in two states and no column counts repeats."""
@@ -187,7 +187,7 @@ def _blocks(entries: Sequence[DiameterCell], breaks: Sequence[Break], sheet: She
     return None
 
 
-def messages(
+def repeat_messages(
     entries: Sequence[DiameterCell], table: HeadedTable, columns: Columns, controller: Controller
 ) -> Iterator[Message]:
     """Yield blocks that return with the same values, and repeats that another column calls states."""
@@ -343,7 +343,8 @@ def _matches(cell: Cell, wanted: str) -> bool:
     spellings = {plain(text_of(cell)), plain(_day(cell))}
     if isinstance(cell, datetime.date):
         spellings |= {f"{cell:%d.%m.%Y}", f"{cell:%d/%m/%Y}", f"{cell:%m/%d/%Y}", str(cell)}
-    return plain(wanted) in spellings or plain(wanted).replace(",", ".") in spellings
+    wanted = plain(str(wanted))
+    return wanted in spellings or wanted.replace(",", ".") in spellings
 
 
 def has_length(heading: str) -> bool:

@@ -15,12 +15,12 @@ from atleak.common.sentences import Name, Sentence, all_of, counted
 from atleak.common.units import Unit, find_unit, unit_names
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Cell, column_letter
-from atleak.readers.sheets import repeats as states
 from atleak.readers.sheets.column_headings import HeadedColumn
 from atleak.readers.sheets.columns import Columns, find_columns
 from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames
 from atleak.readers.sheets.diameters import FILL_DOWN, DiameterCell, PlaceKey, RawValue, broken_blocks
 from atleak.readers.sheets.exclusions import Exclusions, mark_messages
+from atleak.readers.sheets.repeats import Break, repeat_messages, rows_left_out, states_question
 from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import (
     A_DIAMETER,
@@ -102,7 +102,7 @@ class _Reader:
         self.overridden: set[str] = set()
 
     def read(self, where: Mapping[str, str]) -> None:
-        left_out, breaks = self._read_all_rows(states.rows_left_out(self.table, where))
+        left_out, breaks = self._read_all_rows(rows_left_out(self.table, where))
         self._read_means_alone()
         self._report_blanks()
         self._report_overridden()
@@ -120,16 +120,16 @@ class _Reader:
             )
             rows.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
         rows.problems += broken_blocks(table, rows.entries, self.names)
-        question = states.question(rows.entries, breaks, table, columns)
+        question = states_question(rows.entries, breaks, table, columns)
         rows.problems += [] if question is None else [question]
         rows.messages += self.exclusions.messages(rows.entries)
         rows.messages += mark_messages(table, rows.of_row, columns)
-        rows.messages += states.messages(rows.entries, table, columns, self.names.controller)
+        rows.messages += repeat_messages(rows.entries, table, columns, self.names.controller)
 
-    def _read_all_rows(self, rows_left_out: frozenset[int]) -> tuple[int, list[states.Break]]:
+    def _read_all_rows(self, unwanted: frozenset[int]) -> tuple[int, list[Break]]:
         """Read all rows but those that are left out or aside; return how many were left out, and the titles between."""
         left_out = 0
-        breaks: list[states.Break] = []
+        breaks: list[Break] = []
         values = [column.index for group in self.columns.groups for column in group.values()]
         faulty_rows = {row for row, _ in self.sheet.faults}
         for row in self.table.rows:
@@ -139,8 +139,8 @@ class _Reader:
             if all(is_blank(cell) for cell in cells) and row not in faulty_rows:
                 continue
             holds = any(not is_blank(self.sheet.cell(row, index)) for index in values)
-            if row in rows_left_out or (holds and self.exclusions.takes(row)):
-                left_out += holds and row in rows_left_out
+            if row in unwanted or (holds and self.exclusions.takes(row)):
+                left_out += holds and row in unwanted
                 self.rows.cells.update((row, index) for index in range(len(cells)))  # a message names the row
             elif not self._read_row(row):
                 if title := self._title(row):

@@ -25,17 +25,13 @@ NO_NUMBER, A_DIAMETER = Sentence("not a number"), Sentence("a diameter such as 9
 _SINGLE_LETTERS = 2  # words up to this length keep their case: d is the spool, D the sleeve
 
 
-def plain(text: object) -> str:
+@lru_cache(maxsize=8192)
+def plain(text: str) -> str:
     """Return a text in lower case, without accents, with single spaces: for comparing words.
 
     >>> plain("Średnica\\n Tłoka")
     'srednica tloka'
     """
-    return _plain(str(text))
-
-
-@lru_cache(maxsize=8192)
-def _plain(text: str) -> str:
     if text.isascii():  # most words are, and this is quick
         return " ".join(text.lower().split())
     folded = unicodedata.normalize("NFKD", text).lower().replace("ł", "l").replace("ß", "ss")
@@ -116,13 +112,9 @@ class Words(tuple[str, ...]):
         return Words(word for word in self if word not in known)
 
 
-def letters(text: object) -> Words:
-    """Return the words of a text, folded, without its numbers and signs."""
-    return _letters(str(text))
-
-
 @lru_cache(maxsize=8192)
-def _letters(text: str) -> Words:
+def letters(text: str) -> Words:
+    """Return the words of a text, folded, without its numbers and signs."""
     return Words(_LETTERS.findall(plain(text)))
 
 
