@@ -1,9 +1,7 @@
-"""Turn the choice of repairs, the workshop's decisions and its terms into the lines and sums of an estimate.
+"""Turn the choice of repairs, the workshop's decisions and its terms into the lines and sums of an estimate, and back.
 
 A line starts as the choice proposes it and follows every new measurement. From the first change on it is the
 workshop's own and stays as it is. What nobody knows, a price or hours, is named and counts in no sum.
-
-Relate a set of repairs that are ticked to the decisions of the job record, in both directions.
 """
 
 from __future__ import annotations

@@ -1,14 +1,8 @@
-"""How well a gauge measures in this workshop's hands: repeated readings of several parts by several people.
+"""Say how well a gauge measures in this workshop's hands: several people read several parts repeatedly.
 
-``readings`` the values, ``anova`` their analysis of variance, ``instrument`` the study's result as an instrument of the
-user's own catalogue.
-
-Analysis of variance of a crossed gauge study: repeatability, reproducibility and what is of the parts.
-
-The model has random parts, random operators and their interaction, which is pooled with repeatability where it is not
-significant: AIAG, Measurement Systems Analysis, 4th ed., chapter III, section B.
-
-The result of a gauge study as an instrument: what the study showed, beside a calibration that it cannot show.
+The analysis of variance has random parts, random operators and their interaction, which is pooled with repeatability
+where it is not significant: AIAG, Measurement Systems Analysis, 4th ed., chapter III, section B. Its result can be kept
+as an instrument of the user's own catalogue, beside a calibration that the study cannot show.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
-"""Bring what a measuring sheet's head says of the job into its record, and what that says of measuring into a case.
+"""Relate a job's record to its measuring sheet, its repairs and its result, and doubt what does not agree.
 
-Relate what was decided about repairs to the lands of a unit: what a decision covers, and what is still open.
-
-Doubt what a job record says beside a result: unknown parts, other instruments, another unit's sheet.
+The head of a sheet fills the record, what the record says of measuring fills a case, and decisions about repairs are
+related to the lands that they cover.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Describe a valve body in a workbook: ``atleak controller template|from-workbook|to-workbook|learn|check``.
+"""Describe a valve body in a workbook, and learn its mounting clearances from measuring sheets of new units.
 
-Learn mounting clearances from measuring sheets of new units: ``atleak controller learn``.
+``atleak controller template|from-workbook|to-workbook|learn|check``.
 """
 
 from __future__ import annotations

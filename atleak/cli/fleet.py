@@ -1,7 +1,4 @@
-"""Sum up the results of a fleet: ``atleak fleet summary``.
-
-Work with thousands of units at once: ``atleak fleet run``, and what its results say together.
-"""
+"""Diagnose thousands of units at once, and sum up what their results say: ``atleak fleet run|summary``."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Work with the job book: ``atleak jobs add|list|show|open|…``.
+"""Work with the job book, and keep it.
 
-Keep the job book: ``atleak jobs export|import|merge|part|duplicates|erase|backup|restore|verify``.
+``atleak jobs add|list|show|open|…|export|import|merge|part|duplicates|erase|backup|restore|verify``.
 """
 
 from __future__ import annotations

@@ -1,14 +1,8 @@
-"""Lay a straight line through clearances over mileage, with what measuring leaves open of it, and see where it leads.
+"""Judge a land: its verdict, the rule that decided it, what it costs the pump, and how long it will last; and the pump.
 
-That a clearance grows in proportion to mileage is an assumption of this project: wear accelerates with contaminated
-fluid. A line through more than two points shows where it does not hold.
-
-Foresee the mileage at which a land reaches the limit of wear for replacing, where one visit tells it.
-
-A straight line needs two points. The second one, at 0 km, is the mounting clearance, where that was measured: on this
-pair when it was new, or on new units of its type. One visit and a mounting clearance that nobody measured tell no rate.
-
-Judge a land: its verdict, the rule that decided it, and what it costs the pump; and the pump itself.
+A straight line of wear over mileage needs two points. The second one, at 0 km, is the mounting clearance, where that
+was measured: on this pair when it was new, or on new units of its type. That wear grows in proportion to mileage is an
+assumption of this project, as it accelerates with contaminated fluid: more than two points show where it does not hold.
 """
 
 from __future__ import annotations

@@ -1,9 +1,4 @@
-"""Count units by verdict and decision, what decided their verdicts, and which pairs give the most trouble.
-
-Say how the wear of every land grows with mileage.
-
-Say how share and pressure depend on temperature: as logs met it, and at the stated conditions.
-"""
+"""Count a fleet's units by verdict and decision; say how wear depends on mileage, shares and pressures on warmth."""
 
 from __future__ import annotations
 

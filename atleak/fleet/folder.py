@@ -1,11 +1,8 @@
-"""Tell whose a folder for the results of a fleet is, which version wrote them, and let one program write at a time.
+"""Keep the folder of a fleet's results: whose it is, which version wrote it, its parts, and where there are others.
 
-Write and read the parts of a fleet's data sets: files of one batch of units, of one data set and valve body each.
-
-Remember the folders in which this computer keeps results of fleets, so that the dashboard can offer them.
-
-Nobody types a path into a page: who reaches a dashboard over a network sees the folders that somebody worked with here,
-and no other.
+One program writes at a time. A part is a file of one batch of units, of one data set and valve body. The folders that
+somebody worked with on this computer are remembered, as nobody types a path into a page: who reaches a dashboard over a
+network sees those and no other.
 """
 
 from __future__ import annotations

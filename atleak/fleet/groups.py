@@ -1,4 +1,4 @@
-"""Find differences of means between groups for many lands at once, and how large they become by chance alone.
+"""Compare groups of units, such as batches or suppliers: rates of verdicts, and the wear of every land.
 
 If groups do not differ, the labels of their units could as well have been dealt out otherwise. The labels are shuffled
 among the units, a unit with all of its lands, and every shuffle gives every difference over its standard error. How
@@ -6,8 +6,6 @@ large the largest of them is in all but a few shuffles is what a difference has 
 many, skewed and wear together, and all of that is in the shuffles as it is in the units (single-step max T: P. H.
 Westfall, S. S. Young, Resampling-Based Multiple Testing, Wiley 1993). Each difference goes over its own standard
 error, which allows for groups of unequal spread (A. Janssen, Stat. Probab. Lett. 36 (1997) 9-21).
-
-Compare groups of units, such as batches or suppliers: rates of verdicts, and the wear of every land.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Find the units of a fleet: job files, alone, in folders or by a pattern, rows of tables, and jobs of the job book.
-
-Read what the results of a fleet hold of one unit, whatever became of its files.
-"""
+"""Find the units of a fleet: job files, rows of tables and jobs of the job book; and what its results hold of one."""
 
 from __future__ import annotations
 

@@ -1,9 +1,8 @@
-"""Draw a fleet's summary with Excel's own charts, from the cells of its tables.
-
-Write a fleet's summary as an Excel workbook: an overview, then one table for each thing that was counted.
+"""Write a fleet's summary as an Excel workbook: an overview with charts, then one table for each thing counted.
 
 Numbers are numbers, in the units that the headings name; what each column means stands in a note on its heading and on
-the last sheet. Text is always written as text: nothing that somebody typed becomes a formula or a link.
+the last sheet. Excel draws the charts from the cells of the tables. Text is always written as text: nothing that
+somebody typed becomes a formula or a link.
 """
 
 from __future__ import annotations

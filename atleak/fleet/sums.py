@@ -1,11 +1,9 @@
-"""A fleet in numbers: what `atleak.fleet.summary` finds and workbook, PDF, terminal and pages show.
+"""A fleet in numbers: what `atleak.fleet.summary` finds and workbook, PDF, terminal, pages and JSON show.
 
 Numbers are carried as atleak's records carry them: per cent, kPa, °C, km, s. What a number says of units counts every
 unit once: rows of one valve body with one serial number, or else VIN, are visits of one unit. The last visit counts at
 which anything was measured, by date and then mileage; the last of all where none was. Valve bodies are never mixed in
 what is said of a land, a condition or a temperature.
-
-Turn a summary of a fleet into the JSON record that scripts rely on: unrounded, units in the keys.
 """
 
 from __future__ import annotations

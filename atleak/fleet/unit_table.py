@@ -1,7 +1,4 @@
-"""One row of a table of units, read cell by cell: files, numbers, dates and what is written down of the job.
-
-The rows of a table as units of a fleet: each with its files, its choices and what is written down of it.
-"""
+"""Read a table of units, row by row: each with its files, its choices and what is written down of its job."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Tell which rows of a fleet are visits of one unit, and which of them counts.
-
-Lay out the lands of one valve body: a row for each visit, a column for each land.
-"""
+"""Tell which rows of a fleet are visits of one unit, which of them counts, and lay out the lands of all visits."""
 
 from __future__ import annotations
 

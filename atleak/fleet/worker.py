@@ -1,8 +1,6 @@
-"""End a process that works on something for too long, even where it hangs in compiled code.
+"""Do for one unit what a worker of dask's does: diagnose it within its time, and make the rows that are kept of it.
 
-Do for one unit what a worker does: diagnose it, and make the rows that are kept of it.
-
-Run one unit as a task of dask's: a worker calls this.
+A process that takes too long is ended, even where it hangs in compiled code.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
-"""Say where today's version of atleak comes to another result of a job than the one that was stored with it.
+"""Issue a job's result as the record that other programs read, with a hash by which it is known.
 
-Issue a result as the record that other programs read: with the job it is of, and a hash by which it is known.
-
-Say of each step of a job how far it is: what it holds, or what is missing.
+Say where today's version of atleak comes to another result than the stored one, and how far each step of a job is.
 """
 
 from __future__ import annotations

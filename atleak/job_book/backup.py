@@ -1,6 +1,4 @@
-"""Check that every job of a book opens and that its stored result is whole.
-
-Keep a job book safe: back it up as one file, bring that file back, and check that every job is whole.
+"""Keep a job book safe: back it up as one file, bring that file back, and check that every job is whole.
 
 A backup is a SQLite file whatever database the book is on, so that it can be restored to either.
 """

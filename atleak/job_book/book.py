@@ -1,7 +1,4 @@
-"""Write the channels of a road test as a Parquet table.
-
-The job book: save a job whole or not at all, find it again, and notice when two people change the same one.
-"""
+"""The job book: save a job whole or not at all, find it again, and notice when two people change the same one."""
 
 from __future__ import annotations
 

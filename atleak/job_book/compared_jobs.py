@@ -1,6 +1,6 @@
-"""Find the job that somebody names: by its id, the id's first characters, or the workshop's number of it.
+"""Compare two jobs, each a job file or a job of the book: two diagnoses, and what their records say besides.
 
-Compare two jobs, each a job file or a job of the book: two diagnoses, and what their records say besides.
+A job of the book is named by its id, the id's first characters, or the workshop's number of it.
 """
 
 from __future__ import annotations

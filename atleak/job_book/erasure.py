@@ -1,8 +1,7 @@
-"""Take a person out of a job: its record, its files and its results, and nothing that a verdict rests on.
+"""Erase a customer's personal data from the job book for good; what was measured, and the verdicts on it, stay.
 
-What stays is listed; everything else goes. So a field that is added to the record later goes too, until it is listed.
-
-Erase a customer's personal data from the job book for good; what was measured, and the verdicts on it, stay.
+What stays of a job is listed; everything else goes. So a field that is added to the record later goes too, until it is
+listed.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Declare the tables of the job book, on SQLite and PostgreSQL alike.
-
-Put rows into tables and copy them, with what the two databases call differently.
-"""
+"""Declare the tables of the job book, on SQLite and PostgreSQL alike, and put rows into them."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Say what to know about a comparison: what stands on one side only, and what else than the unit differs.
+"""Compare two diagnoses of one unit: lands, totals, pressures and logs, and what changed beyond its uncertainty.
 
-Compare two diagnoses of one unit: lands, totals, pressures and logs, and what changed beyond its uncertainty.
+What stands on one side only, and what else than the unit differs, is said in messages.
 """
 
 from __future__ import annotations

@@ -1,10 +1,7 @@
-"""Say by how much a number changed between two visits, and whether that is more than the measurements can be off.
+"""What two visits of one unit come to side by side: lands, operating points, logs, and what changed.
 
-Tell by which choices two jobs were judged, where these differ, and judge one unit by the choices of the other.
-
-Match the events of two road tests, so that the logs can be laid over one another event by event.
-
-Hold what two visits of one unit come to side by side: lands, operating points, logs, and what changed.
+A number changed where its difference is more than the measurements can be off. Where two jobs were judged by different
+choices, one of them is judged anew by those of the other. The events of two road tests are matched one by one.
 """
 
 from __future__ import annotations

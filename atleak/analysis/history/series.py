@@ -1,6 +1,6 @@
-"""Hold what one visit tells of a unit's wear, and say which visits can stand in one series.
+"""Say what one visit tells of a unit's wear, and which points of a land lie on one line.
 
-Find which points of one land lie on one line: a repair, or another odometer, begins its series anew.
+A repair, or another odometer, begins a series anew.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Say how fast every land of a unit wears, and at which mileage it reaches its limits.
-
-Foresee what the whole unit leaks at later mileages: every land at its own line, through the engine.
-"""
+"""Say how fast every land wears and when it reaches its limits, and what the whole unit will leak at later mileages."""
 
 from __future__ import annotations
 

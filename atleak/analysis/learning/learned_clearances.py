@@ -1,11 +1,9 @@
-"""Estimate the clearance of new pairs of every land from several units, its uncertainty and the spread of pairs.
+"""Learn the mounting clearance of every land from measuring sheets of new or known-good units.
 
 A pair's clearance is that of its type, plus what its unit's lands have in common, plus its own deviation, plus the
 error of its measurement: a two-way analysis of variance with random units. Variances are pooled over all lands, and
 their degrees of freedom follow Welch and Satterthwaite: two units whose lands all differ by the same amount tell as
 much as two values, not as sixty.
-
-Learn the mounting clearance of every land from measuring sheets of new or known-good units.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Write learned mounting clearances into the tables of a valve body's file.
-
-Say in sentences what was learned, what was left out, and how far it can be trusted.
-"""
+"""Write learned mounting clearances into a valve body's file, and say what was left out and how far to trust them."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Round amounts of money as people write them: to the currency's smallest unit, half of it upwards.
+"""List the repairs that can be chosen of a unit, what each changes, and what each costs.
 
-List the repairs that can be chosen of a unit, what each changes, and what each costs.
+Amounts are rounded as people write them: to the currency's smallest unit, half of it upwards.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
-"""Let the lands of a unit wear further, or bring them back to new.
+"""Compute a unit as it is tried: at another condition, with another fluid, wear or place of its spools.
 
-Say what of a job is tried otherwise: its condition, its fluid, its wear, where its spools lie.
-
-Compute a unit as it is tried, beside the job at its own condition, and as each variant of the source study.
+Its lands wear further or come back to new, and the result stands beside the job's own and the source study's variants.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Carry the draws of a unit into the pump's reserve, the line pressure that holds and what every circuit holds.
-
-Evaluate one operating condition, and a unit in it, for whole arrays of what is uncertain there.
-"""
+"""Evaluate a unit at one operating condition for whole arrays of draws: pump, line pressure and every circuit."""
 
 from __future__ import annotations
 

@@ -1,17 +1,13 @@
-"""Say how draws of one quantity spread: its standard uncertainty, its interval, and how likely it is past limits.
+"""Draw what is not known of a land and of a unit, and say how the draws of a quantity spread.
 
-Draw what is uncertain by points that fill a cube evenly, which a fixed seed scrambles.
-
-Intervals from some thousands of such points are as steady as those from several times as many random draws (Owen,
-SIAM J. Numer. Anal. 34, 1997). The points are Sobol's, each dimension one quantity; a digital shift and a random
-triangular matrix for each dimension scramble them, so that every point alone is spread like a random one (Matoušek,
-J. Complexity 14, 1998). They have few dimensions, and a unit has hundreds of quantities: those that belong together, of
-one land or of the whole unit, share a cube, and every land goes through its cube in an order of its own (Latin
-supercube sampling: Owen, ACM Trans. Model. Comput. Simul. 8, 1998). That order is random only among draws in which what
-all lands share is about the same (as in array-RQMC: L'Ecuyer, Lécot & Tuffin, Oper. Res. 56, 2008), because a land's
-flow depends on both.
-
-Draw what is not known of a land: its clearance, how its bore is worn, what it was when new, how its spool lies.
+The draws are points that fill a cube evenly, which a fixed seed scrambles. Intervals from some thousands of them are as
+steady as those from several times as many random draws (Owen, SIAM J. Numer. Anal. 34, 1997). The points are Sobol's,
+each dimension one quantity; a digital shift and a random triangular matrix for each dimension scramble them, so that
+every point alone is spread like a random one (Matoušek, J. Complexity 14, 1998). They have few dimensions, and a unit
+has hundreds of quantities: those that belong together, of one land or of the whole unit, share a cube, and every land
+goes through its cube in an order of its own (Latin supercube sampling: Owen, ACM Trans. Model. Comput. Simul. 8, 1998).
+That order is random only among draws in which what all lands share is about the same (as in array-RQMC: L'Ecuyer, Lécot
+& Tuffin, Oper. Res. 56, 2008), because a land's flow depends on both.
 """
 
 from __future__ import annotations

@@ -1,9 +1,4 @@
-"""Compute the linear budget of every land and of the total: one factor is changed at a time, by central differences.
-
-All lands are evaluated at once, a row for each; every column changes one thing. The pressures of the circuits stay as
-they are with the unit as measured.
-
-Carry uncertain clearances, fluid, pressures and pump into the spread of every flow and of the total.
+"""Carry uncertain clearances, fluid, pressures and pump into the spread of every flow and of the total.
 
 This is the Monte Carlo method of JCGM 101. An error that lands share is drawn once per trial and used for all of them.
 What a share has grown by is judged against the same unit unworn in the same trial: with the same fluid, pressures, pump
@@ -12,9 +7,11 @@ is known, a land is unworn as far as its reading may be that of a new pair.
 
 A bore wears to one side, which two-point diameters cannot see: by how much is one fraction of all wear, drawn once per
 trial for the whole unit, with a phase of its own for each land. Where nobody knows how the spools lie, e/c is drawn for
-each component, the same for its lands now and new.
+each component, the same for its lands now and new. The circuits' pressures are solved in every trial: a land that leaks
+more in it finds less pressure before it.
 
-The circuits' pressures are solved in every trial: a land that leaks more in it finds less pressure before it.
+The linear budget of every land and of the total changes one factor at a time, by central differences, with the
+circuits' pressures as they are with the unit as measured.
 """
 
 from __future__ import annotations

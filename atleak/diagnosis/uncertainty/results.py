@@ -1,6 +1,6 @@
-"""Lay the uncertainty of one land's clearance out as a budget: a row per source, as the GUM has them.
+"""What the uncertainty of a unit comes to: of its lands, its totals and pressures, and the instants of a log.
 
-Hold what the uncertainty of a unit comes to: of its lands, its totals and pressures, and the instants of a log.
+The clearance of a land has a budget with a row per source, as the GUM has them.
 """
 
 from __future__ import annotations
