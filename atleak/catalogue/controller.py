@@ -57,9 +57,7 @@ class Land:
     sleeved: bool = False  # whether its bore was sleeved
     contact_length_measured: bool = False  # on this very unit; else as the file states it
     fitted: str | None = None  # id of the repair that this unit was given earlier
-    mounting_measured: bool = (
-        False  # whether the mounting clearance is: of this pair when new, or of others of its type
-    )
+    mounting_measured: bool = False  # whether the mounting clearance is: of this pair when new, or of its type
 
     @property
     def key(self) -> tuple[str, int]:

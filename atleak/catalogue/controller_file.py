@@ -215,9 +215,9 @@ def _lands(entry: ControllerFile, reading: PartReading) -> list[Land]:
                     raise reading.fault((*at, "planes"), Sentence("plane given to two lands"), value=plane)
                 planes.add(plane)
 
-        reading.each(table.lands, (*where, "lands"), land_of, twice=Sentence("land given twice"), named_by="land")
+        reading.objects_of(table.lands, (*where, "lands"), land_of, twice=Sentence("land given twice"), named_by="land")
 
-    reading.each(entry.components, ("components",), component, twice=Sentence("component given twice"))
+    reading.objects_of(entry.components, ("components",), component, twice=Sentence("component given twice"))
     if not any(component.lands for component in entry.components):
         problem, expected = Sentence("no component has a land"), Sentence("at least one land")
         reading.faults.append(reading.fault(("components", 0, "lands"), problem, expected=expected))
@@ -313,7 +313,7 @@ def _gaps(entry: ControllerFile, known: Sequence[LandKey], reading: PartReading)
                 raise reading.fault((*where, "gears"), Sentence("the same gap was given before"), value=min(both))
         gaps.append(gap)
 
-    reading.each(entry.gaps, ("gaps",), gap_of)
+    reading.objects_of(entry.gaps, ("gaps",), gap_of)
     return gaps
 
 
@@ -368,7 +368,7 @@ def _repairs(
         _check_diameter(table, lands, where, reading)
         return made(Repair, table, lands=frozenset(mine if table.lands is None else table.lands))
 
-    return tuple(reading.each(tables, ("repairs",), repair, twice=Sentence("repair given twice")))
+    return tuple(reading.objects_of(tables, ("repairs",), repair, twice=Sentence("repair given twice")))
 
 
 def _check_diameter(table: RepairTable, lands: Sequence[Land], where: KeySteps, reading: PartReading) -> None:
@@ -396,7 +396,7 @@ def _operating_points(entry: ControllerFile, reading: PartReading) -> list[Opera
             raise reading.fault((*where, "name"), problem, value=table.name, expected=Sentence("another name"))
         return made(OperatingPoint, table)
 
-    return reading.each(entry.operating_points, ("operating_points",), point, twice=_POINT_TWICE, named_by="name")
+    return reading.objects_of(entry.operating_points, ("operating_points",), point, twice=_POINT_TWICE, named_by="name")
 
 
 def _complaints(
@@ -412,7 +412,7 @@ def _complaints(
         at_lands = tuple(names[name] for name in table.lands or ())
         return made(Complaint, table, lands=at_lands, source=table.source or source)
 
-    return tuple(reading.each(tables, ("complaints",), complaint, twice=Sentence("complaint given twice")))
+    return tuple(reading.objects_of(tables, ("complaints",), complaint, twice=Sentence("complaint given twice")))
 
 
 def _each_known_once(

@@ -76,7 +76,7 @@ class PartReading:
         except CatalogueError as fault:
             self.faults.append(fault)
 
-    def each(
+    def objects_of(
         self,
         tables: Sequence[_Entry],
         at: KeySteps,
@@ -268,7 +268,7 @@ def read_circuits(tables: Sequence[CircuitTable], reading: PartReading) -> tuple
         set_pressure = reading.set_pressure(table.set_kpa, (*where, "set_kpa"), gears)
         return made(Circuit, table, gears=gears, feeds=tuple(feeds), set_pressure=set_pressure)
 
-    circuits = reading.each(tables, ("circuits",), circuit, twice=Sentence("circuit given twice"))
+    circuits = reading.objects_of(tables, ("circuits",), circuit, twice=Sentence("circuit given twice"))
     _refuse_circles(circuits, tables, reading)
     return tuple(circuits)
 
@@ -332,7 +332,7 @@ def read_leaks(tables: Sequence[LeakTable], reading: PartReading) -> tuple[Leak,
             into_sump=not low.is_section,
         )
 
-    return tuple(reading.each(tables, ("leaks",), leak, twice=Sentence("leak given twice")))
+    return tuple(reading.objects_of(tables, ("leaks",), leak, twice=Sentence("leak given twice")))
 
 
 def read_consumers(tables: Sequence[ConsumerTable], reading: PartReading) -> tuple[Consumer, ...]:
@@ -348,7 +348,7 @@ def read_consumers(tables: Sequence[ConsumerTable], reading: PartReading) -> tup
         name, law = table.name or table.id.replace("_", " "), table.law or "orifice"
         return made(Consumer, table, name=name, flow=flow, law=law)
 
-    return tuple(reading.each(tables, ("consumers",), consumer, twice=Sentence("consumer given twice")))
+    return tuple(reading.objects_of(tables, ("consumers",), consumer, twice=Sentence("consumer given twice")))
 
 
 def read_permissible(
@@ -374,7 +374,7 @@ def read_permissible(
         published = table.evidence is not Evidence.REPRESENTATIVE
         known.append(made(PermissiblePressure, table, gears=gears, ranges=ranges, published=published))
 
-    reading.each(tables, ("permissible_pressure",), permissible)
+    reading.objects_of(tables, ("permissible_pressure",), permissible)
     return tuple(known)
 
 

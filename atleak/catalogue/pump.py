@@ -32,7 +32,7 @@ class PumpClearances:
         return side, tip
 
     @property
-    def known(self) -> bool:
+    def any_known(self) -> bool:
         """Return whether either is known."""
         return self.side is not None or self.tip is not None
 
@@ -129,7 +129,7 @@ class Pump:
         The slip of the file holds for a new pump, and the gap law adds what a gap has opened by since. Of a gap that
         lacks its dimensions, or its clearance when new beside a stated slip, nothing is added; `counted` says what is.
         """
-        if not measured.known:
+        if not measured.any_known:
             return self
         known, gaps, new = replace(self, measured=measured), self.gaps, self.clearances
         if self.slip_coefficient is None:
@@ -142,7 +142,7 @@ class Pump:
         if gaps.tips is not None and measured.tip is not None and new.tip is not None:
             tips = ((1.0, measured.tip), *(() if tips else ((-1.0, new.tip),)))
             counted = replace(counted, tip=measured.tip)
-        if not counted.known:
+        if not counted.any_known:
             return known
         return replace(known, slip_coefficient=coefficient, tips=tips, counted=counted, as_new=self)
 
@@ -175,7 +175,7 @@ class Pump:
         What was not measured in this job adds nothing.
         """
         side, tip, gaps = self.counted.side, self.counted.tip, self.gaps
-        slip = float(self.slip(pressure, dynamic_viscosity)) if self.counted.known else 0.0
+        slip = float(self.slip(pressure, dynamic_viscosity)) if self.counted.any_known else 0.0
         if slip <= 0.0:
             return 0.0
         by_side = by_tip = 0.0

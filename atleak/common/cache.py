@@ -7,9 +7,7 @@ from typing import Any, TypeVar
 from weakref import finalize
 
 _Made = TypeVar("_Made")
-_KEPT: dict[
-    int, dict[str, tuple[tuple[Any, Any], ...]]
-] = {}  # keys and what was made, by the owner's identity and name
+_KEPT: dict[int, dict[str, tuple[tuple[Any, Any], ...]]] = {}  # keys and what was made, by owner's identity and name
 
 
 def kept_with(owner: Any, name: str, key: Any, make: Callable[[], _Made], most: int = 4) -> _Made:
@@ -34,8 +32,8 @@ def kept_with(owner: Any, name: str, key: Any, make: Callable[[], _Made], most: 
         _KEPT[id(owner)] = {}
         finalize(owner, _KEPT.pop, id(owner), None)
     kept = _KEPT[id(owner)]
-    for known, before in kept.get(name, ()):
-        if known == key:
+    for earlier_key, before in kept.get(name, ()):
+        if earlier_key == key:
             earlier: _Made = before
             return earlier
     made = make()

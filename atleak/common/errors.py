@@ -168,7 +168,7 @@ class Place:
     steps: KeySteps = field(default=(), compare=False)
 
     @property
-    def known(self) -> dict[str, Any]:
+    def parts(self) -> dict[str, Any]:
         """Return what is known of the place, by the names of its parts."""
         return {name: value for name, value in vars(self).items() if value not in (None, ())}
 

@@ -324,7 +324,7 @@ def _about_pump(pump: Pump, profile: Profile, readings: Readings | None) -> Iter
             "it covers the leakage are those of its full stroke."
         )
         yield Message("info", "pump_full_stroke", text)
-    if pump.counted.known and profile.pump_efficiency != "wilson":
+    if pump.counted.any_known and profile.pump_efficiency != "wilson":
         text = Sentence("The pump's measured clearances count nowhere: the profile takes its efficiency as a constant.")
         yield Message("warning", "pump_clearance_left_out", text)
     for name, missing in pump.left_out:
@@ -343,7 +343,7 @@ def _about_pump(pump: Pump, profile: Profile, readings: Readings | None) -> Iter
             yield Message("warning", "pump_clearance_differs", _differs(name, in_head, um))
         if um is not None and most is not None and um > most:
             yield Message("warning", "pump_clearance_over_limit", _over_limit(name, um, most))
-    if pump.counted.known and pump.as_new is None:
+    if pump.counted.any_known and pump.as_new is None:
         text = Sentence(
             "The slip of the pump when new is not known, so that of the measured one stands beside no other."
         )

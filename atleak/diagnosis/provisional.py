@@ -129,5 +129,5 @@ def _of_pump(controller: Controller, uses_slip: bool) -> set[str]:
     if not uses_slip:
         return {"displacement", "volumetric_efficiency"}
     stated = controller.entry is not None and controller.entry.pump.slip_coefficient is not None
-    by_gaps = not stated or controller.pump.counted.known  # else a stated coefficient goes before them
+    by_gaps = not stated or controller.pump.counted.any_known  # else a stated coefficient goes before them
     return {"displacement", *(["slip_coefficient"] if stated else []), *(["gaps"] if by_gaps else [])}

@@ -33,10 +33,6 @@ class FlowKind(StrEnum):
     SUMP = "sump"
 
 
-SOURCES = frozenset({FlowKind.PUMP, FlowKind.BEYOND})
-ENDS = frozenset({FlowKind.SLIP, FlowKind.CONSUMER, FlowKind.LEFT, FlowKind.ELSEWHERE, FlowKind.SUMP})
-
-
 @dataclass(frozen=True)
 class FlowPlace:
     """A place that fluid passes, named as in the controller's file."""
@@ -62,14 +58,6 @@ class Flows:
 
     pressures: Mapping[str, float]  # [Pa] that every section and circuit holds
     flows: tuple[Flow, ...]
-
-    def into(self, place: FlowPlace) -> float:
-        """Return what flows into a place [m³/s]."""
-        return sum(each.flow for each in self.flows if each.target == place)
-
-    def out_of(self, place: FlowPlace) -> float:
-        """Return what flows out of a place [m³/s]."""
-        return sum(each.flow for each in self.flows if each.source == place)
 
 
 _PUMP, _SUMP, _LINE, _ELSEWHERE = (

@@ -41,7 +41,7 @@ class RoadSamples:
     pump_capacity: np.ndarray | None  # [m³/s]; None without an engine speed
 
     @cached_property
-    def known(self) -> np.ndarray:
+    def usable(self) -> np.ndarray:
         """Return which samples have a leakage."""
         return np.isfinite(self.series.total)
 
@@ -78,7 +78,7 @@ def samples_of(model: LeakageModel, road_test: RoadTest, assumed: OperatingPoint
     speed = road_test.values("engine_speed")
     capacity = None if speed is None else np.asarray(model.pump_capacity(speed, main, temperature), dtype=float)
     samples = RoadSamples(main, converter, temperature, gear, series, capacity)
-    if not samples.known.any():
+    if not samples.usable.any():
         raise _nothing_known(model, series, road_test.file)
     return samples
 
@@ -240,7 +240,7 @@ def _left_out(model: LeakageModel, samples: RoadSamples) -> Iterator[Message]:
             high=Quantity(high, "temperature"),
         )
         yield Message("warning", "outside_fluid", text)
-    missing = size - np.count_nonzero(samples.known) - series.other_gear - series.outside_fluid
+    missing = size - np.count_nonzero(samples.usable) - series.other_gear - series.outside_fluid
     if missing > 0:
         text = Sentence(
             "{count} of {size} samples lack a usable value of pressure, temperature or gear and are left out.",
@@ -356,7 +356,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     messages = [*assumption_messages(road_test, assumed), *sample_messages(model, samples, hotter)]
     starts = engine_starts(road_test)
     starting = within_span(road_test.time, starts)
-    extremes, start = _extremes(road_test, samples, starting & samples.known, len(starts), messages)
+    extremes, start = _extremes(road_test, samples, starting & samples.usable, len(starts), messages)
     return RoadLeakage(
         road_test=road_test,
         assumed=assumed,
@@ -366,7 +366,7 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
         circuits=series.circuits,
         circuit_ranges=_circuit_ranges(model.controller, road_test, samples, starting),
         pump_capacity=capacity,
-        gears=tuple(sorted({int(number) for number in np.unique(samples.gear[samples.known])})),
+        gears=tuple(sorted({int(number) for number in np.unique(samples.gear[samples.usable])})),
         section_shares=_section_shares(series.sections, road_test.time),
         extremes=extremes,
         start=start,
@@ -387,7 +387,7 @@ def _extremes(
     if not starting.any():
         return of(leakage), None
     turning = np.asarray(road_test.values("engine_speed")) >= Thresholds.engine_standing
-    alone = not (samples.known & turning & ~starting).any()
+    alone = not (samples.usable & turning & ~starting).any()
     messages.append(_said_of_starts(starts, int(np.count_nonzero(starting)), alone=alone))
     if alone:
         return of(leakage), None

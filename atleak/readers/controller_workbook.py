@@ -486,6 +486,6 @@ def _miss(declared: Declared, into: Description) -> None:
         return
     into.faults.append(SheetFault(Spot(declared.name), Sentence("this sheet is missing, or its headings are")))
     if declared.at:
-        into.unread.add(declared.at)
+        into.left_out.add(declared.at)
     else:
-        into.unread.update(column.keys for column in declared.columns)
+        into.left_out.update(column.keys for column in declared.columns)

@@ -83,7 +83,7 @@ class SetPressures(WorkbookSheet):
             if value is not None:
                 table["set_kpa"] = value
             else:  # it has a fault already, and the circuit is none without supply
-                into.unread.add((*at, "set_kpa"))
+                into.left_out.add((*at, "set_kpa"))
                 table["set_kpa"] = UNREADABLE
 
     @property

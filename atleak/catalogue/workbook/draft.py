@@ -69,7 +69,7 @@ def in_cells(
     declared, at_head = {sheet.name: sheet for sheet in sheets}, set()
     for each in (error, *error.others):
         steps = each.place.steps
-        if into.is_unread(steps):
+        if into.is_left_out(steps):
             continue
         spot = into.spot(steps)
         if spot is None:

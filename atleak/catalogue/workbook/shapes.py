@@ -64,7 +64,7 @@ class Description:
     faults: list[SheetFault] = field(default_factory=list)
     notes: list[Sentence] = field(default_factory=list)  # what was taken for granted, in sentences
     spots: dict[KeySteps, Spot] = field(default_factory=dict)
-    unread: set[KeySteps] = field(default_factory=set)  # values left out because their cell has a fault already
+    left_out: set[KeySteps] = field(default_factory=set)  # values whose cell has a fault already
 
     def mark(self, steps: KeySteps, spot: Spot) -> None:
         """Remember the cell of a value; the first cell of what several make up is the one that counts."""
@@ -77,9 +77,9 @@ class Description:
                 return self.spots[steps[:length]]
         return None
 
-    def is_unread(self, steps: KeySteps) -> bool:
+    def is_left_out(self, steps: KeySteps) -> bool:
         """Return whether a value, or the table around it, was left out because of a fault that is reported already."""
-        return any(steps[:length] in self.unread for length in range(1, len(steps) + 1))
+        return any(steps[:length] in self.left_out for length in range(1, len(steps) + 1))
 
     def table(self, at: KeySteps) -> dict[str, Any]:
         """Return the table at these steps, made where it is missing."""
@@ -108,10 +108,7 @@ class Description:
 
 
 Values = dict[str, Any]
-HEAD_DEFAULTS, _REPRESENTATIVE = (
-    "defaults",
-    "representative_values",
-)  # of the head: what holds for lands that state nothing
+HEAD_DEFAULTS, _REPRESENTATIVE = "defaults", "representative_values"  # of the head: for lands that state nothing
 _LISTS = ("measured", "published", "representative")  # keys that list which values of a table are known how
 
 
@@ -247,7 +244,7 @@ class WorkbookSheet:
                 if column.heading in row.cells and column.keys and not column.end:
                     value = row.cells[column.heading]  # as it stands: what rests on it is then no fault of its own
                 if column.heading in row.cells or column.heading in row.absent:
-                    into.unread.add((*at, *column.keys))
+                    into.left_out.add((*at, *column.keys))
             if value is None:
                 continue
             if column.end and column.of(table, end=0) is None:
@@ -369,7 +366,7 @@ class ValuesByPoint(WorkbookSheet):
             if number not in row.cells:
                 into.fault(row, number, Sentence("no number"), Sentence("a number, or an empty row"))
             if number not in row.values or (where is None and point in row.cells):
-                into.unread.add(at)
+                into.left_out.add(at)
             elif where is None and stated is None:
                 table[self._key] = row.values[number]
             elif where is None or not isinstance(table.setdefault(self._key, {}), dict) or where in table[self._key]:
@@ -379,10 +376,10 @@ class ValuesByPoint(WorkbookSheet):
                 into.mark((*at, where), row.at(number))
                 table[self._key][where] = row.values[number]
         for name, (place, table) in owners.items():
-            if self._key not in table and (*self.at, place, self._key) not in into.unread:
+            if self._key not in table and (*self.at, place, self._key) not in into.left_out:
                 problem = Sentence("no row says it of {name}", name=name)
                 into.faults.append(SheetFault(Spot(self.name), problem, expected=Sentence("a row for it")))
-                into.unread.add((*self.at, place, self._key))
+                into.left_out.add((*self.at, place, self._key))
 
     @property
     def _key(self) -> str:

@@ -39,7 +39,7 @@ class _MdfChannel:
     cycles: int = 0  # of its group, each with a sample, valid or not
     group: int = -1
     index: int = -1
-    known: tuple[np.ndarray, np.ndarray] | None = None
+    course: tuple[np.ndarray, np.ndarray] | None = None
 
 
 @dataclass(frozen=True)
@@ -186,7 +186,7 @@ def _contents(source: LogFile) -> tuple[list[_MdfChannel], int, str]:
         pid = PIDS[code]
         label = f"{pid.name} (OBD2 01 {code:02X})"
         heading = Heading(len(channels), label, (pid.name,), pid.unit or None)
-        channels.append(_MdfChannel(heading, len(time), known=(time, values)))
+        channels.append(_MdfChannel(heading, len(time), course=(time, values)))
     return channels, frames, version
 
 
@@ -200,11 +200,11 @@ def _samples(source: LogFile, wanted: Sequence[_MdfChannel], every: int = 1) -> 
     Channels that follow each other and have the same stamps share them.
     """
     by_place = {channel.heading.index: channel for channel in wanted}
-    read = _read_channels(source, [channel for channel in by_place.values() if channel.known is None], every)
+    read = _read_channels(source, [channel for channel in by_place.values() if channel.course is None], every)
     result: dict[int, _Course] = {}
     shared = np.empty(0)
     for index, channel in sorted(by_place.items()):
-        time, values = read[index] if channel.known is None else (each[::every] for each in channel.known)
+        time, values = read[index] if channel.course is None else (each[::every] for each in channel.course)
         shared = shared if np.array_equal(time, shared) else time
         result[index] = shared, values
     return result

@@ -24,7 +24,7 @@ def message_record(message: Message) -> dict[str, Any]:
     """Return a message, with its place where it has one."""
     record: dict[str, Any] = {"level": message.level, "code": message.code, "text": message.text}
     if message.place is not None:
-        record["place"] = message.place.known or None
+        record["place"] = message.place.parts or None
     return record
 
 

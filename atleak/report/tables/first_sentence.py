@@ -81,10 +81,10 @@ def pump_sentence(diagnosis: Diagnosis, say: Wording) -> str | None:
     The slip is that at hot idle, or else at the stated condition. None where nothing was measured of the pump.
     """
     pump = diagnosis.controller.pump
-    if not pump.measured.known:
+    if not pump.measured.any_known:
         return None
     measured = say("pump.measured", clearances=say("pump.and").join(_clearances(diagnosis, say)))
-    if not (pump.counted.known and diagnosis.model.uses_slip):
+    if not (pump.counted.any_known and diagnosis.model.uses_slip):
         return f"{measured} {say('pump.counts_nowhere')}"
     projection = diagnosis.hot_idle or diagnosis.projection
     slip, new = slips(diagnosis, projection)

@@ -66,7 +66,7 @@ def _reading(diagnosis: Diagnosis, checked: CheckedReading) -> dict[str, Any]:
         "decision": deciding.decision if deciding else None,
         "probability_over_limit": finite(deciding.probability_over_limit) if deciding else None,
         "rules": [unit_rule_record(diagnosis, each.rule) for each in checked.decisions],
-        "place": reading.place.known,
+        "place": reading.place.parts,
     }
 
 

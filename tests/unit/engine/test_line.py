@@ -17,13 +17,14 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.engine.flows import ENDS, FlowKind, FlowPlace, flows_at
+from atleak.engine.flows import FlowKind, FlowPlace, flows_at
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import Held, Operation, held_pressure, sections_held, with_new
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import project
 from atleak.measurements.readings import LandClearance, clearances
 from tests.unit.conftest import two_of
+from tests.unit.engine.test_flows import ENDS, into
 
 LOSSLESS = WORKSHOP.with_options(entry_loss="off")
 widths = st.floats(10e-6, 300e-6)
@@ -213,7 +214,7 @@ def test_shipped_units_with_half_the_pump_sag_and_balance(name: str, hipol: Flui
             sagged += 1
             missing = lacking(model, point, held.main_pressure)
             assert missing == pytest.approx(0.0, abs=1e-9 * pump.displacement * point.engine_speed)
-            taken = sum(flows.into(FlowPlace(FlowKind.CONSUMER, each.id)) for each in consumers)
+            taken = sum(into(flows, FlowPlace(FlowKind.CONSUMER, each.id)) for each in consumers)
             stated = sum(each.at(point) for each in consumers)
             opened = math.sqrt(held.main_pressure / point.main_pressure)
             assert taken == pytest.approx(stated * opened, rel=1e-9, abs=0.0)
