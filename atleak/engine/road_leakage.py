@@ -18,8 +18,8 @@ from atleak.catalogue.circuit_tables import State
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import IDLE_SPEED, OperatingPoint
-from atleak.common.errors import Message, Place, RoadTestError, translates_refusals
-from atleak.common.sentences import Name, Sentence, in_a_row
+from atleak.common.errors import Message, MessageLevel, Place, RoadTestError, translates_refusals
+from atleak.common.sentences import Name, Sentence, counted, in_a_row
 from atleak.common.unit_systems import KPA, Quantity
 from atleak.engine.extremes import Extremes, Instant, first_largest, share_of_samples, sustained_window
 from atleak.engine.leakage import LeakageModel
@@ -166,20 +166,16 @@ def sample_messages(model: LeakageModel, samples: RoadSamples, hotter: int) -> I
         text = Sentence("The log has no engine speed: pump capacity and share over the log are not known.")
         yield Message("warning", "no_engine_speed", text)
     elif no_delivery := int(np.count_nonzero((capacity <= 0.0) & (total > 0.0))):
-        without = {"count": no_delivery, "samples": size}
+        text = Sentence(
+            "In {count} of {samples} samples the pump delivers nothing while pressure stands: no sample of this log "
+            "has a share."
+        )
         if (share_of_samples(total, capacity) >= 0.0).any():
             text = Sentence(
                 "In {count} of {samples} samples the pump delivers nothing while pressure stands: no share can be "
-                "given there, and the largest share is that of the other samples.",
-                **without,
+                "given there, and the largest share is that of the other samples."
             )
-        else:
-            text = Sentence(
-                "In {count} of {samples} samples the pump delivers nothing while pressure stands: no sample of "
-                "this log has a share.",
-                **without,
-            )
-        yield Message("warning", "pump_delivers_nothing", text)
+        yield Message("warning", "pump_delivers_nothing", text.of(count=no_delivery, samples=size))
     yield from _left_out(model, samples)
     if hotter:
         text = Sentence(
@@ -213,41 +209,27 @@ def _left_out(model: LeakageModel, samples: RoadSamples) -> Iterator[Message]:
                 section=section,
             )
             yield Message("warning", "reversed_pressure_drop", text)
-    if series.unbalanced:
-        text = Sentence(
-            "In {count} of {size} samples no pressures were found at which all circuits balance.",
-            count=series.unbalanced,
-            size=size,
-        )
-        yield Message("warning", "circuits_not_balanced", text)
-    if series.other_gear:
-        text = Sentence(
-            "{count} of {size} samples are in no gear of this valve body ({gears}) and are left out.",
-            count=series.other_gear,
-            size=size,
-            gears=model.controller.gears,
-        )
-        yield Message("warning", "other_gear", text)
-    if series.outside_fluid:
-        low, high = model.fluid.span(model.profile.viscosity)
-        text = Sentence(
+    low, high = (Quantity(end, "temperature") for end in model.fluid.span(model.profile.viscosity))
+    values = {"gears": model.controller.gears, "fluid": Name(model.fluid.name), "low": low, "high": high}
+    missing = size - int(np.count_nonzero(samples.usable)) - series.other_gear - series.outside_fluid
+    met: tuple[tuple[int, MessageLevel, str, Sentence], ...] = (
+        (series.unbalanced, "warning", "circuits_not_balanced", Sentence(
+            "In {count} of {size} samples no pressures were found at which all circuits balance."
+        )),
+        (series.other_gear, "warning", "other_gear", Sentence(
+            "{count} of {size} samples are in no gear of this valve body ({gears}) and are left out."
+        )),
+        (series.outside_fluid, "warning", "outside_fluid", Sentence(
             "{count} of {size} samples are at a temperature outside the data of {fluid} ({low:g} to {high:g} "
-            "{high.unit}) and are left out.",
-            count=series.outside_fluid,
-            size=size,
-            fluid=Name(model.fluid.name),
-            low=Quantity(low, "temperature"),
-            high=Quantity(high, "temperature"),
-        )
-        yield Message("warning", "outside_fluid", text)
-    missing = size - np.count_nonzero(samples.usable) - series.other_gear - series.outside_fluid
-    if missing > 0:
-        text = Sentence(
-            "{count} of {size} samples lack a usable value of pressure, temperature or gear and are left out.",
-            count=int(missing),
-            size=size,
-        )
-        yield Message("info", "samples_left_out", text)
+            "{high.unit}) and are left out."
+        )),
+        (missing, "info", "samples_left_out", Sentence(
+            "{count} of {size} samples lack a usable value of pressure, temperature or gear and are left out."
+        )),
+    )  # fmt: skip
+    for count, level, code, text in met:
+        if count > 0:
+            yield Message(level, code, text.of(count=count, size=size, **values))
 
 
 def hottest(model: LeakageModel) -> float:
@@ -388,13 +370,13 @@ def _extremes(
         return of(leakage), None
     turning = np.asarray(road_test.values("engine_speed")) >= Thresholds.engine_standing
     alone = not (samples.usable & turning & ~starting).any()
-    messages.append(_said_of_starts(starts, int(np.count_nonzero(starting)), alone=alone))
+    messages.append(_start_message(starts, int(np.count_nonzero(starting)), alone=alone))
     if alone:
         return of(leakage), None
     return of(np.where(starting, np.nan, leakage)), of(np.where(starting, leakage, np.nan))
 
 
-def _said_of_starts(count: int, samples: int, *, alone: bool) -> Message:
+def _start_message(count: int, samples: int, *, alone: bool) -> Message:
     """Say that the moments after the starts of the engine are given apart, or that there are no others."""
     if alone:
         text = Sentence(
@@ -403,20 +385,19 @@ def _said_of_starts(count: int, samples: int, *, alone: bool) -> Message:
             seconds=Thresholds.start_seconds,
         )
         return Message("warning", "start_alone", text)
-    counts = {"samples": samples, "seconds": Thresholds.start_seconds}
-    if count > 1:
-        text = Sentence(
-            "The engine is started {count} times in this log: the extremes of {samples} samples until {seconds:g} s "
-            "after the engine runs are given apart.",
-            count=count,
-            **counts,
-        )
-    else:
-        text = Sentence(
+    text = counted(
+        count,
+        Sentence(
             "The engine is started 1 time in this log: the extremes of {samples} samples until {seconds:g} s after the "
-            "engine runs are given apart.",
-            **counts,
-        )
+            "engine runs are given apart."
+        ),
+        Sentence(
+            "The engine is started {count} times in this log: the extremes of {samples} samples until {seconds:g} s "
+            "after the engine runs are given apart."
+        ),
+        samples=samples,
+        seconds=Thresholds.start_seconds,
+    )
     return Message("info", "start_apart", text)
 
 
