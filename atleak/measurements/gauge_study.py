@@ -18,13 +18,7 @@ class GaugeStudyError(InputError):
 
 @dataclass(frozen=True)
 class StudyReadings:
-    """Repeated readings [m], by part, operator and trial.
-
-    Raises
-    ------
-    ValueError
-        names that do not fit the values, or fewer than two parts, operators or trials.
-    """
+    """Repeated readings [m], by part, operator and trial; a `ValueError` refuses what does not fit or is too few."""
 
     parts: tuple[str, ...]
     operators: tuple[str, ...]

@@ -79,12 +79,7 @@ class Plan:
     def cells(self, controller: Controller, held: Iterable[PlanCell] = ()) -> tuple[PlanCell, ...]:
         """Return every cell in the order of measuring.
 
-        Parameters
-        ----------
-        controller
-            whose lands are measured.
-        held
-            cells that hold something already: those of the plan's lands stay, also where it does not ask for them.
+        ``held`` are cells that hold something: those of the plan's lands stay, also where it does not ask for them.
         """
         wanted = [land for land in controller.lands if self.takes(land)]
         cells = dict.fromkeys(cell for land in wanted for cell in self.of_land(land))

@@ -46,10 +46,7 @@ class OwnLands:
     def with_fitted(self, controller: Controller) -> Controller:
         """Return the controller with the nominal diameters and mounting clearances of the repairs that are fitted.
 
-        Raises
-        ------
-        ReadingsError
-            a repair that the controller's file does not have for that component.
+        A `ReadingsError` names one that the controller's file does not have for that component.
         """
         if not self.fitted:
             return controller
@@ -70,13 +67,7 @@ class OwnLands:
         return replace(controller, lands=tuple(lands.values()))
 
     def applied(self, controller: Controller) -> Controller:
-        """Return the controller as this unit is: with the repairs that are fitted, and the lengths that were measured.
-
-        Raises
-        ------
-        ReadingsError
-            as `with_fitted`.
-        """
+        """Return the controller as this unit is: as `with_fitted` does, and with the lengths that were measured."""
         lengths = {each.key: each for each in self.lengths}
         fitted = self.with_fitted(controller)
         lands = tuple(_measured(land, lengths[land.key]) if land.key in lengths else land for land in fitted.lands)

@@ -48,20 +48,8 @@ _UNREADABLE = re.compile(r"[\ufffd\x80-\x9f\u2500-\u259f]|(?<=\d)[øш](?!\w)") 
 def read_text(data: bytes, file: str, score: Callable[[Sheet], float], knows: Knows | None = None) -> Sheet:
     """Read a text file; encoding and delimiter are those with the highest `score`.
 
-    Parameters
-    ----------
-    data, file
-        the file's bytes, and its name for messages.
-    score
-        how much a sheet looks like what is looked for.
-    knows
-        whether sheets of this kind use a word: it tells code pages with one byte per letter apart. Without it only the
-        two most usual ones are tried.
-
-    Raises
-    ------
-    ReadingsError
-        where this is no text, or no table.
+    ``knows`` says whether sheets of this kind use a word, which tells code pages with one byte per letter apart:
+    without it only the two most usual ones are tried. A `ReadingsError` refuses what is no text, or no table.
     """
     if len(data) > MOST_TEXT:
         problem = Sentence("this text has {size} MB", size=len(data) >> 20)
@@ -236,13 +224,7 @@ _FOREIGN = (  # first bytes → what it is
 
 
 def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str]:
-    """Return the file's bytes and the name that messages give it.
-
-    Raises
-    ------
-    ReadingsError
-        where a path leads to no readable file.
-    """
+    """Return the file's bytes and the name that messages give it; a `ReadingsError` where it cannot be read."""
     if isinstance(source, bytes | bytearray | memoryview):
         return bytes(source), name or "readings"
     path = Path(source)
@@ -264,10 +246,7 @@ def open_sheets(
 ) -> tuple[bytes, str, list[Sheet]]:
     """Return the bytes of a file that is no measuring sheet, the name that messages give it, and its sheets.
 
-    Raises
-    ------
-    InputError
-        of that kind, as `read_bytes` and `read_sheets` say; ``wanted`` is what was expected instead.
+    An error of that kind says what `read_bytes` and `read_sheets` refuse, and what was ``wanted`` instead.
     """
     try:
         data, file = read_bytes(source, name)
@@ -279,17 +258,9 @@ def open_sheets(
 def read_sheets(
     data: bytes, file: str, score: Callable[[Sheet], float], knows: Knows | None = None, *, only_look: bool = False
 ) -> list[Sheet]:
-    """Read all sheets of a file; encoding and delimiter are those with the highest `score`, and with words one knows.
+    """Read all sheets of a file, as `read_text` and `read_workbook` do.
 
-    Parameters
-    ----------
-    only_look
-        read no more of a workbook than its sheets' first rows.
-
-    Raises
-    ------
-    ReadingsError
-        where the file is empty, neither a workbook nor text, or more than people fill in.
+    A `ReadingsError` refuses a file that is empty, neither a workbook nor text, or more than people fill in.
     """
     place = Place(file)
     if not data.strip(b"\0 \t\r\n\xef\xbb\xbf"):
@@ -311,18 +282,10 @@ def read_sheets(
 
 
 def read_workbook(data: bytes, file: str, *, only_look: bool = False) -> list[Sheet]:
-    """Read all worksheets of a workbook.
+    """Read all worksheets of a workbook; with ``only_look`` no more than their first rows, where it holds a log too.
 
-    Parameters
-    ----------
-    only_look
-        read no more than their first rows, of a workbook that holds a log too.
-
-    Raises
-    ------
-    ReadingsError
-        where the file is damaged, protected by a password, holds more cells than a measuring sheet can, or takes more
-        time or memory than a workbook of its size may.
+    A `ReadingsError` refuses one that is damaged, protected by a password, holds more cells than a measuring sheet can,
+    or takes more time or memory than a workbook of its size may.
     """
     read = first_rows if only_look else measuring_sheets
     return [

@@ -59,10 +59,7 @@ class Marks:
 def marks(data: bytes) -> dict[str, Marks]:
     """Return the marks on each sheet of an xlsx or ods, by its name; empty for other files.
 
-    Raises
-    ------
-    zipfile.BadZipFile, xml.etree.ElementTree.ParseError, KeyError
-        for a damaged file, or a part that unpacks to more than `PART_LIMIT` bytes.
+    A damaged file raises `zipfile.BadZipFile`, `ElementTree.ParseError` or `KeyError`.
     """
     if not data.startswith(b"PK"):
         return {}
@@ -88,13 +85,7 @@ def column_index(letters: str) -> int:
 
 
 def whole_number(text: str | bytes) -> int:
-    """Return the number that an attribute of a workbook's XML states.
-
-    Raises
-    ------
-    xml.etree.ElementTree.ParseError
-        where it is none.
-    """
+    """Return the number that an attribute of a workbook's XML states; where it is none, the XML counts as damaged."""
     try:
         return int(text)
     except ValueError as error:
@@ -102,13 +93,7 @@ def whole_number(text: str | bytes) -> int:
 
 
 def unpacked_part(archive: zipfile.ZipFile, name: str, limit: int | None = None) -> bytes:
-    """Return the content of a part of a workbook.
-
-    Raises
-    ------
-    zipfile.BadZipFile
-        where it unpacks to more bytes than the limit, `PART_LIMIT` unless given.
-    """
+    """Return the content of a part of a workbook, which counts as damaged where it unpacks to more than the limit."""
     limit = PART_LIMIT if limit is None else limit
     with archive.open(name) as part:
         content = part.read(limit + 1)

@@ -95,12 +95,8 @@ def choose_sheet(
 ) -> SheetChoice:
     """Choose the tables to read: of the sheet that is asked for, or of every visible sheet that is filled in.
 
-    ``fill_down`` says that empty cells of a label go on with the one above them.
-
-    Raises
-    ------
-    ReadingsError
-        where there is no such sheet, none holds readings, or none is filled in.
+    ``fill_down`` says that empty cells of a label go on with the one above them. A `ReadingsError` says where there is
+    no such sheet, none holds readings, or none is filled in.
     """
     every = [_the_right_way_round(sheet, names) for sheet in sheets]
     for before, each in pairwise(every):
@@ -247,10 +243,7 @@ def _of_size(table: HeadedTable, sizes: Sizes) -> list[str]:
 def require_one_measurement(read: Sequence[SheetRows], file: str) -> list[ReadingsError]:
     """Return the problems where two tables of a sheet hold the same diameters and nothing calls them repeats.
 
-    Raises
-    ------
-    ReadingsError
-        where two sheets do: which is meant, only the user knows.
+    A `ReadingsError` asks where two sheets do: which is meant, only the user knows.
     """
     problems: list[ReadingsError] = []
     first: dict[tuple[str, Part, str], list[tuple[SheetRows, PlaceKey]]] = defaultdict(list)

@@ -154,13 +154,7 @@ class ControllerNames:
         return components.pop() if len(components) == 1 else None
 
     def require_component(self, cell: Cell) -> str:
-        """Return the component that a cell names, which must have lands.
-
-        Raises
-        ------
-        ReadingsError
-            without place, naming the valid components and the nearest.
-        """
+        """Return the component that a cell names, which must have lands; the error names the valid ones."""
         component = self.component(cell)
         if component in self.with_lands:
             return component
@@ -185,13 +179,7 @@ class ControllerNames:
         )
 
     def plane(self, component: str, cell: Cell) -> str:
-        """Return the plane of that component that a cell names, as the controller spells it.
-
-        Raises
-        ------
-        ReadingsError
-            without place, naming the component's planes.
-        """
+        """Return the plane that a cell names, as the controller spells it; the error names the component's planes."""
         for name in plane_names(cell):
             land = self._planes.get((component, plain(name)))
             if land is not None:
@@ -205,13 +193,7 @@ class ControllerNames:
         )
 
     def land(self, component: str, cell: Cell) -> Land:
-        """Return the land of that component with that number.
-
-        Raises
-        ------
-        ReadingsError
-            without place, naming the component's lands.
-        """
+        """Return the land of that component with that number; the error names the component's lands."""
         lands = {str(land.land): land for land in self.controller.lands_of(component)}
         for name in plane_names(cell):
             if name in lands:

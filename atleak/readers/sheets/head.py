@@ -159,13 +159,7 @@ def _without_the_word(heads: Sequence[tuple[Sheet, range]]) -> Iterator[Stated]:
 
 
 def _number(stated: Stated, quantity: _Quantity) -> float:
-    """Return a number in the unit in which people are asked for it.
-
-    Raises
-    ------
-    ReadingsError
-        with its place: no number, a unit of something else, or out of what there can be.
-    """
+    """Return a number in the unit in which people are asked for it; an error with its place where there is none."""
     number, unit, asked = stated.value, stated.unit or quantity.unit, quantity.asked
     if isinstance(number, str):
         match = _VALUE.fullmatch(re.sub(r"\s*\([^()]*\)$", "", number.strip()))

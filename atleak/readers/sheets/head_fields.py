@@ -52,18 +52,10 @@ class Stated:
 def stated_values(
     heads: Sequence[tuple[Sheet, range]], meaning: Sequence[str], beside: Sequence[str], kind: str | None
 ) -> Iterator[Stated]:
-    """Yield what stands behind, beside or under every label of this meaning.
+    """Yield what stands behind, beside or under every label of this meaning, in the rows above the headings of sheets.
 
-    Parameters
-    ----------
-    heads
-        sheets, each with the rows above its headings.
-    meaning
-        of each of these a label has a word.
-    beside
-        meanings of the words that it may have beside them; it has no others.
-    kind
-        of the units of its value; None where it is a text.
+    A label has a word of each ``meaning``, and no others than those that may stand ``beside``. ``kind`` is that of the
+    units of its value; None where it is a text.
     """
     for sheet, rows in heads:
         cells = [(row, column, cell) for row in rows for column, cell in enumerate(sheet.rows[row])]

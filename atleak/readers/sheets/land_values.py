@@ -45,14 +45,7 @@ def read_land_values(
 ) -> LandValues:
     """Read contact lengths, positions and fitted repairs from the tables that have such columns.
 
-    Parameters
-    ----------
-    tables
-        those with diameters, and those of lands alone.
-    given_unit
-        unit of the lengths, as of the diameters, where the user states it.
-    where
-        which rows count, by heading and value.
+    ``given_unit`` is that of the lengths where the user states it, and ``where`` says which rows count.
     """
     values = LandValues(names)
     for table in tables:
@@ -167,13 +160,7 @@ class _LandRows:
         return next(land for land in lands if plane in land.planes)
 
     def _check_contact_length(self, land: Land, metres: float, cell: Cell, place: Place) -> None:
-        """Refuse what is no contact length of that land.
-
-        Raises
-        ------
-        ReadingsError
-            a length that nobody measures, one that the land's diameter is taken for, or one off by a factor of units.
-        """
+        """Refuse what is no contact length of that land: a diameter, or another unit by its size."""
         name, stated = named(land), land.contact_length
         ratio = metres / stated
         doubtful = not 1.0 / _DOUBTFUL < ratio < _DOUBTFUL
@@ -202,13 +189,7 @@ class _LandRows:
             self.values.messages.append(Message("warning", "contact_length_differs", text, place))
 
     def _take_repair(self, component: str, row: int, wanted: str, place: Place) -> None:
-        """Note a repair that is fitted.
-
-        Raises
-        ------
-        ReadingsError
-            one that the controller's file does not have for that component or land, or that stands beside another.
-        """
+        """Note a repair that is fitted; refuse one that the file does not have there, or that stands beside another."""
         options = {repair.id: repair for repair in self.controller.repairs_of(component)}
         if not options:
             problem = Sentence("the file of {controller} has no repairs of component {component}")

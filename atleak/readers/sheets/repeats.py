@@ -313,13 +313,7 @@ def rows_left_out(table: HeadedTable, where: Mapping[str, str]) -> frozenset[int
 
 
 def require_known(tables: Sequence[HeadedTable], where: Mapping[str, str]) -> None:
-    """Check that every heading of ``where`` is that of a column, and what it asks for stands under it.
-
-    Raises
-    ------
-    ReadingsError
-        naming the headings, or the values of the column.
-    """
+    """Refuse a heading of ``where`` that no column has, or a value that does not stand under it."""
     for heading, wanted in where.items():
         headed = [(table, index) for table in tables if (index := _headed(table, heading)) is not None]
         if not headed:

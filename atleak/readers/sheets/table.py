@@ -209,16 +209,10 @@ class HeadedTable:
         cells: Callable[[int], Iterable[Cell]],
         instead_of: frozenset[int],
     ) -> HeadedTable:
-        """Return the table with further columns behind its last one.
+        """Return the table with further columns behind its last one, ``instead_of`` some that are not read any more.
 
-        Parameters
-        ----------
-        columns
-            each with the column of the file that it is made from; they get their own index.
-        cells
-            gives what stands in them in a row.
-        instead_of
-            the columns that are not read any more.
+        Each of ``columns`` comes with the column of the file that it is made from, and gets its own index; ``cells``
+        gives what stands in them in a row.
         """
         first = max(self.sheet.width, len(self.texts))
         added = [replace(column, index=first + at) for at, (column, _) in enumerate(columns)]

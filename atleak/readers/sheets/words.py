@@ -146,12 +146,7 @@ def _says_absent(text: str) -> bool:
 
 
 def number(cell: Cell) -> tuple[float, Unit | None]:
-    """Return a cell's number and the unit behind it, if any. The caller has seen that it is not blank.
-
-    Raises
-    ------
-    ReadingsError
-        without place: what the cell holds instead.
+    """Return a cell's number and the unit behind it, if any; the error says, without place, what it holds instead.
 
     >>> number("12,034"), number("1 234,5")[0], number("1,234.5")[0]
     ((12.034, None), 1234.5, 1234.5)
@@ -178,13 +173,7 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
 
 
 def diameter(cell: Cell) -> tuple[float, Unit | None]:
-    """Return a cell's diameter and the unit behind it, if any.
-
-    Raises
-    ------
-    ReadingsError
-        as `number`, and of one that is zero or less.
-    """
+    """Return a cell's diameter and the unit behind it, as `number` does; one of zero or less is refused."""
     value, unit = number(cell)
     if value <= 0.0:
         raise ReadingsError(Sentence("a diameter must be positive"), value=value, expected=A_DIAMETER)
