@@ -231,8 +231,8 @@ def with_stated_units(headings: tuple[Heading, ...], rows: Sequence[HeadRow]) ->
     units = [clean_unit(unit) for unit in keyed.get("y_unit_label", [])]
     if not any(units):
         return headings
-    each = "".join(keyed.get("x_columns", [])[:1]).strip().lower() == "multi"
-    of_column = {(2 * place + 1 if each else place + 1): unit for place, unit in enumerate(units) if unit}
+    before_each = "".join(keyed.get("x_columns", [])[:1]).strip().lower() == "multi"
+    of_column = {(2 * place + 1 if before_each else place + 1): unit for place, unit in enumerate(units) if unit}
     return tuple(
         heading if heading.unit is not None else replace(heading, unit=of_column.get(heading.index))
         for heading in headings

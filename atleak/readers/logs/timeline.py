@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -92,12 +93,10 @@ def build(seconds: np.ndarray) -> Timeline:
     if not (steps < 0).any():
         return _finish(stamps, usable, unreadable=unreadable, stale=stale)
     median = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-    shifted, order, reordered, restarts = _in_order(stamps, steps, median)
+    breaks = restarts(stamps, np.flatnonzero(steps < 0), median)
+    shifted, order, reordered = _in_order(stamps, breaks, median)
     time = np.maximum.accumulate(shifted[order])  # a stretch that was moved may begin a rounding error too early
-    return _finish(
-        time, usable[order],
-        unreadable=unreadable, stale=stale, reordered=reordered, restarts=restarts[0], breaks=restarts[1],
-    )  # fmt: skip
+    return _finish(time, usable[order], unreadable=unreadable, stale=stale, reordered=reordered, breaks=breaks)
 
 
 def strays_of(stamps: np.ndarray) -> np.ndarray:
@@ -142,15 +141,11 @@ def strays_among(stamps: np.ndarray, median: float) -> np.ndarray:
     return stray
 
 
-def _in_order(
-    stamps: np.ndarray, steps: np.ndarray, median: float
-) -> tuple[np.ndarray, np.ndarray, int, tuple[int, tuple[int, ...]]]:
-    starts = restarts(stamps, np.flatnonzero(steps < 0), median)
-    shifted = stamps.astype(float).copy()
-    order = np.arange(len(stamps))
+def _in_order(stamps: np.ndarray, breaks: Sequence[int], median: float) -> tuple[np.ndarray, np.ndarray, int]:
+    """Return the stamps, each stretch behind the one before, their order, and how many were out of turn."""
+    shifted, order = stamps.astype(float), np.arange(len(stamps))
     reordered, end = 0, None
-    edges = [0, *starts, len(stamps)]
-    for low, high in pairwise(edges):
+    for low, high in pairwise([0, *breaks, len(stamps)]):
         part = shifted[low:high]
         if (np.diff(part) < 0).any():
             ranks = np.argsort(part, kind="stable")
@@ -159,7 +154,7 @@ def _in_order(
         if end is not None:
             part += end + median - part.min()
         end = float(part.max())
-    return shifted, order, reordered, (len(starts), tuple(starts))
+    return shifted, order, reordered
 
 
 def restarts(stamps: np.ndarray, falls: np.ndarray, median: float) -> list[int]:
@@ -182,8 +177,7 @@ def _finish(
     unreadable: int = 0,
     stale: int = 0,
     reordered: int = 0,
-    restarts: int = 0,
-    breaks: tuple[int, ...] = (),
+    breaks: Sequence[int] = (),
 ) -> Timeline:
     if not len(time):
         return Timeline(time, order, (), 0.0, unreadable, stale)
@@ -197,4 +191,4 @@ def _finish(
     )
     lost = sum(float(time[index] - time[index - 1]) for index in breaks)
     duration = float(time[-1] - time[0]) - lost
-    return Timeline(time, order, segments, duration, unreadable, stale, reordered, restarts, lengths)
+    return Timeline(time, order, segments, duration, unreadable, stale, reordered, len(breaks), lengths)

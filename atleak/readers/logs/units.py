@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atleak.common.errors import InputError
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Sentence, any_of
 from atleak.common.units import UNIT_KINDS, Unit, find_unit, kinds_of, unit
 from atleak.measurements.road_test import QUANTITIES
 from atleak.readers.logs.names import clean_unit
@@ -121,12 +121,8 @@ def _meaning(text: str) -> Sentence:
     """Return what a unit that does not belong to the quantity is a unit of."""
     if text.lower() in ("v", "mv", "volt", "volts"):
         return Sentence("a sensor's voltage: its characteristic curve is needed")
-    meaning: Sentence | None = None
-    for kind in kinds_of(text):
-        meaning = (
-            UNIT_KINDS[kind] if meaning is None else Sentence("{one} or {other}", one=meaning, other=UNIT_KINDS[kind])
-        )
-    return meaning or Sentence("something else")
+    kinds = [UNIT_KINDS[kind] for kind in kinds_of(text)]
+    return any_of(kinds) if kinds else Sentence("something else")
 
 
 def _number(quantity: str, stated: str | None, good: np.ndarray, commanded: bool) -> Fit:
@@ -181,13 +177,8 @@ _METRIC = {"°c", "c", "km/h", "kph", "kpa", "bar", "km", "nm", "l", "l/100km", 
 def imperial(neighbours: Iterable[str]) -> bool | None:
     """Return whether the file's other units are imperial, metric, or (None) do not say."""
     lowered = [clean_unit(text).lower() for text in neighbours]
-    imperial_count = sum(text in _IMPERIAL for text in lowered)
-    metric_count = sum(text in _METRIC for text in lowered)
-    if imperial_count and not metric_count:
-        return True
-    if metric_count and not imperial_count:
-        return False
-    return None
+    are_imperial, are_metric = (any(text in names for text in lowered) for names in (_IMPERIAL, _METRIC))
+    return None if are_imperial == are_metric else are_imperial
 
 
 def _guess(quantity: str, good: np.ndarray, neighbours: tuple[str, ...]) -> Fit:
