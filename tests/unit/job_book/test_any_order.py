@@ -138,7 +138,7 @@ class AnyOrder(RuleBasedStateMachine):
     @rule(which=WHICH)
     def archive(self, which: int) -> None:
         known = self.known[id := self.one(which)]
-        (self.book.bring_back if known.archived else self.book.archive)(id)
+        self.book.archive(id, back=known.archived)
         known.archived = not known.archived
 
     @rule(one=WHICH, other=WHICH)
