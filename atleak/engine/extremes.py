@@ -218,9 +218,8 @@ class CountedSamples:
             steps[each.start : max(each.stop - 1, each.start)] = np.diff(self.time[each])
         self.samples = np.flatnonzero(~out)
         self.part = part[self.samples]  # number of the segment of each that counts
-        self.steps = np.where(
-            out, 0.0, steps
-        )  # [s] to the next sample of the same segment; 0 of one that does not count
+        # [s] to the next sample of the same segment; 0 of one that does not count
+        self.steps = np.where(out, 0.0, steps)
         elapsed = np.cumsum(self.steps) - self.steps
         self.clock = elapsed[self.samples] + _APART * self.part  # [s] of those that count
 

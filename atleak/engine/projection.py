@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -145,7 +145,6 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     required = (condition.main_pressure, condition.main_pressure)
     consumers = consumed(network, *required)
     left = capacity - leakage - consumed(network, *required, after_line=False)
-    main_held = float(held.main_pressure)
     return Projection(
         condition=condition,
         pressures={name: float(value) for name, value in demanded.pressures.items()},
@@ -160,15 +159,13 @@ def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
         leaks=leaks,
         relieved=relieved,
         minimum_speed=model.minimum_speed(leakage + consumers, *where),
-        main_pressure_held=main_held,
+        main_pressure_held=float(held.main_pressure),
         starved=max(consumed(network, *required, after_line=True) - max(left, 0.0), 0.0),
         circuits=tuple(_circuit_state(circuit, network, held, condition) for circuit in controller.circuits),
         permissible=controller.permissible_at(condition.gear, condition.state),
         messages=(
             *gap_messages(model.law, gaps, condition),
-            *_relation_messages(controller, condition),
-            *_demand_messages(condition, leakage, capacity, main_held),
-            *_balance_messages(condition, held),
+            *_messages(controller, condition, held, leakage / capacity if capacity > 0.0 else 0.0),
         ),
     )
 
@@ -198,41 +195,8 @@ def _circuit_state(circuit: Circuit, network: Network, held: Held, condition: Op
     )
 
 
-def _balance_messages(condition: OperatingPoint, held: Held) -> Iterable[Message]:
-    if not np.all(held.converged):
-        text = Sentence(
-            "{condition}: no pressures were found at which all circuits balance; theirs are not to be relied on.",
-            condition=condition,
-        )
-        yield Message("warning", "circuits_not_balanced", text)
-
-
-def _demand_messages(
-    condition: OperatingPoint, leakage: float, capacity: float, main_pressure_held: float
-) -> Iterable[Message]:
-    if 0.0 < capacity < leakage:
-        share = leakage / capacity * PERCENT
-        if main_pressure_held < condition.main_pressure:
-            text = Sentence(
-                "{condition}: the share of {share:.0f} % is a demand that the pump cannot meet, not a flow: main "
-                "pressure will fall until no more leaks than the pump delivers, at {held} of {required} "
-                "{required.unit}.",
-                condition=condition,
-                share=share,
-                held=Quantity(main_pressure_held * KPA, "pressure"),
-                required=Quantity(condition.main_pressure * KPA, "pressure"),
-            )
-        else:
-            text = Sentence(
-                "{condition}: the share of {share:.0f} % is a demand that the pump cannot meet, not a flow: main "
-                "pressure will fall until no more leaks than the pump delivers.",
-                condition=condition,
-                share=share,
-            )
-        yield Message("warning", "demand_over_pump", text)
-
-
-def _relation_messages(controller: Controller, condition: OperatingPoint) -> Iterable[Message]:
+def _messages(controller: Controller, condition: OperatingPoint, held: Held, share: float) -> Iterator[Message]:
+    """Yield what does not hold at a condition: a relation of pressures, a share over 1, a balance of circuits."""
     for section, above in controller.above_main(condition.main_pressure).items():
         if above:
             text = Sentence(
@@ -241,6 +205,26 @@ def _relation_messages(controller: Controller, condition: OperatingPoint) -> Ite
                 section=section,
             )
             yield Message("warning", "pressure_relation", text)
+    if share > 1.0:
+        text = Sentence(
+            "{condition}: the share of {share:.0f} % is a demand that the pump cannot meet, not a flow: main pressure "
+            "will fall until no more leaks than the pump delivers."
+        )
+        if held.main_pressure < condition.main_pressure:
+            text = Sentence(
+                "{condition}: the share of {share:.0f} % is a demand that the pump cannot meet, not a flow: main "
+                "pressure will fall until no more leaks than the pump delivers, at {held} of {required} "
+                "{required.unit}."
+            )
+        pressures = {"held": held.main_pressure, "required": condition.main_pressure}
+        shown = {name: Quantity(float(pressure) * KPA, "pressure") for name, pressure in pressures.items()}
+        yield Message("warning", "demand_over_pump", text.of(condition=condition, share=share * PERCENT, **shown))
+    if not np.all(held.converged):
+        text = Sentence(
+            "{condition}: no pressures were found at which all circuits balance; theirs are not to be relied on.",
+            condition=condition,
+        )
+        yield Message("warning", "circuits_not_balanced", text)
 
 
 def stated_condition(
