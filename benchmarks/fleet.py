@@ -38,7 +38,7 @@ from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress, run_fleet
 from atleak.fleet.sources import find_units
 from atleak.job.case import Case, SourceFile
-from atleak.job.result import issued_record
+from atleak.job.result import result_record
 from atleak.measurements.job_card import Job
 from atleak.report.json.diagnosis import to_json
 
@@ -137,7 +137,7 @@ def plainly(folder: Path, numbers: range, ready: Any, said: Any) -> None:
         job = Job(number=f"J{number}")
         diagnosis = Case(**files, controller=CONTROLLER, mileage=float(mileage(number))).diagnose()  # type: ignore[arg-type]
         diagnosing += time.process_time() - before
-        record = issued_record(diagnosis, job)
+        record = result_record(diagnosis, job)
         (folder / f"{number}.json").write_text(to_json(record), encoding="utf-8")
         results[f"J{number}"] = record["result_sha256"]
     said.put((time.process_time() - begun, diagnosing, results))

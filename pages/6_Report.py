@@ -5,7 +5,7 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.job.result import issued_record
+from atleak.job.result import result_record
 from atleak.job.zip_file import write_job_file
 from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf import write_pdf
@@ -40,7 +40,7 @@ of_pdf = partial(write_pdf, diagnosis, record, language=language, paper=paper, s
 downloads: dict[str, tuple[str, Callable[[], str | bytes]]] = {
     "pdf": ("pdf", font_form.printing(of_pdf)),
     "workbook": ("xlsx", partial(write_workbook, diagnosis, record, language=language, paper=paper, units=say.units)),
-    "json": ("json", lambda: to_json(issued_record(diagnosis, record))),
+    "json": ("json", lambda: to_json(result_record(diagnosis, record))),
     "record": ("record.json", lambda: record.model_dump_json(indent=2, exclude_defaults=True)),
     "job_file": ("zip", lambda: write_job_file(diagnosis, record, case_with_columns(case))),
 }

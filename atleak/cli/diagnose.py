@@ -91,9 +91,9 @@ def _diagnosed(options: argparse.Namespace) -> int:
         return write_job_file(diagnosis, job, as_read(case))
 
     def record() -> dict[str, Any]:
-        from atleak.job.result import issued_record
+        from atleak.job.result import result_record
 
-        return issued_record(diagnosis, job)
+        return result_record(diagnosis, job)
 
     outputs.write(xlsx=workbook, pdf=pdf, job_file=job_file, json=record)
     if outputs.shown:

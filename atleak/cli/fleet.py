@@ -225,7 +225,7 @@ def _run(options: argparse.Namespace) -> int:
             print("atleak: interrupted; what was finished is kept, and running again goes on from it", file=sys.stderr)
             raise
         _say_twice(found)
-        return _said(results, found, finished, options)
+        return _print_finished(results, found, finished, options)
 
 
 def _found(options: argparse.Namespace) -> FoundUnits:
@@ -294,7 +294,7 @@ def _rate(progress: Progress) -> str:
     return " · ".join(told)
 
 
-def _said(results: Results, found: FoundUnits, finished: Finished, options: argparse.Namespace) -> int:
+def _print_finished(results: Results, found: FoundUnits, finished: Finished, options: argparse.Namespace) -> int:
     """Print what the results hold now, and return the exit status."""
     from atleak.common.wording import signed
 

@@ -34,7 +34,7 @@ from atleak.common.sentences import Sentence
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import signed, wording
 from atleak.job.parts import job_parts
-from atleak.job.result import issued_record, judged_otherwise
+from atleak.job.result import judged_otherwise, result_record
 from atleak.job_book.book import Book, JobRow, open_book
 from atleak.job_book.compared_jobs import named_job
 from atleak.job_book.search import Query
@@ -367,7 +367,7 @@ def _show(options: argparse.Namespace) -> int:
     outputs, book = Outputs(options), open_book()
     stored = book.load(named_job(book, options.job))
     diagnosis = stored.file.diagnose()
-    record = issued_record(diagnosis, stored.file.job)
+    record = result_record(diagnosis, stored.file.job)
     if stored.archived_at is not None:
         print(f"atleak: this job was archived on {stored.archived_at.astimezone():%Y-%m-%d}", file=sys.stderr)
     otherwise = judged_otherwise(stored.file.result, record)

@@ -579,7 +579,7 @@ def _judged(
         assumptions=assumptions,
         guard_factor=guard_factor,
         # carried through for these readings before, where nothing but the conditions has changed since
-        known=kept_with(readings, "spreads", rests_on, dict, most=1),
+        cache=kept_with(readings, "spreads", rests_on, dict, most=1),
     )
     if pump_new is not None and pump_new.uncertainty is not None:  # a worn pump makes no land worn
         uncertainty = uncertainty.with_lands_of(pump_new.uncertainty)

@@ -253,7 +253,9 @@ class Run:
             self._killed(future, error)
         elif isinstance(error, OtherVersionError | ImportError | AttributeError):
             problem = Sentence(
-                "the workers cannot run this atleak, {version}: {reason}", version=__version__, reason=_said(error)
+                "the workers cannot run this atleak, {version}: {reason}",
+                version=__version__,
+                reason=_error_text(error),
             )
             raise FleetError(
                 problem, expected=Sentence("the same version of atleak, and of dask, on every machine")
@@ -348,7 +350,7 @@ class Run:
             time.sleep(_TICK)
             self._say(self)
             if self._client.status == "closed" or time.monotonic() - self._answered > _NO_ANSWER:
-                problem = Sentence("the scheduler does not answer any more ({reason})", reason=_said(error))
+                problem = Sentence("the scheduler does not answer any more ({reason})", reason=_error_text(error))
                 raise FleetError(problem, expected=_AGAIN) from error
             if self._client.status == "running":
                 return
@@ -366,5 +368,5 @@ class Run:
 _AGAIN = Sentence("the run to be started again: it goes on from here, as what was finished is kept")
 
 
-def _said(error: Any) -> str:
+def _error_text(error: Any) -> str:
     return f"{type(error).__name__}: {error}"

@@ -77,11 +77,11 @@ class FleetSections:
 
     # --- the whole
 
-    def known(self) -> list[tuple[str, str | int]]:
+    def figures(self) -> list[tuple[str, str | int]]:
         """Return what the summary is of, numbers as they are."""
         say, summary = self.say, self.summary
         bodies = summary.bodies
-        known: dict[str, str | int] = {
+        figures: dict[str, str | int] = {
             "folder": summary.folder,
             "units": summary.counts.units,
             "judged": summary.counts.judged,
@@ -91,11 +91,11 @@ class FleetSections:
             "by": self.words.heading() or say("fleet_summary.by_nothing"),
             "atleak": summary.atleak,
         }
-        return [(say(f"fleet_summary.fact_{name}"), value) for name, value in known.items()]
+        return [(say(f"fleet_summary.fact_{name}"), value) for name, value in figures.items()]
 
     def facts(self) -> list[tuple[str, str]]:
         """Return what the summary is of, in words."""
-        return [(name, each if isinstance(each, str) else self.say.number(each, 0)) for name, each in self.known()]
+        return [(name, each if isinstance(each, str) else self.say.number(each, 0)) for name, each in self.figures()]
 
     def head(self) -> Section:
         """Say what the summary is of, and what leads."""
@@ -366,7 +366,7 @@ class FleetSections:
             return
         for kind in errors:
             yield Text(f"{say.get('fleet_errors', kind.kind)}: {say.number(kind.count, 0)}", leads=True)
-            yield Points([shortened(told, self.depth.message) for told in kind.told])
+            yield Points([shortened(message, self.depth.message) for message in kind.messages])
         yield from self._notes(self.say("fleet_summary.note_errors"))
 
     def rests_on(self, level: int = 2) -> Section:

@@ -314,7 +314,7 @@ class _Writer:
         page = SummaryPage(self.book, sheet, _COLUMNS)
         head = sections.head()
         row = page.section(0, replace(head, parts=head.parts[:-1]))
-        row = page.section(page.pairs(row, sections.known()) + 1, verdicts)
+        row = page.section(page.pairs(row, sections.figures()) + 1, verdicts)
         sheet.set_row(0, 24)
         self.book.put(sheet, 0, 0, self.say("fleet_summary.title"), self.book.title)
         if self.summary.counts.units:

@@ -273,7 +273,7 @@ class ErrorCount:
     first: tuple[tuple[str, str], ...]  # name and message, a few, each message once
 
     @property
-    def told(self) -> tuple[str, ...]:
+    def messages(self) -> tuple[str, ...]:
         """Return the first messages, each with the name of its file."""
         return tuple(named_message(name, message) for name, message in self.first)
 

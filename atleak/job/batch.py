@@ -16,7 +16,7 @@ from atleak.common.style import DEFAULT_PAPER
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, wording
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.job.result import issued_record, judged_otherwise
+from atleak.job.result import judged_otherwise, result_record
 from atleak.job.zip_file import read_job_file
 from atleak.measurements.job_card import Job
 from atleak.report.json.diagnosis import diagnosis_record, to_json
@@ -113,7 +113,7 @@ def _report(form: str, diagnosis: Diagnosis, job: Job, say: Wording, paper: str,
         return write_pdf(diagnosis, job, language=say.language, units=say.units, paper=paper, font=font)
     if form == "xlsx":
         return write_workbook(diagnosis, job, language=say.language, units=say.units, paper=paper)
-    return to_json(issued_record(diagnosis, job)).encode("utf-8", errors="backslashreplace")
+    return to_json(result_record(diagnosis, job)).encode("utf-8", errors="backslashreplace")
 
 
 def _free(stem: str, taken: set[str]) -> str:

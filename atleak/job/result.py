@@ -122,7 +122,7 @@ def _words(verdict: str | None, decision: str | None) -> Sentence:
     return Sentence("{verdict} ({decision})", verdict=level, decision=_DECISIONS.get(str(decision), decision))
 
 
-def issued_record(diagnosis: Diagnosis, job: Job | None = None) -> dict[str, Any]:
+def result_record(diagnosis: Diagnosis, job: Job | None = None) -> dict[str, Any]:
     """Return the record of a diagnosis, in the form ``atleak diagnose --json`` writes.
 
     Parameters
@@ -159,7 +159,7 @@ class Step:
 
     name: str
     complete: bool
-    said: str = ""
+    state: str = ""
 
 
 def job_steps(diagnosis: Diagnosis, job: Job, say: Wording) -> tuple[Step, ...]:

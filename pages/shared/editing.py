@@ -75,7 +75,7 @@ class Editing:
         """Return the key of a widget."""
         return f"{self.state}-{self.widgets}-{self.generation}-{name}"
 
-    def said(self, text: str, say: Wording) -> str:
+    def translated(self, text: str, say: Wording) -> str:
         """Return a heading or help as the reader reads it."""
         return say.get("entry_fields", text)
 
@@ -218,5 +218,5 @@ def draw_faults(editing: Editing, found: Checked, say: Wording) -> None:
 def _line(editing: Editing, sign: str, fault: Any, say: Wording) -> str:
     table, number, heading = fault.spot
     row = "" if number is None else f", {say('typed_entries.in_row', number=number)}"
-    column = "" if heading is None else f", {editing.said(heading, say)}"
-    return f"{sign} **{editing.said(table, say)}**{show.plain(row + column)}: {show.plain(fault.text)}"
+    column = "" if heading is None else f", {editing.translated(heading, say)}"
+    return f"{sign} **{editing.translated(table, say)}**{show.plain(row + column)}: {show.plain(fault.text)}"

@@ -39,8 +39,8 @@ def draw(editing: Editing, names: Iterable[str], found: Checked, aside: Collecti
     say = reader.say()
     for name in names:
         sheet = editing.draft.subject.sheet(name)
-        st.subheader(editing.said(name, say))
-        st.caption(f"{editing.said(sheet.about, say)}. {say('typed_entries.star')}")
+        st.subheader(editing.translated(name, say))
+        st.caption(f"{editing.translated(sheet.about, say)}. {say('typed_entries.star')}")
         if sheet.is_form:
             _form(editing, sheet, found, aside, say)
         else:
@@ -105,7 +105,7 @@ def _field(editing: Editing, sheet: WorkbookSheet, column: SheetColumn, label: s
     key = editing.key(f"{sheet.name}-{column.heading}")
     typed = editing.draft.cell(sheet.name, column.heading)
     options = _options(column, editing.draft, typed)
-    help = editing.said(column.help, say) or None
+    help = editing.translated(column.help, say) or None
     shared: dict[str, Any] = {"key": key, "help": help, "on_change": _put_field}
     shared["args"] = (editing, sheet.name, column.heading, key)
     if options is None:
@@ -113,7 +113,7 @@ def _field(editing: Editing, sheet: WorkbookSheet, column: SheetColumn, label: s
         st.text_input(label, typed, placeholder=made, **shared)
     else:
         choices = [_NONE, *options]
-        said = _said(column, editing, say)
+        said = _choice_text(column, editing, say)
         st.selectbox(label, choices, choices.index(typed), said, **shared)
 
 
@@ -171,7 +171,7 @@ def _by_row(faults: Iterable[SheetFault], editing: Editing, say: Wording) -> dic
     said: dict[int, list[str]] = {}
     for fault in faults:
         text = say.sentence(fault.text)
-        heading = f"{editing.said(fault.spot.heading, say)}: " if fault.spot.heading else ""
+        heading = f"{editing.translated(fault.spot.heading, say)}: " if fault.spot.heading else ""
         said.setdefault(fault.spot.row or 0, []).append(f"{heading}{text}")
     return said
 
@@ -213,7 +213,7 @@ def _cells(column: SheetColumn, rows: list[dict[str, str]]) -> Any:
 def _config(
     column: SheetColumn, editing: Editing, sheet: WorkbookSheet, base: list[dict[str, str]], say: Wording
 ) -> Any:
-    label, tip = _label(column, editing, say), editing.said(column.help, say) or None
+    label, tip = _label(column, editing, say), editing.translated(column.help, say) or None
     longest = max((len(row.get(column.heading, "")) for row in base), default=0)
     width = max(min(max(column.width, longest + 2), _WIDEST) * _LETTER, len(label) * _LETTER + _SIGN)
     if isinstance(column.kind, Mark):
@@ -222,19 +222,19 @@ def _config(
     options = _options(column, editing.draft, *typed)
     if options is None:
         return st.column_config.TextColumn(label, width=width, help=tip)
-    said = _said(column, editing, say)
+    said = _choice_text(column, editing, say)
     return st.column_config.SelectboxColumn(label, width=width, help=tip, options=options, format_func=said)
 
 
 def _label(column: SheetColumn, editing: Editing, say: Wording) -> str:
     unit = say.get("typed_units", column.kind.label(editing.draft.units))
-    return f"{editing.said(column.heading, say)}{f' [{unit}]' if unit else ''}{' *' if column.required else ''}"
+    return f"{editing.translated(column.heading, say)}{f' [{unit}]' if unit else ''}{' *' if column.required else ''}"
 
 
-def _said(column: SheetColumn, editing: Editing, say: Wording) -> Callable[[Any], str]:
+def _choice_text(column: SheetColumn, editing: Editing, say: Wording) -> Callable[[Any], str]:
     """Return what says a choice in the reader's language; what somebody named stands as it is."""
     words = isinstance(column.kind, ChoiceCell | YesNo)
-    return lambda typed: editing.said(typed, say) if words and typed else str(typed)
+    return lambda typed: editing.translated(typed, say) if words and typed else str(typed)
 
 
 def _options(column: SheetColumn, draft: Draft, *typed: str) -> list[str] | None:

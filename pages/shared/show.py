@@ -55,15 +55,15 @@ def plain(text: object) -> str:
 
     A sentence of the program, and what an error says, comes in the reader's language and units. An address is no link.
     """
-    return with_links(_ADDRESS.sub(_NO_BREAK, _said(text)))
+    return with_links(_ADDRESS.sub(_NO_BREAK, _sentence(text)))
 
 
 def with_links(text: object) -> str:
     """Escape text as `plain` does, but let an address that it shows be a link: in the source of a value."""
-    return _MARKDOWN.sub(r"\\\1", _said(text)).replace("\n", "  \n")
+    return _MARKDOWN.sub(r"\\\1", _sentence(text)).replace("\n", "  \n")
 
 
-def _said(text: object) -> str:
+def _sentence(text: object) -> str:
     return text if type(text) is str else reader.say().sentence(text)
 
 

@@ -23,6 +23,6 @@ def draw(diagnosis: Diagnosis) -> None:
 
 
 def _label(number: int, step: Step) -> str:
-    said = show.plain(step.said)
+    state = show.plain(step.state)
     name = f"{number} {reader.say()(f'steps.{step.name}')}"
-    return f"{name} · {said if step.complete else f'**{said}**'}" if said else name
+    return f"{name} · {state if step.complete else f'**{state}**'}" if state else name

@@ -197,8 +197,8 @@ def _objectives(moves: Moves, basis: Basis, unit: RepairableUnit) -> list[list[i
     """Return what a choice is to have least of, in the order of importance, as whole numbers for each repair."""
     prices = moves.prices
     smallest = [(prices.cost(move), decimals(prices.currency_of(move))) for move in moves.all]
-    costs = _known([None if cost is None else int(cost.scaleb(places)) for cost, places in smallest])
-    hours = _known([None if (of := prices.hours(move)) is None else round(of * 1000) for move in moves.all])
+    costs = _unknown_as_most([None if cost is None else int(cost.scaleb(places)) for cost, places in smallest])
+    hours = _unknown_as_most([None if (of := prices.hours(move)) is None else round(of * 1000) for move in moves.all])
     count = [1] * len(moves.all)
     money = [costs, hours] if len(moves.currencies) < 2 else []
     first = [costs, count, hours] if basis is Basis.CHEAPEST else [count, *money]
@@ -206,7 +206,7 @@ def _objectives(moves: Moves, basis: Basis, unit: RepairableUnit) -> list[list[i
     return [each for each in first if len(set(each)) > 1 or each is count] + [_savings(moves, unit), order]
 
 
-def _known(values: Sequence[int | None]) -> list[int]:
+def _unknown_as_most(values: Sequence[int | None]) -> list[int]:
     """Return numbers, and in place of an unknown one more than all that are known."""
     more = 1 + sum(value for value in values if value is not None)
     return [more if value is None else value for value in values]

@@ -22,8 +22,8 @@ from atleak.diagnosis.uncertainty.propagation import (
     DRAWS,
     DRAWS_OF_CIRCUITS,
     SEED,
-    Known,
     LandSpread,
+    SpreadCache,
     TotalSpread,
     propagate,
 )
@@ -60,7 +60,7 @@ def assess(
     guard_factor: float = GUARD_FACTOR,
     draws: int | None = None,
     seed: int = SEED,
-    known: Known | None = None,
+    cache: SpreadCache | None = None,
 ) -> UnitUncertainty:
     """Carry the measurement uncertainty of a unit through the cube to every flow, the total and every decision.
 
@@ -89,7 +89,7 @@ def assess(
     draws, seed
         number of draws, rounded up to a power of two, and seed of the Monte Carlo; the same input gives the same
         digits. Unless given, `DRAWS`, or `DRAWS_OF_CIRCUITS` where pressures of circuits are solved.
-    known
+    cache
         what was carried through before, with the same of everything but ``projections`` and ``instants``.
 
     Returns
@@ -131,7 +131,7 @@ def assess(
         draws=draws,
         seed=seed,
         instants=tuple(instants.values()),
-        known=known,
+        cache=cache,
     )
     lands = tuple(
         _land(land, [unit.lands[number] for unit in units], projections, rules, coverage, guard_factor)

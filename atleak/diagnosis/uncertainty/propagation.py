@@ -230,8 +230,8 @@ class UnitSpread:
 
 
 InstantSpread = tuple[Interval, Interval]  # of the whole controller's leakage [m³/s] and share at an instant of a log
-Known = dict[Any, Any]  # what was carried through for one unit already, by condition; the latest at the end
-MOST_KNOWN = 64
+SpreadCache = dict[Any, Any]  # what was carried through for one unit already, by condition; the latest at the end
+MOST_KEPT = 64
 
 
 def propagate(
@@ -245,7 +245,7 @@ def propagate(
     draws: int,
     seed: int,
     instants: Sequence[Projection] = (),
-    known: Known | None = None,
+    cache: SpreadCache | None = None,
 ) -> tuple[list[UnitSpread], list[InstantSpread]]:
     """Carry every uncertainty through the gap law.
 
@@ -260,7 +260,7 @@ def propagate(
         number of draws, a power of two, and seed of the Monte Carlo: the same input gives the same digits.
     instants
         conditions of which only the total's interval is wanted: those of some instants of a log.
-    known
+    cache
         what was carried through before, of the same unit with the same of all that stands above but the conditions:
         only what is new is computed, and added to it.
 
@@ -279,8 +279,8 @@ def propagate(
         return which, each.condition, coverage, draws, seed
 
     asked = {key("unit", each): each for each in projections} | {key("instant", each): each for each in instants}
-    known = {} if known is None else known
-    found = {each: before for each in asked if (before := known.get(each)) is not None}
+    cache = {} if cache is None else cache
+    found = {each: before for each in asked if (before := cache.get(each)) is not None}
     if len(found) < len(asked):
         # at one and the same condition, so that what else is asked for does not change what is drawn
         first = model.controller.operating_points[0]
@@ -294,10 +294,10 @@ def propagate(
                     else trials.instant(projection, coverage)
                 )
     for each in asked:
-        known.pop(each, None)
-        known[each] = found[each]
-    for each in list(known)[:-MOST_KNOWN]:  # another thread may take out the same
-        known.pop(each, None)
+        cache.pop(each, None)
+        cache[each] = found[each]
+    for each in list(cache)[:-MOST_KEPT]:  # another thread may take out the same
+        cache.pop(each, None)
     return [found[key("unit", each)] for each in projections], [found[key("instant", each)] for each in instants]
 
 

@@ -12,7 +12,7 @@ import pytest
 from jsonschema import Draft202012Validator, ValidationError
 
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.job.result import issued_record
+from atleak.job.result import result_record
 from atleak.measurements.job_card import Job
 from atleak.report.json.diagnosis import to_json
 from atleak.report.json.schemas import OUTPUTS, schema
@@ -90,7 +90,7 @@ def test_jobs_of_the_book_and_their_comparison_are_as_their_schemas_say(
 
 
 def test_a_unit_with_circuits_is_as_the_schema_says(worn_clutch: Diagnosis) -> None:
-    record = json.loads(to_json(issued_record(worn_clutch)))
+    record = json.loads(to_json(result_record(worn_clutch)))
     assert all(each["circuits"] for each in record["conditions"])
     closed("diagnose").validate(record)
 

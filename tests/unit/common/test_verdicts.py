@@ -38,7 +38,7 @@ from atleak.report.charts.screen import drawn
 from atleak.fleet.summary_charts import FleetCharts
 from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summary import summed_up
-from atleak.job.result import issued_record
+from atleak.job.result import result_record
 from atleak.measurements.readings import Reading
 from atleak.report.sheets.measuring_sheet import write_readings
 from atleak.report.json.schemas import schema
@@ -71,7 +71,7 @@ assert "soon" in {land["verdict"] for land in record["lands"]}
 def as_described(output, written):
     jsonschema.Draft202012Validator(schema(output)).validate(json.loads(written))
 
-as_described("diagnose", to_json(issued_record(found)))
+as_described("diagnose", to_json(result_record(found)))
 out = sys.stdout
 sys.stdout = io.StringIO()
 print_diagnosis(found)
@@ -94,7 +94,7 @@ light = atleak.diagnose(
     readings=atleak.read_readings(write_readings(minimal, measured), minimal),
 )
 assert light.verdict == "soon", "the unit's own verdict"
-as_described("diagnose", to_json(issued_record(light)))
+as_described("diagnose", to_json(result_record(light)))
 for language in ("en", "de", "pl"):
     assert write_pdf(light, language=language).startswith(b"%PDF"), language
 book = openpyxl.load_workbook(io.BytesIO(write_workbook(found)), data_only=True)

@@ -22,7 +22,7 @@ from atleak.fleet.cluster import HERE, connected
 from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress, run_fleet
 from atleak.fleet.units import FleetUnit
-from atleak.job.result import issued_record
+from atleak.job.result import result_record
 from tests.unit.fleet.small_units import Deadly, Greedy, OnceDeadly, Slow, Stuck, bad_unit, small_unit
 
 # draws as many as the workers do
@@ -102,7 +102,7 @@ def _as_alone(out: Path, units: Sequence[FleetUnit]) -> None:
     assert results.table("errors").num_rows == 0
     rows = results.table("units", ["name", "result_sha256"]).to_pylist()
     assert sorted(row["name"] for row in rows) == sorted(unit.name for unit in units)
-    alone = {unit.name: issued_record(unit.opened()[0].diagnose())["result_sha256"] for unit in units}
+    alone = {unit.name: result_record(unit.opened()[0].diagnose())["result_sha256"] for unit in units}
     assert {row["name"]: row["result_sha256"] for row in rows} == alone
 
 

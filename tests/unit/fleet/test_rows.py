@@ -17,7 +17,7 @@ from atleak.common.verdicts import BANDS, Verdict
 from atleak.diagnosis.diagnosis import Diagnosis, diagnose
 from atleak.fleet.columns import DATA_SETS, ERROR_KINDS, HASH, Rows, columns_of
 from atleak.fleet.rows import error_rows, rows_of_result
-from atleak.job.result import issued_record
+from atleak.job.result import result_record
 from atleak.measurements.job_card import Job, Transmission, Vehicle
 from atleak.version import __version__
 
@@ -49,7 +49,7 @@ def sample(sample_diagnoses: dict[str, Diagnosis]) -> Diagnosis:
 
 @pytest.fixture(scope="module")
 def record(sample: Diagnosis) -> dict[str, Any]:
-    return issued_record(sample, JOB)
+    return result_record(sample, JOB)
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +91,7 @@ def test_the_rows_of_circuits_are_those_of_the_record(three_circuits: Controller
     told = rows_of_result(Named(), diagnosis).tables["circuits"].to_pylist()
     assert told == [
         {HASH: Named.input_sha256, "condition": condition["name"], **circuit}
-        for condition in issued_record(diagnosis)["conditions"]
+        for condition in result_record(diagnosis)["conditions"]
         for circuit in condition["circuits"]
     ]
     assert len(told) == len(diagnosis.projections) * len(three_circuits.circuits) > 0

@@ -21,7 +21,7 @@ from atleak.fleet.units import FleetUnit
 from atleak.fleet.worker import evaluate_unit
 from atleak.job.batch import write_reports
 from atleak.job.case import Case, SourceFile
-from atleak.job.result import issued_record
+from atleak.job.result import result_record
 from atleak.job.zip_file import write_job_file
 from atleak.measurements.job_card import Job
 from tests.unit.fleet.small_units import Faulty, Short, bad_unit, small_unit
@@ -41,7 +41,7 @@ def test_a_unit_has_the_result_that_its_files_have_alone() -> None:
     diagnosis = case.diagnose()
     rows = evaluate_unit(unit, tries=2)
     (of_unit,) = rows.tables["units"].to_pylist()
-    assert of_unit["result_sha256"] == issued_record(diagnosis, job)["result_sha256"]
+    assert of_unit["result_sha256"] == result_record(diagnosis, job)["result_sha256"]
     assert (of_unit["verdict"], of_unit["tries"], of_unit["number"]) == (diagnosis.verdict.value, 2, "300")
     assert (rows.controller, rows.verdict) == ("minimal_example", diagnosis.verdict)
     assert of_unit["seconds"] > 0.0

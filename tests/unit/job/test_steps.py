@@ -13,7 +13,7 @@ SLEEVE = "accumulator;sleeve;1;0;18,028\naccumulator;sleeve;1;90;18,028\n"
 
 
 def said(diagnosis: Diagnosis, job: Job) -> dict[str, tuple[bool, str]]:
-    return {step.name: (step.complete, step.said) for step in job_steps(diagnosis, job, wording("en"))}
+    return {step.name: (step.complete, step.state) for step in job_steps(diagnosis, job, wording("en"))}
 
 
 def diagnosed(sheet: str) -> Diagnosis:
