@@ -9,12 +9,10 @@ import streamlit as st
 from atleak.analysis.pressures import lowest_first, pressures_at
 from atleak.analysis.repair.plan import Total
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.report.charts import condition_figures as figures
+from atleak.report.charts.condition_figures import pump_speed_chart
 from atleak.report.charts.flows import flow_diagram, flow_svg, flow_table
-from atleak.report.tables.first_sentence import pump_sentence
-from atleak.report.tables.pressures import condition_table, held_table
+from atleak.report.tables.pressures import conditions_section, held_section
 from atleak.report.tables.pump_speed import pump_over_speed
-from atleak.report.tables.sentences import full_stroke, pressure_sentence, reserve_sentence, unsolved
 from pages.shared import fields, reader, show
 from pages.shared.show import plain
 from pages.shared.state import session
@@ -31,12 +29,8 @@ def section(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
         the totals with the repairs made that were decided; none where nothing was.
     """
     say = reader.say()
-    for sentence in (unsolved(diagnosis, say), pump_sentence(diagnosis, say)):
-        if sentence is not None:
-            st.write(plain(sentence))
     every = [pressures_at(diagnosis, each, repaired) for each in diagnosis.presented]
-    show.table(condition_table(every, say))
-    st.caption(plain(" ".join(filter(None, (say("circuits.conditions"), full_stroke(diagnosis, say))))))
+    show.section(conditions_section(diagnosis, every, say), "pressures")
     fold = fields.fold(say("circuits.in_full"), key=f"pressures-in-full-{session().generation}")
     if fold.open:
         with fold:
@@ -58,15 +52,9 @@ def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     projection = conditions[chosen]
     condition = say.condition(projection.condition)
     at = pressures_at(diagnosis, projection, repaired)
-    st.markdown(f"{plain(pressure_sentence(at, say))}  \n{plain(reserve_sentence(at, say))}")
-    show.chart(figures.circuit_pressures(at, say), "circuits")
-    if at.circuits:
-        show.table(held_table(diagnosis, [at], say))
-        vented = ", ".join(say.name(each.circuit.name) for each in at.circuits if each.vented and each.circuit)
-        empty = say("circuits.vented", circuits=vented) if vented else ""
-        st.caption(plain(f"{say('circuits.lost')} {empty}".rstrip()))
+    show.section(held_section(diagnosis, at, say), "pressures")
     st.markdown(f"**{say('circuits.pump_over_speed')}**")
-    show.chart(figures.pump_speed_chart(pump_over_speed(diagnosis, projection, say), say), "speed")
+    show.chart(pump_speed_chart(pump_over_speed(diagnosis, projection, say), say), "speed")
     st.caption(plain(say("circuits.pump_caption", condition=condition)))
     st.markdown(f"**{say('circuits.flow')}**")
     leaks_only = st.toggle(say("circuits.leaks_alone"), key="leaks-alone")

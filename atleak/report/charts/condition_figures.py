@@ -1,9 +1,4 @@
-"""Draw pressures on the screen: what the pump supplies over speed, and what the line and every circuit hold.
-
-Draw a unit over temperature and wear: its share of the pump's flow, or a pressure that it holds.
-
-Draw a fluid's viscosity over temperature on the screen.
-"""
+"""Draw on the screen what depends on the condition: the pump over speed, a unit over temperature and wear, a fluid."""
 
 from __future__ import annotations
 
@@ -12,15 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from atleak.analysis.pressures import PressuresAt
 from atleak.analysis.what_if import Axis, Border, Map
 from atleak.catalogue.fluid import Fluid
 from atleak.common.style import CURVES, FAINT_GRID, SCREEN, look_of
 from atleak.common.unit_systems import DM3_MIN, KPA, MM2_S, PERCENT, RPM
 from atleak.common.wording import Wording, wording
 from atleak.report.charts.figure import Figure, framed
-from atleak.report.charts.screen import drawn
-from atleak.report.tables.pressures import pressure_chart
 from atleak.report.tables.pump_speed import Demand, PumpOverSpeed
 
 _COLOURS = tuple(CURVES.values())
@@ -81,12 +73,6 @@ def _parts(demand: Demand, say: Wording) -> str:
     flow = say.quantity(demand.flow * DM3_MIN, "flow")
     temperature = say.plain_quantity(demand.temperature, "temperature")
     return say("figures.taken_parts", temperature=temperature, flow=flow, **parts)
-
-
-def circuit_pressures(at: PressuresAt, say: Wording | None = None) -> Figure:
-    """Draw what the line and every applied circuit hold; English unless ``say`` is given."""
-    say = say or wording("en")
-    return drawn(pressure_chart(at, say), say)
 
 
 _MORE = [[0.0, "rgba(42, 134, 209, 0.06)"], [1.0, "rgba(42, 134, 209, 0.85)"]]  # seen on white and on black

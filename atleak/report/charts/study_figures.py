@@ -275,7 +275,7 @@ def component_chart(study: GaugeStudy, say: Wording) -> RowChart:
 
     def bound(key: str, level: Verdict, share: float) -> LayerOf:
         of_gauge = [share * PERCENT if component == "grr" else None for component in _BARS]
-        return say(f"gauge_study.{key}"), look_of(level), of_gauge, {"lift": -0.6}
+        return say(f"gauge_study.{key}"), look_of(level), of_gauge, {}
 
     bounds = bound("marginal", Verdict.WATCH, ACCEPTED), bound("refused", Verdict.REPLACE, MARGINAL)
     layers = (*(bars(number, *each) for number, each in enumerate(both)), *bounds)

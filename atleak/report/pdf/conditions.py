@@ -18,7 +18,6 @@ from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.wording import begun
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.road_findings import RoadFindings
-from atleak.diagnosis.uncertainty import RuleDecision
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.charts.flows import FlowDiagram, flow_diagram, flow_svg, flow_words
 from atleak.report.charts.paper import drawn_on_paper
@@ -30,7 +29,7 @@ from atleak.report.tables.first_sentence import pump_sentence
 from atleak.report.tables.gauges import permissible_text
 from atleak.report.tables.lands import MatrixRow, leaking_worst_first
 from atleak.report.tables.names import land_number
-from atleak.report.tables.pressures import held_table, pressure_chart
+from atleak.report.tables.pressures import condition_table, held_table, pressure_chart
 from atleak.report.tables.pump_speed import PumpOverSpeed, pump_over_speed
 from atleak.report.tables.repairs import RepairOptionRow, no_help, option_table, plan_ends
 from atleak.report.tables.road_test import RoadInstant, RoadSeries, event_table, instant_table, place_table
@@ -244,38 +243,11 @@ class Pressures(PrintedPart):
                 yield text(f"{begun(self._condition(at))}: {said}", small=True)
 
     def _pump(self, conditions: Sequence[PressuresAt]) -> Block:
-        def band(at: PressuresAt) -> Judged:
-            rule, verdict = at.reserve_rule, at.reserve_verdict
-            if rule is None or verdict is None:
-                return Judged(None)
-            return Judged(self.say.level(rule.level if verdict == rule.verdict else verdict), verdict)
-
-        def flow(what: str, at: PressuresAt) -> float:
-            return float(getattr(at.projection, what))
-
-        flows = {"supply": "pump_supply", "leakage": "leakage", "slip": "slip"}
-        flows |= {"consumers": "consumers", "short": "starved"}
-        reserve = Column("reserve", digits=2, of=lambda at: at.projection.reserve)
-        columns = [
-            *(Column(key, "flow", of=partial(flow, what), times=DM3_MIN) for key, what in flows.items()),
-            reserve,
-            *ends(lambda at: at.reserve_interval, reserve),
-            Column("reserve_new", digits=2),
-            Column("reserve_repaired", digits=2),
-            Column("band", of=band),
-            Column(
-                "reserve_decision",
-                words=self.say("printed.decision"),
-                width=50,
-                of=lambda at: self._decision(at.reserve_decided),
-            ),
-        ]
-        whole = Table("", tuple(columns), conditions, self.say, group=self._condition)
-        kept = {column.key for column in whole.filled.columns}
-        return printed(whole.without(*({"reserve_repaired", "band", "reserve_decision"} - kept)))
-
-    def _decision(self, decided: RuleDecision | None) -> str | None:
-        return None if decided is None else self.names.decided(decided.decision, decided.probability_over_limit)
+        table = replace(condition_table(conditions, self.say), group=self._condition)
+        flows = table.only("pump_supply", "leakage", "slip", "consumers", "starved", "reserve")
+        below = ends(lambda at: at.reserve_interval, flows.columns[-1])
+        more = table.only("reserve_new", "reserve_repaired", "reserve_is", "reserve_decision").filled
+        return printed(replace(table, columns=(*flows.columns, *below, *more.columns)))
 
     def _told(self, each: HeldPressure) -> str:
         """Return what is permissible, where the table has no room for it, and the lands that cost it most."""

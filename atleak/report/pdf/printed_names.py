@@ -11,7 +11,7 @@ from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
-from atleak.diagnosis.uncertainty import Decision, Remedy
+from atleak.diagnosis.uncertainty import Remedy
 from atleak.measurements.job_card import Job
 from atleak.report.pdf.blocks import joined
 from atleak.report.tables.estimate import EstimateWords
@@ -75,11 +75,6 @@ class PrintedNames:
     def lands(self) -> Table:
         """Return the table of all lands, without shares at single conditions, which stand in one of their own."""
         return pair_table(self.diagnosis, self.diagnosis.lands, self.say, at=())
-
-    def decided(self, decision: Decision, probability: float | None) -> str:
-        """Return the words of a decision with the probability that the true value is past the limit."""
-        words = self.say.get("decisions", decision)
-        return words if probability is None else f"{words} ({self.say.percent(probability, 0)})"
 
     # --- what would decide an open verdict
 

@@ -20,7 +20,14 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.engine.projection import Projection
-from atleak.report.tables.sentences import land_in_words, rule_name, rule_quantity, rule_reached, wear_words
+from atleak.report.tables.sentences import (
+    decision_words,
+    land_in_words,
+    rule_name,
+    rule_quantity,
+    rule_reached,
+    wear_words,
+)
 from atleak.report.tables.table import VERDICT, Column, Judged, Table, span
 
 ANOTHER_CIRCUIT = Sentence("another circuit")
@@ -171,6 +178,9 @@ def pair_table(
         worst = MatrixRow.of(land, diagnosis, diagnosis.projections).worst
         return None if worst.drawn_from_pump == 0.0 else worst.share
 
+    def decided(land: LandDiagnosis) -> str | None:
+        return land.decision and decision_words(land.decision, land.probability_over_limit, say)
+
     at = diagnosis.reported if at is None else at
     shares = (
         Column(
@@ -196,7 +206,7 @@ def pair_table(
         Column("share", "percent", 2, times=PERCENT),
         Column("share_largest", "percent", 2, of=largest, times=PERCENT),
         Column("decided_by", of=lambda land: "; ".join(why(land, say)) or None),
-        Column("decision", width=100, of=lambda land: land.decision and decision(land, say, brief=True)),
+        Column("decision", width=100, of=decided),
     )
     return Table("lands", columns, lands, say)
 
@@ -256,13 +266,10 @@ def _doubts(land: LandDiagnosis, say: Wording) -> Iterable[str]:
         yield say("diagnosis.tighter_than_new")
 
 
-def decision(land: LandDiagnosis, say: Wording, *, brief: bool = False) -> str:
-    """Say how sure the verdict is, and how likely the true value is past the limit: in brief ``fail (100 %)``."""
+def decision(land: LandDiagnosis, say: Wording) -> str:
+    """Say how sure the verdict is, and how likely the true value is past the limit."""
     words, chance = say.get("decisions", str(land.decision)), land.probability_over_limit
-    if chance is None:
-        return words
-    said = say.percent(chance, 0)
-    return f"{words} ({said})" if brief else say("diagnosis.chance", decision=words, chance=said)
+    return words if chance is None else say("diagnosis.chance", decision=words, chance=say.percent(chance, 0))
 
 
 @dataclass(frozen=True)

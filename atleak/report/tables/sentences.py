@@ -54,6 +54,12 @@ def counted_in_speed(diagnosis: Diagnosis, say: Wording) -> str:
     return f"{said}. {say('pump.full_stroke')}" if diagnosis.controller.pump.held_at_demand else said
 
 
+def decision_words(decision: str, probability: float | None, say: Wording) -> str:
+    """Return how sure a verdict is, with the probability that the true value is past the limit: ``fail (100 %)``."""
+    words = say.get("decisions", decision)
+    return words if probability is None else f"{words} ({say.percent(probability, 0)})"
+
+
 def full_stroke(diagnosis: Diagnosis, say: Wording) -> str | None:
     """Say that shares, reserve and speed are of the full stroke; None for a pump whose stroke is fixed."""
     return f"{say('pump.full_stroke')}." if diagnosis.controller.pump.held_at_demand else None

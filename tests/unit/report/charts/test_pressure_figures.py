@@ -16,7 +16,9 @@ from atleak.common.unit_systems import DM3_MIN, KPA, RPM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis, diagnose
-from atleak.report.charts.condition_figures import circuit_pressures, pump_speed_chart
+from atleak.report.charts.condition_figures import pump_speed_chart
+from atleak.report.charts.screen import drawn as drawn_on_screen
+from atleak.report.tables.pressures import pressure_chart
 from atleak.report.tables.pump_speed import pump_over_speed as speeds
 
 
@@ -31,7 +33,7 @@ def held(diagnosis: Diagnosis, *, planned: bool = True):
 
 def test_they_are_transparent_and_say_their_units(worn_clutch: Diagnosis) -> None:
     over_speed = pump_speed_chart(speeds(worn_clutch, worn_clutch.hot_idle, wording("en")))
-    for drawn in (circuit_pressures(held(worn_clutch)), over_speed):
+    for drawn in (drawn_on_screen(pressure_chart(held(worn_clutch), wording("en")), wording("en")), over_speed):
         figure = drawn.checked()
         assert figure.layout.paper_bgcolor == figure.layout.plot_bgcolor == "rgba(0,0,0,0)"
         titles = [axis.title.text or "" for axis in (*figure.select_xaxes(), *figure.select_yaxes())]
@@ -50,7 +52,7 @@ def name_of(each: HeldPressure) -> str:
 
 def test_bars_are_what_holds_new_now_and_repaired(worn_clutch: Diagnosis) -> None:
     at = held(worn_clutch)
-    figure = circuit_pressures(at)
+    figure = drawn_on_screen(pressure_chart(at, wording("en")), wording("en"))
     for name, value in (("new", "new"), ("after repair", "repaired")):
         bars = trace(figure, name)
         drawn = dict(zip(rows(bars), bars.x, strict=True))
@@ -66,7 +68,7 @@ def test_bars_are_what_holds_new_now_and_repaired(worn_clutch: Diagnosis) -> Non
 
 
 def test_a_verdict_is_in_the_word_the_sign_and_the_hatch_of_its_bar(worn_clutch: Diagnosis) -> None:
-    figure = circuit_pressures(held(worn_clutch))
+    figure = drawn_on_screen(pressure_chart(held(worn_clutch), wording("en")), wording("en"))
     bad, good = (trace(figure, f"now: {name}") for name in ("■ replace", "● ok"))
     assert rows(bad) == ["clutch C1"]
     assert bad.marker.color == LOOKS[Verdict.REPLACE].screen
@@ -76,7 +78,7 @@ def test_a_verdict_is_in_the_word_the_sign_and_the_hatch_of_its_bar(worn_clutch:
 
 def test_limits_stand_beside_the_bars_they_apply_to(worn_clutch: Diagnosis) -> None:
     at = held(worn_clutch)
-    figure = circuit_pressures(at)
+    figure = drawn_on_screen(pressure_chart(at, wording("en")), wording("en"))
     clutch = next(each for each in at.circuits if each.id == "clutch_c1")
     for name, below in (("▲ watch from here down", 55.0), ("■ replace from here down", 103.0)):
         marks = trace(figure, name)
@@ -97,7 +99,9 @@ def test_limits_stand_beside_the_bars_they_apply_to(worn_clutch: Diagnosis) -> N
 def test_without_readings_nothing_is_green_repaired_or_within_an_interval(
     three_circuits: Controller, hipol: Fluid, limits: Limits
 ) -> None:
-    figure = circuit_pressures(held(diagnose(three_circuits, hipol, limits)))
+    figure = drawn_on_screen(
+        pressure_chart(held(diagnose(three_circuits, hipol, limits)), wording("en")), wording("en")
+    )
     names = {one.name for one in figure.data}
     assert "after repair" not in names
     assert not any("ok" in name for name in names if name)
