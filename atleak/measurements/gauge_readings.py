@@ -97,18 +97,19 @@ class PressureTable:
         repeat; or the last, where neither is stated.
         """
         lines = self.at(replace(reading.cell, tap=LINE_TAP))
-        timed = [each for each in lines if each.time is not None]
+        timed = [line for line in lines if line.time is not None]
         if reading.time is not None and timed:
-            nearest = min(timed, key=lambda each: abs((each.time or 0.0) - (reading.time or 0.0)))
+            nearest = min(timed, key=lambda line: abs((line.time or 0.0) - (reading.time or 0.0)))
             return nearest if abs((nearest.time or 0.0) - reading.time) <= TOGETHER else None
-        counted = [each for each in lines if each.round is not None]
+        counted = [line for line in lines if line.round is not None]
         if reading.round is not None and counted:
-            return min(counted, key=lambda each: abs((each.round or 0.0) - (reading.round or 0.0)))
+            return min(counted, key=lambda line: abs((line.round or 0.0) - (reading.round or 0.0)))
         return lines[-1] if lines else None
 
     def at(self, cell: GaugeCell) -> tuple[GaugeReading, ...]:
         """Return the readings of one cell in the order in which they were taken; none where it was not measured."""
-        return tuple(sorted((each for each in self.readings if each.cell == cell), key=lambda each: each.repeat))
+        readings = (reading for reading in self.readings if reading.cell == cell)
+        return tuple(sorted(readings, key=lambda reading: reading.repeat))
 
 
 def ranges_of(controller: Controller) -> tuple[SelectorRange, ...]:
@@ -116,11 +117,11 @@ def ranges_of(controller: Controller) -> tuple[SelectorRange, ...]:
 
     Park, reverse, neutral, drive, every forward gear below the highest, and what its permissible pressures name.
     """
-    named = {each for permissible in controller.permissible for each in permissible.ranges}
+    named = {selected for permissible in controller.permissible for selected in permissible.ranges}
     forward = sorted((gear for gear in controller.gears if 0 < gear < 10), reverse=True)
     held = [cast("SelectorRange", str(gear)) for gear in forward[1:]]
     usual: tuple[SelectorRange, ...] = ("P", "R", "N", "D", *held)
-    return (*usual, *(each for each in RANGES if each in named and each not in usual))
+    return (*usual, *(selected for selected in RANGES if selected in named and selected not in usual))
 
 
 def gear_in(selected: SelectorRange, gears: Iterable[int]) -> int | None:

@@ -300,7 +300,7 @@ class Job(Record):
     def estimated(self) -> bool:
         """Tell whether anything of an estimate was filled in: its terms, a price or hours."""
         return not self.estimate.empty or any(
-            each.price is not None or each.hours is not None for each in self.repair_decisions
+            decision.price is not None or decision.hours is not None for decision in self.repair_decisions
         )
 
     @property
@@ -333,7 +333,7 @@ class Job(Record):
             return self
         stem, dot, suffix = f"photos/{_file_name(name)}".rpartition(".")
         names = (f"{stem}{number}{dot}{suffix}" for number in ("", *(f"-{n}" for n in range(2, len(files) + 2))))
-        file = next(each for each in names if each not in files)
+        file = next(candidate for candidate in names if candidate not in files)
         photos = (*self.photos, Photo(file=file))
         return self.model_copy(update={"photos": photos}).with_pictures({**self.pictures, file: content})
 

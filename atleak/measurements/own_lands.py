@@ -51,24 +51,24 @@ class OwnLands:
         if not self.fitted:
             return controller
         lands = {land.key: land for land in controller.lands}
-        for each in self.fitted:
-            options = {repair.id: repair for repair in controller.repairs_of(each.component)}
-            repair = options.get(each.repair)
+        for fitted in self.fitted:
+            options = {repair.id: repair for repair in controller.repairs_of(fitted.component)}
+            repair = options.get(fitted.repair)
             if repair is None:
                 problem = Sentence(
                     "{controller} has no such repair of component {component}",
                     controller=controller.id,
-                    component=each.component,
+                    component=fitted.component,
                 )
-                raise unknown(problem, each.repair, options, kind=ReadingsError, place=each.place)
-            for land in controller.lands_of(each.component):
+                raise unknown(problem, fitted.repair, options, kind=ReadingsError, place=fitted.place)
+            for land in controller.lands_of(fitted.component):
                 if repair.changes(land.key):
                     lands[land.key] = land.with_repair(repair)
         return replace(controller, lands=tuple(lands.values()))
 
     def applied(self, controller: Controller) -> Controller:
         """Return the controller as this unit is: as `with_fitted` does, and with the lengths that were measured."""
-        lengths = {each.key: each for each in self.lengths}
+        lengths = {length.key: length for length in self.lengths}
         fitted = self.with_fitted(controller)
         lands = tuple(_measured(land, lengths[land.key]) if land.key in lengths else land for land in fitted.lands)
         return replace(fitted, lands=lands) if lengths else fitted

@@ -113,11 +113,11 @@ class Readings:
         """
         if not self.unworn:
             return self
-        bores = {(each.component, each.plane) for each in self.unworn if each.part == "sleeve"}
-        spools = {(each.component, each.plane) for each in self.unworn if each.part == "spool"}
-        beside = (each for each in self.readings if each.part == "spool")
-        beside = (each for each in beside if (each.component, each.plane) in bores - spools)
-        taken = (each for each in self.unworn if (each.component, each.plane) in bores)
+        bores = {(reading.component, reading.plane) for reading in self.unworn if reading.part == "sleeve"}
+        spools = {(reading.component, reading.plane) for reading in self.unworn if reading.part == "spool"}
+        beside = (reading for reading in self.readings if reading.part == "spool")
+        beside = (reading for reading in beside if (reading.component, reading.plane) in bores - spools)
+        taken = (reading for reading in self.unworn if (reading.component, reading.plane) in bores)
         return replace(self, readings=(*beside, *taken), unworn=())
 
     def measured_at(self, stated: float | None = None) -> MeasuringTemperature:
@@ -447,9 +447,9 @@ def repeats_that_count(repeats: Sequence[Reading]) -> list[Reading]:
     """
     if _spread(repeats) <= _TOLERATED:
         return list(repeats)
-    widest_first = sorted(repeats, key=lambda each: -each.diameter if each.part == "sleeve" else each.diameter)
+    widest_first = sorted(repeats, key=lambda repeat: -repeat.diameter if repeat.part == "sleeve" else repeat.diameter)
     groups = [
-        [each for each in widest_first[place:] if abs(each.diameter - first.diameter) <= _TOLERATED]
+        [repeat for repeat in widest_first[place:] if abs(repeat.diameter - first.diameter) <= _TOLERATED]
         for place, first in enumerate(widest_first)
     ]
     largest = max(groups, key=lambda group: len(independent_repeats(group)))  # of equal ones the widest

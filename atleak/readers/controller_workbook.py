@@ -136,14 +136,14 @@ def _places(
         line, spot = lines.get(words(label)), Spot(declared.name, sheet.row_number(row))
         if line is None:
             if label and _raw(sheet, row, value_column) is not None:
-                headings = [each.heading for each in lines.values()]
+                headings = [known_line.heading for known_line in lines.values()]
                 nearest = nearest_name(label, headings)
                 into.faults.append(SheetFault(spot, Sentence("unknown field"), label, one_of(headings), nearest))
             continue
-        for column, each in ((value_column, line), (known_column, known.get(line.key))):
-            if each is None or column is None:
+        for column, asked in ((value_column, line), (known_column, known.get(line.key))):
+            if asked is None or column is None:
                 continue
-            if places.setdefault(each, (row, column))[0] != row and _raw(sheet, row, column) is not None:
+            if places.setdefault(asked, (row, column))[0] != row and _raw(sheet, row, column) is not None:
                 into.faults.append(SheetFault(spot, Sentence("field given twice"), label, Sentence("each field once")))
     return places
 
@@ -164,7 +164,7 @@ def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description
     columns = _columns(sheet, top, declared, into)
     page = Page(sheet, declared, units, columns={column.heading: number for number, column in columns.items()})
     note = next((number for number in range(sheet.width) if _is(sheet.cell(top, number), NOTE_HEADING)), None)
-    absent = [each.heading for each in declared.columns if each.required and each.heading not in page.columns]
+    absent = [column.heading for column in declared.columns if column.required and column.heading not in page.columns]
     for heading in absent:
         problem = Sentence("the column {heading!r} is missing", heading=heading)
         into.faults.append(SheetFault(Spot(declared.name, sheet.row_number(top)), problem))
@@ -209,7 +209,7 @@ def _columns(sheet: Sheet, top: int, declared: Declared, into: Description) -> d
             continue
         column = by_words.get(words(as_text(heading))) or (declared.further_column(heading) if heading != "" else None)
         spot = Spot(declared.name, sheet.row_number(top), as_text(heading) or None)
-        if column is not None and all(column.heading != each.heading for each in columns.values()):
+        if column is not None and all(column.heading != taken.heading for taken in columns.values()):
             columns[number] = column
         elif any(_own(sheet, row, number) for row in range(top + 1, len(sheet.rows))):
             if column is not None:
@@ -217,7 +217,7 @@ def _columns(sheet: Sheet, top: int, declared: Declared, into: Description) -> d
                     SheetFault(spot, Sentence("column given twice"), heading, Sentence("each column once"))
                 )
                 continue
-            headings = [each.heading for each in declared.columns]
+            headings = [column.heading for column in declared.columns]
             nearest = nearest_name(as_text(heading), headings)
             problem = Sentence("unknown column")
             if heading == "":
@@ -338,7 +338,7 @@ class Places:
     def order(self, error: CatalogueError) -> tuple[int, int, str]:
         """Return the key by which faults are listed: sheet by sheet, row by row."""
         assert error.place is not None
-        names = [self.pages[each.name].sheet.name if each.name in self.pages else each.name for each in SHEETS]
+        names = [self.place(Spot(declared.name)).sheet for declared in SHEETS]
         number = names.index(error.place.sheet) if error.place.sheet in names else len(names)
         return number, error.place.row or 0, error.place.column or ""
 
@@ -455,13 +455,13 @@ def _pages(matched: Mapping[str, Sheet], into: Description) -> Iterator[tuple[st
 def _matched(sheets: list[Sheet], into: Description) -> dict[str, Sheet]:
     """Return the workbook's sheets by the names they are declared with; a renamed one is known by its headings."""
     by_name = {words(sheet.name or ""): sheet for sheet in reversed(sheets)}
-    matched = {each.name: by_name[words(each.name)] for each in SHEETS if words(each.name) in by_name}
+    matched = {declared.name: by_name[words(declared.name)] for declared in SHEETS if words(declared.name) in by_name}
     taken = {id(sheet) for sheet in matched.values()}
     known = {words(INSTRUCTIONS), words(LISTS)}
     for sheet in sheets:
         if id(sheet) in taken or words(sheet.name or "") in known or not any(any(row) for row in sheet.rows):
             continue
-        likeness = {each.name: _likeness(sheet, each) for each in SHEETS if each.name not in matched}
+        likeness = {declared.name: _likeness(sheet, declared) for declared in SHEETS if declared.name not in matched}
         best = max(likeness, key=lambda name: likeness[name], default=None)
         if best is not None and likeness[best] >= _ALIKE:
             matched[best] = sheet

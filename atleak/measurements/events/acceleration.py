@@ -62,7 +62,7 @@ def minimum_acceleration(road_test: RoadTest, limits: Thresholds = USUAL, gears:
             fast = np.flatnonzero(engine[climb.first : climb.last + 1] > limits.gentle_speed)
             if test is None and len(fast):  # it may be one until the engine was revved higher
                 gentle = climbs_of(slice(climb.first, climb.first + int(fast[0])))
-                first = next((each for each in gentle if each.carried), None)
+                first = next((climb for climb in gentle if climb.carried), None)
                 test = None if first is None else _judged(time, engine, first, limits, 0, False)
             tests.append(test)
     return [test for test in tests if test is not None]
@@ -213,4 +213,4 @@ def _passed(gear: np.ndarray | None, first: int, last: int) -> tuple[int, ...]:
     if gear is None:
         return ()
     values = gear[first : last + 1]
-    return tuple(int(each) for each in np.unique(values[values > 0]))
+    return tuple(int(number) for number in np.unique(values[values > 0]))

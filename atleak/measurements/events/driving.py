@@ -168,7 +168,7 @@ def converter_slip(road_test: RoadTest, limits: Thresholds = USUAL) -> Converter
         driving &= ~standing
     if np.count_nonzero(driving) < _FEWEST:
         return None
-    low, median, high = (float(each) for each in np.percentile(slip[driving], (5, 50, 95)))
+    low, median, high = (float(percentile) for percentile in np.percentile(slip[driving], (5, 50, 95)))
     locked = sum(event.duration for event in lock_ups(road_test, limits))
     command = road_test.values("lock_up")
     if command is None or not np.isfinite(command).any() or not np.nanmax(command) > 0:

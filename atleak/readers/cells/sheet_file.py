@@ -79,10 +79,10 @@ def _best_delimiter(start: str, file: str, score: Callable[[Sheet], float]) -> t
         return score(sheet) if excess(sheet.rows) is None else -1.0
 
     found = [(likeness(delimiter), delimiter) for delimiter in _delimiters(start)]
-    best = max(found, key=lambda each: each[0])
+    best = max(found, key=lambda scored: scored[0])
     if best[0] < _COMPLETE and " " in start:
         by_spaces = [(likeness(spaces), spaces) for spaces in (_ALIGNED, _WORDS)]
-        best = max([best, *(each for each in by_spaces if each[0] >= _COMPLETE)], key=lambda each: each[0])
+        best = max([best, *(scored for scored in by_spaces if scored[0] >= _COMPLETE)], key=lambda scored: scored[0])
     return best
 
 
@@ -110,7 +110,7 @@ def _decoded(data: bytes, file: str, knows: Knows | None) -> Iterator[tuple[str,
     if stated is None and b"\0" in start:
         # UTF-16 without its mark: every second byte of plain text is zero
         zeros = {"utf-16-le": start[1::2], "utf-16-be": start[0::2]}
-        stated = next((name for name, each in zeros.items() if each.count(0) > 0.8 * len(each)), None)
+        stated = next((name for name, half in zeros.items() if half.count(0) > 0.8 * len(half)), None)
         if stated is None:
             raise _not_text(file)
     try:

@@ -187,13 +187,13 @@ def _coloured_styles(xml: bytes) -> dict[int, str]:
     grounds = [_colour(fill, b"fgColor") for fill in _elements(_inside(xml, b"fills"), b"fill")]
     letters = [_colour(font, b"color") for font in _elements(_inside(xml, b"fonts"), b"font")]
     found = ["".join(grounds[fill : fill + 1] + letters[font : font + 1]) for font, fill in _styles(xml)]
-    return {number: each for number, each in enumerate(found) if each != found[0]}
+    return {number: colour for number, colour in enumerate(found) if colour != found[0]}
 
 
 def _colour(element: bytes, name: bytes) -> str:
     """Return the attributes of a colour as they are written; nothing of the usual white ground and black letters."""
     tag = re.search(rb"<(?:\w{1,20}:)?" + name + rb"\b([^<>]*)>", element)
-    said = b" ".join(b"%s %s" % each for each in _attributes(tag[1].rstrip(b"/")).items()) if tag else b""
+    said = b" ".join(b"%s %s" % attribute for attribute in _attributes(tag[1].rstrip(b"/")).items()) if tag else b""
     return "" if _PLAIN.fullmatch(said) else f"{name.decode()} {said.decode('utf-8', 'replace')};"
 
 
@@ -215,7 +215,7 @@ def _comments(archive: zipfile.ZipFile, names: set[str], path: str) -> Iterator[
         if part in names and re.search(r"/comments?\d*\.xml$", part) and "threaded" not in part.lower():
             for comment in ElementTree.fromstring(unpacked_part(archive, part)).iter():
                 if comment.tag.endswith("}comment"):
-                    words = "".join(each.text or "" for each in comment.iter() if each.tag.endswith("}t"))
+                    words = "".join(part.text or "" for part in comment.iter() if part.tag.endswith("}t"))
                     for place in _place_of_cell(f'r="{comment.get("ref", "")}"'.encode()):
                         yield place, words.rpartition("Comment:\n")[2].strip()[:_WORDS]
 
@@ -225,7 +225,7 @@ def _struck_strings(xml: bytes) -> frozenset[int]:
     if b"trike" not in xml:
         return frozenset()
     runs = enumerate(_elements(text, b"r") for text in _elements(xml, b"si"))
-    return frozenset(number for number, each in runs if each and all(map(_is_struck, each)))
+    return frozenset(number for number, part in runs if part and all(map(_is_struck, part)))
 
 
 def _struck_cells(xml: bytes, styles: frozenset[int], strings: frozenset[int]) -> Iterator[tuple[int, int]]:
@@ -315,10 +315,10 @@ def _ods(xml: bytes) -> dict[str, Marks]:
     }
     colours: dict[str | None, str] = {
         style.get(f"{_STYLE}name"): "".join(
-            f"{name} {each.get(f'{_FO}{name}')};"
-            for each in style
+            f"{name} {properties.get(f'{_FO}{name}')};"
+            for properties in style
             for name in _SEEN
-            if not _PLAIN_IN_ODS.fullmatch(each.get(f"{_FO}{name}", ""))
+            if not _PLAIN_IN_ODS.fullmatch(properties.get(f"{_FO}{name}", ""))
         )
         for style in root.iter(f"{_STYLE}style")
     }
@@ -347,11 +347,11 @@ def _ods_sheet(table: ElementTree.Element, struck: set[str | None], colours: dic
             if (own := cell.get(f"{_TABLE}style-name")) in struck:
                 cells.add((row, column))
             style = own or line.get(f"{_TABLE}default-cell-style-name")
-            style = style or next((each for end, each in styles.items() if column < end), None)
+            style = style or next((named for end, named in styles.items() if column < end), None)
             if colour := colours.get(style):
                 coloured[row, column] = colour
             for note in cell.iter(f"{_OFFICE}annotation"):
-                words = "\n".join("".join(each.itertext()) for each in note.iter(f"{_TEXT_OF}p"))
+                words = "\n".join("".join(paragraph.itertext()) for paragraph in note.iter(f"{_TEXT_OF}p"))
                 comments[row, column] = words.strip()[:_WORDS]
     return Marks(rows, frozenset(columns), frozenset(cells), coloured, comments)
 

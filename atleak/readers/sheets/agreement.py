@@ -114,7 +114,7 @@ class _Beside:
             units = [unit] if unit else _UNITS
             sizes = [difference * share for difference in known for share in ((0.5,) if radial else (1.0, 0.5))]
             if not known or any(
-                abs(value * each.factor - size) <= _rounded(value, each) for each in units for size in sizes
+                abs(value * scale.factor - size) <= _rounded(value, scale) for scale in units for size in sizes
             ):
                 continue
             difference, said = units[0].from_si(known[0] * (0.5 if radial else 1.0)), units[0].said
@@ -127,7 +127,7 @@ class _Beside:
         for row, readings, value, stated in self.stated(index):
             unit = stated or _UNITS[0]
             wanted = [reading for reading in readings if len(parts) != 1 or reading.part in parts]
-            means = [fmean(each) for reading in wanted for each in self._sets(reading, wanted)]
+            means = [fmean(sizes) for reading in wanted for sizes in self._sets(reading, wanted)]
             if means and not any(abs(value * unit.factor - mean) <= _rounded(value, unit) for mean in means):
                 sizes = (value, unit.from_si(means[0]))
                 said, expected = (Sentence("{size:.7g} {unit}", size=size, unit=unit.said) for size in sizes)
@@ -135,14 +135,14 @@ class _Beside:
 
     def _sets(self, reading: Reading, beside: Sequence[Reading]) -> Iterator[list[float]]:
         """Yield the diameters that this mean may be of: of its row, direction, plane; the closest first."""
-        same = [each for each in self.lands[reading.component, reading.plane] if each.part == reading.part]
-        in_row = [each.diameter for each in beside if each.part == reading.part]
+        same = [other for other in self.lands[reading.component, reading.plane] if other.part == reading.part]
+        in_row = [other.diameter for other in beside if other.part == reading.part]
         if len(in_row) > 1:
             yield in_row
-        yield [each.diameter for each in same if each.direction == reading.direction]
-        yield [each.diameter for each in same]
+        yield [other.diameter for other in same if other.direction == reading.direction]
+        yield [other.diameter for other in same]
         yield in_row
-        yield [each.diameter for each in beside]
+        yield [other.diameter for other in beside]
 
     def of_one_part(self, index: int, readings: Sequence[Reading]) -> Iterator[Message]:
         """Tell of a clearance or wear that is all a sheet says of a part without a diameter: it is not used."""
@@ -152,7 +152,7 @@ class _Beside:
         stated = [
             (row, value, unit)
             for row, beside, value, unit in self.stated(index)
-            if all(len(parts[each.component, each.plane]) == 1 for each in beside)
+            if all(len(parts[reading.component, reading.plane]) == 1 for reading in beside)
         ]
         if not stated:
             return
@@ -227,7 +227,7 @@ def _correction(table: HeadedTable, index: int, rows: Collection[int], columns: 
     }
     if not stated or any(letters(heading).any("corrected") for heading in read):
         return
-    row = max(stated, key=lambda each: abs(stated[each]))
+    row = max(stated, key=lambda row: abs(stated[row]))
     heading = table.heading(index)
     text = counted(
         len(stated),

@@ -59,35 +59,35 @@ class SheetChoice:
     @property
     def sheets(self) -> list[Sheet]:
         """Return all sheets of the file as they were understood, some with rows and columns exchanged."""
-        return [each.sheet for each in self.every]
+        return [page.sheet for page in self.every]
 
     @property
     def _others(self) -> list[_SheetTables]:
-        return [each for each in self.every if each not in self.looked_at and not each.sheet.hidden]
+        return [page for page in self.every if page not in self.looked_at and not page.sheet.hidden]
 
     @property
     def of_lands(self) -> list[HeadedTable]:
         """Return the tables of what lands themselves have, also of a sheet of their own beside the one asked for."""
-        beside = (each for each in self._others if each.is_of_lands)
-        return [table for each in (*self.looked_at, *beside) for table in each.of_lands]
+        beside = (page for page in self._others if page.is_of_lands)
+        return [table for page in (*self.looked_at, *beside) for table in page.of_lands]
 
     @property
     def without_readings(self) -> list[HeadedTable]:
         """Return the other tables beside those read: left aside, or without a column that says the component."""
-        every = (table for each in self.looked_at for table in each.tables)
+        every = (table for page in self.looked_at for table in page.tables)
         return [table for table in every if not table.readable and not table.is_of_lands]
 
     @property
     def sheets_left_aside(self) -> list[Sheet]:
         """Return the visible sheets that were not asked for."""
-        return [each.sheet for each in self._others if not each.is_of_lands]
+        return [page.sheet for page in self._others if not page.is_of_lands]
 
     @property
     def messages(self) -> Iterator[Message]:
         """Yield what is to be said of the choice."""
-        read = [each.sheet for each in self.looked_at if each.is_filled]
-        unread = [each.sheet for each in self.every if each.readable and each.sheet not in read]
-        return _about_sheets(self.file, read, unread, self.wanted)
+        read = [page.sheet for page in self.looked_at if page.is_filled]
+        not_read = [page.sheet for page in self.every if page.readable and page.sheet not in read]
+        return _about_sheets(self.file, read, not_read, self.wanted)
 
 
 def choose_sheet(
@@ -99,17 +99,17 @@ def choose_sheet(
     no such sheet, none holds readings, or none is filled in.
     """
     every = [_the_right_way_round(sheet, names) for sheet in sheets]
-    for before, each in pairwise(every):
-        if not each.tables and before.readable:
-            each.tables = continued(each.sheet, before.readable[-1], names)
+    for before, page in pairwise(every):
+        if not page.tables and before.readable:
+            page.tables = continued(page.sheet, before.readable[-1], names)
     if wanted is not None and any(sheet.name is not None for sheet in sheets):
         looked_at = [_wanted(every, file, wanted)]
     else:
-        filled = [each for each in every if each.is_filled]
+        filled = [page for page in every if page.is_filled]
         # hidden sheets are read only where no visible sheet is filled in
-        shown = [each for each in filled if not each.sheet.hidden] or filled
-        looked_at = [each for each in every if each in shown or not each.sheet.hidden]
-    readable = [table for each in looked_at for table in each.readable]
+        shown = [page for page in filled if not page.sheet.hidden] or filled
+        looked_at = [page for page in every if page in shown or not page.sheet.hidden]
+    readable = [table for page in looked_at for table in page.readable]
     if not readable:
         raise _no_readings(every, file, names)
     return SheetChoice(file, wanted, every, looked_at, [filled_down(table, fill_down) for table in readable])
@@ -118,21 +118,21 @@ def choose_sheet(
 def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> _SheetTables:
     """Return a sheet with its tables, turned where its headings run down the first column."""
     upright = _SheetTables(sheet, find_tables(sheet, names))
-    if any(table.of("component") and any(each.holds_size for each in table.columns) for table in upright.tables):
+    if any(table.of("component") and any(column.holds_size for column in table.columns) for table in upright.tables):
         return upright
     around = turned(sheet, names)
     sideways = None if around is None else _SheetTables(around, find_tables(around, names))
     return sideways if sideways is not None and sideways.is_filled else upright
 
 
-def _about_sheets(file: str, read: Sequence[Sheet], unread: Sequence[Sheet], wanted: str | None) -> Iterator[Message]:
-    names, others = (_quoted(sheet.name for sheet in sheets) for sheets in (read, unread))
+def _about_sheets(file: str, read: Sequence[Sheet], not_read: Sequence[Sheet], wanted: str | None) -> Iterator[Message]:
+    names, others = (_quoted(sheet.name for sheet in sheets) for sheets in (read, not_read))
     if len(read) > 1:
         text = Sentence(
             "read as one measurement from sheets {sheets}, which hold different planes or parts", sheets=names
         )
         yield Message("info", "sheets_read", text, Place(file))
-    if unread and read and wanted is None:
+    if not_read and read and wanted is None:
         text = Sentence("read from sheet {sheets}; left aside: {others}", sheets=names, others=others)
         yield Message("info", "sheet_chosen", text, Place(file, read[0].name))
     for sheet in read:
@@ -150,7 +150,7 @@ def _quoted(names: Iterable[str | None]) -> tuple[str, ...]:
 
 def _wanted(every: Sequence[_SheetTables], file: str, wanted: str) -> _SheetTables:
     """Return the sheet that is asked for; its name alone does not leave its tables aside."""
-    by_name = {each.sheet.name: each for each in every if each.sheet.name is not None}
+    by_name = {page.sheet.name: page for page in every if page.sheet.name is not None}
     if wanted not in by_name:
         raise unknown(
             Sentence("the workbook has no such sheet"), wanted, by_name, kind=ReadingsError, place=Place(file)
@@ -159,7 +159,7 @@ def _wanted(every: Sequence[_SheetTables], file: str, wanted: str) -> _SheetTabl
     if not chosen.readable:
         chosen.tables = [replace(table, left_aside=None) if table.values else table for table in chosen.tables]
     if not chosen.readable:
-        usable = [name for name, each in by_name.items() if each.readable]
+        usable = [name for name, page in by_name.items() if page.readable]
         problem = Sentence("this sheet holds no readings")
         if usable:
             problem = Sentence("this sheet holds no readings; readings are in sheet {sheets}", sheets=_quoted(usable))
@@ -168,12 +168,12 @@ def _wanted(every: Sequence[_SheetTables], file: str, wanted: str) -> _SheetTabl
 
 
 def _no_readings(every: Sequence[_SheetTables], file: str, known: ControllerNames) -> ReadingsError:
-    sheets = [each.sheet for each in every]
+    sheets = [page.sheet for page in every]
     if not any(str(cell).strip() for sheet in sheets for row in sheet.rows for cell in row):
         return ReadingsError(
             Sentence("the workbook is empty"), place=Place(file), expected=Sentence("a measuring sheet filled in")
         )
-    tables = [table for each in every for table in each.tables]
+    tables = [table for page in every for table in page.tables]
     for table in tables:
         if table.left_aside and table.values and table.of("component"):
             problem = Sentence("the table in {where} is left aside ({why}), and there is no other")

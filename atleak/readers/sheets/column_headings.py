@@ -350,7 +350,7 @@ def _role_of_part(said: _Heading) -> Role | None:
         return "diameter" if named in (None, "component") else named
     if named is not None or alone or not explained or (part is None and not set(tokens).isdisjoint("xy")):
         return named
-    return "diameter" if any(each is not None for each in numbers_of_heading("diameter", tokens)) else None
+    return "diameter" if any(number is not None for number in numbers_of_heading("diameter", tokens)) else None
 
 
 def _of_land(said: _Heading) -> Role | None:

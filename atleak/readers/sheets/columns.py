@@ -103,7 +103,7 @@ def _component(table: HeadedTable, names: ControllerNames) -> HeadedColumn | Non
         numbered = sum(text_of(cell) in names.with_lands for cell in cells)
         return known / max(len(cells), 1), numbered / max(len(cells), 1), column.rank
 
-    columns = [each for each in table.of("component") if table.of("part") or not table.names_parts(each)]
+    columns = [column for column in table.of("component") if table.of("part") or not table.names_parts(column)]
     return max(columns, key=sureness, default=None)
 
 
@@ -257,7 +257,7 @@ def _of_one_land(table: HeadedTable, names: ControllerNames, columns: Columns) -
     """Return whether every component that the table names has one land, so that nothing need say which."""
     column = columns.component
     named = {table.component} if column is None else set(map(names.component, table.cells(column.index).values()))
-    return bool(named) and all(len(names.controller.lands_of(each)) == 1 for each in named if each is not None)
+    return bool(named) and all(len(lands) == 1 for lands in map(names.controller.lands_of, filter(None, named)))
 
 
 def _dated(table: HeadedTable, columns: Columns) -> ReadingsError | None:

@@ -38,9 +38,9 @@ class Sizes:
 
     def near(self, value: float, units: Iterable[Unit]) -> bool:
         """Return whether a number in one of the units is within 0.5 mm of any nominal diameter."""
-        for each in units:
-            size = each.to_si(value)
-            if each == INCH and round(value, _INCH_DECIMALS - 1) == value:
+        for length_unit in units:
+            size = length_unit.to_si(value)
+            if length_unit == INCH and round(value, _INCH_DECIMALS - 1) == value:
                 continue
             above = bisect_left(self._all, size - NOMINAL_TOLERANCE)
             if above < len(self._all) and self._all[above] <= size + NOMINAL_TOLERANCE:
@@ -56,7 +56,7 @@ class Sizes:
     ) -> bool:
         """Return whether a number is within 0.5 mm of the nominal diameters of one plane, or within another limit."""
         nominal = self._by_plane.get((component, plane), ())
-        return any(abs(each.to_si(value) - size) <= within for each in units for size in nominal)
+        return any(abs(length_unit.to_si(value) - size) <= within for length_unit in units for size in nominal)
 
 
 def numbers_of(cell: Cell) -> tuple[float, ...]:

@@ -215,9 +215,9 @@ def filled_down(table: HeadedTable, asked: bool) -> HeadedTable:
     if not asked and not (table.sheet.is_text and is_own_form(table)):
         return table
     sheet = table.sheet
-    keys = sorted(each.index for each in table.columns if each.role in _FILLED and each.index not in sheet.derived)
-    nominal = [] if asked else [each.index for each in table.of("specification")]
-    block = _Block(sheet, keys, [each.index for each in table.of("repeat")])
+    keys = sorted({column.index for column in table.columns if column.role in _FILLED} - {*sheet.derived})
+    nominal = [] if asked else [column.index for column in table.of("specification")]
+    block = _Block(sheet, keys, [column.index for column in table.of("repeat")])
     filled: dict[tuple[int, int], tuple[int, int]] = {}
     for row in filter(block.enter, table.rows):
         for index in (*keys, *nominal):
@@ -267,7 +267,7 @@ def broken_blocks(
                 if sizes.near(number, units)
             ]
             written = [entry.raw.size, *beside]
-            if not all(sizes.near_plane(each, units, key.component, key.plane) for each in written):
+            if not all(sizes.near_plane(size, units, key.component, key.plane) for size in written):
                 yield _broken(table, entry, Sentence("and another nominal diameter than that stands here"))
             elif station in seen and station not in before and key.repeat is None:
                 text = Sentence("which stands in row {row} already", row=table.sheet.row_number(seen[station]))
@@ -299,5 +299,5 @@ def is_own_form(table: HeadedTable) -> bool:
 def nominal_headings() -> frozenset[str]:
     """Return the heading of the form's own column of nominal diameters in every language, without its unit."""
     english = str(NOMINAL_HEADING)
-    headings = (own_table(each, "messages", english.split()[0]).get(english, english) for each in languages())
+    headings = (own_table(language, "messages", english.split()[0]).get(english, english) for language in languages())
     return frozenset(" ".join(heading.split()) for heading in headings)

@@ -207,12 +207,12 @@ class Exclusions:
                 return cell
         return None
 
-    def _is_label(self, index: int, cell: str) -> bool:
+    def _is_label(self, index: int, label: str) -> bool:
         """Return whether a cell names its row: in a key's column, or in one that holds no numbers."""
         if index in self._keys:
-            return self.names.component(cell) is None
+            return self.names.component(label) is None
         return index in self._others and not any(
-            isinstance(each, int | float) or number_of(str(each)) is not None for each in self._cells[index].values()
+            isinstance(cell, int | float) or number_of(str(cell)) is not None for cell in self._cells[index].values()
         )
 
     # --- what is said of them -----------------------------------------------------------------------------------------
@@ -278,8 +278,8 @@ class Exclusions:
         for column in (group["diameter"] for group in self.columns.groups if "diameter" in group):
             stated, _ = stated_number(self.sheet.cell(row, column.index)) or (None, None)
             sets = self._summarised(row, column, entries)
-            sizes = [[entry.raw.size for entry in each] for each in sets]
-            if stated is None or not sets or any(_agree(stated, of(each)) for of in _COMPUTED[kind] for each in sizes):
+            computed = [of([entry.raw.size for entry in above]) for of in _COMPUTED[kind] for above in sets]
+            if stated is None or not sets or any(_agree(stated, size) for size in computed):
                 continue
             text = Sentence(
                 "the {what} {stated:.7g} stands in row {row}, but that of {rows} is {computed:.7g}: a slip in one of "
@@ -288,7 +288,7 @@ class Exclusions:
                 stated=stated,
                 row=self.sheet.row_number(row),
                 rows=rows_named(self.sheet, [entry.row for entry in sets[0]]),
-                computed=_COMPUTED[kind][0](sizes[0]),
+                computed=computed[0],
             )
             place = self.sheet.place(row, column.index, self.table.heading(column.index))
             yield Message("warning", "summary_disagrees", text, place)
@@ -300,7 +300,8 @@ class Exclusions:
         before, labels = max((other for other in self._summaries if other < row), default=-1), self._labels(row)
         above = [entry for entry in entries if entry.row < row and entry.column == column.index]
         same = [entry for entry in above if labels and _matches(entry, labels)]
-        return [each for each in (same, [entry for entry in above if entry.row > before], above) if each]
+        since = [entry for entry in above if entry.row > before]
+        return [*filter(None, (same, since, above))]
 
 
 def _says_diameter(text: str) -> bool:

@@ -113,7 +113,7 @@ def read_head(tables: Sequence[HeadedTable], sheets: Sequence[Sheet]) -> SheetHe
         date=date,
         pump=PumpClearances.of_um(side, tip),
         identity=identity,
-        cells=tuple((each.sheet.name, each.row, each.column) for each in (*cells, *dates, *fields)),
+        cells=tuple((at.sheet.name, at.row, at.column) for at in (*cells, *dates, *fields)),
         messages=(*messages, *doubts, *of_identity),
         problems=tuple(problems),
     )
@@ -129,16 +129,16 @@ def _value(
 ) -> float | None:
     """Return the value of a quantity in the unit in which people are asked for it; of several that differ none."""
     values: dict[float, Stated] = {}
-    for each in stated:
+    for said in stated:
         try:
-            values.setdefault(_number(each, quantity), each)
+            values.setdefault(_number(said, quantity), said)
         except ReadingsError as error:
             problems.append(error)
     if len(values) > 1:
         template = Sentence("{value:g} {unit} ({place})")
         named = all_of(
-            template.of(value=value, unit=quantity.asked.unit, place=each.place.sentence)
-            for value, each in values.items()
+            template.of(value=value, unit=quantity.asked.unit, place=said.place.sentence)
+            for value, said in values.items()
         )
         text = Sentence(
             "the head states several {what}s, {named}: none is taken. State the one {of}",
@@ -152,10 +152,10 @@ def _value(
 
 def _without_the_word(heads: Sequence[tuple[Sheet, range]]) -> Iterator[Stated]:
     """Yield what is told by its unit to be a temperature: "measured at 24.1 °C", "referred to 20 °C"."""
-    for each in stated_values(heads, ("at_temperature",), ("beside_head", "beside_at_temperature"), "temperature"):
-        match = _VALUE.fullmatch(text_of(each.value))
+    for stated in stated_values(heads, ("at_temperature",), ("beside_head", "beside_at_temperature"), "temperature"):
+        match = _VALUE.fullmatch(text_of(stated.value))
         if match and match["unit"] and find_unit(match["unit"], "temperature") is not None:
-            yield each
+            yield stated
 
 
 def _number(stated: Stated, quantity: _Quantity) -> float:
@@ -186,19 +186,19 @@ def _read_date(stated: Sequence[Stated]) -> tuple[dt.date | None, list[Message]]
     """Return the date of measuring, and why none is taken of those that the heads state."""
     dates: dict[dt.date, Stated] = {}
     messages = []
-    for each in stated:
-        date = _date(each.value)
+    for said in stated:
+        date = _date(said.value)
         if date is not None:
-            dates.setdefault(date, each)
-        elif re.search(r"\d", str(each.value)):
+            dates.setdefault(date, said)
+        elif re.search(r"\d", str(said.value)):
             text = Sentence(
                 "the date {date!r} in the head is not taken: it can be read in two ways, or is none. Write it as "
                 "2026-04-17",
-                date=str(each.value),
+                date=str(said.value),
             )
-            messages.append(Message("warning", "head_unclear", text, each.place))
+            messages.append(Message("warning", "head_unclear", text, said.place))
     if len(dates) > 1:
-        messages.append(several([(date.isoformat(), each) for date, each in dates.items()], Sentence("date")))
+        messages.append(several([(date.isoformat(), said) for date, said in dates.items()], Sentence("date")))
     return next(iter(dates)) if len(dates) == 1 else None, messages
 
 

@@ -27,7 +27,7 @@ _FIELDS = (
     *("date", "temperature", "pump"),
 )
 _OF_FIELDS = (*_FIELDS, "beside_identity", "beside_head", "pump_side", "pump_tip", "beside_pump")
-_LABEL = re.compile(r"(?P<label>[^:=\d]*?[^:=\d\s+\-−])\s*(?:[:=]\s*(?P<told>.*)|(?P<number>[+\-−]?\d.*))?", re.DOTALL)
+_LABEL = re.compile(r"(?P<label>[^:=\d]*?[^:=\d\s+\-−])\s*(?:[:=]\s*(?P<value>.*)|(?P<number>[+\-−]?\d.*))?", re.DOTALL)
 _BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
 _REACH = 2  # cells to the right of a label in which its value may stand
 
@@ -63,7 +63,7 @@ def stated_values(
             match = _LABEL.fullmatch(cell.strip()) if isinstance(cell, str) else None
             if match is None or sheet.is_struck(row, column) or not means(match["label"], meaning, beside):
                 continue
-            in_cell = (match["told"] or match["number"] or "").strip()
+            in_cell = (match["value"] or match["number"] or "").strip()
             stated = Stated(sheet, row, column, in_cell, _unit_in(match["label"], kind), match["label"])
             found = stated if in_cell else _beside(stated, row + 1 in rows, kind)
             if found is not None and not sheet.is_struck(found.row, found.column):
@@ -162,18 +162,18 @@ def read_identity(heads: Sequence[tuple[Sheet, range]]) -> tuple[SheetIdentity, 
     messages: list[Message] = []
     values: dict[str, str | float] = {}
     for name, (words, beside, what) in _OF_JOB.items():
-        taken = {(each.sheet.name, each.row, each.column) for each in every}
+        taken = {(stated.sheet.name, stated.row, stated.column) for stated in every}
         found = [
-            each
-            for each in stated_values(heads, words, beside, None)
-            if (each.sheet.name, each.row, each.column) not in taken and len(text_of(each.value)) <= _LONGEST
+            stated
+            for stated in stated_values(heads, words, beside, None)
+            if (stated.sheet.name, stated.row, stated.column) not in taken and len(text_of(stated.value)) <= _LONGEST
         ]
         every += found
-        told = {plain(text_of(each.value)): each for each in found}
-        if len(told) > 1:
-            messages.append(several([(text_of(one.value), one) for one in told.values()], what))
-        for each in told.values() if len(told) == 1 else ():
-            value = _mileage(each, messages) if name == "mileage" else text_of(each.value)
+        by_text = {plain(text_of(stated.value)): stated for stated in found}
+        if len(by_text) > 1:
+            messages.append(several([(text_of(one.value), one) for one in by_text.values()], what))
+        for stated in by_text.values() if len(by_text) == 1 else ():
+            value = _mileage(stated, messages) if name == "mileage" else text_of(stated.value)
             if value not in ("", None):
                 values[name] = value
     instruments = [str(values.pop(name)) for name in _INSTRUMENTS if name in values]
@@ -183,7 +183,7 @@ def read_identity(heads: Sequence[tuple[Sheet, range]]) -> tuple[SheetIdentity, 
 
 def several(stated: Sequence[tuple[str, Stated]], what: Sentence) -> Message:
     """Tell that the heads state one thing differently: each as it reads, and where it stands."""
-    named = all_of(Sentence("{value!r} ({place})", value=value, place=each.place.sentence) for value, each in stated)
+    named = all_of(Sentence("{value!r} ({place})", value=value, place=said.place.sentence) for value, said in stated)
     text = Sentence(
         "the head states the {what} more than once, differently: {named}. None is taken", what=what, named=named
     )

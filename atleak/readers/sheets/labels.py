@@ -238,7 +238,7 @@ class _LabelColumn:
         """Return whether a label contradicts no other column, and no heading that says the part of its diameters."""
         part = part_said(label.part or "")
         parts = {column.part for column in self.table.values} - {None}
-        places = {each for each in (label.land, label.plane, label.number) if each is not None}
+        places = {place for place in (label.land, label.plane, label.number) if place is not None}
 
         def differs(role: Role, cell: Cell) -> bool:
             if is_blank(cell):

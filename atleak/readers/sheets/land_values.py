@@ -231,17 +231,17 @@ def _own_length(key: LandKey, stated: Mapping[str, tuple[float, Place]]) -> OwnL
 
 
 def _about_lengths(own: OwnLands, controller: Controller) -> Iterator[Message]:
-    measured = [each for each in own.lengths if each.contact_length is not None]
+    measured = [length for length in own.lengths if length.contact_length is not None]
     if not measured:
         return
     shown = tuple(
         Sentence(
             "{land} {measured:.6g} {measured.unit} ({stated:.6g})",
-            land=f"{each.component}/{each.land}",
-            measured=_mm(each.contact_length or 0.0),
-            stated=_mm(controller.land(*each.key).contact_length),
+            land=f"{length.component}/{length.land}",
+            measured=_mm(length.contact_length or 0.0),
+            stated=_mm(controller.land(*length.key).contact_length),
         )
-        for each in measured[:_SHOWN]
+        for length in measured[:_SHOWN]
     )
     more = len(measured) - _SHOWN
     text = Sentence(
@@ -256,17 +256,17 @@ def _about_lengths(own: OwnLands, controller: Controller) -> Iterator[Message]:
 
 
 def _about_repairs(own: OwnLands, controller: Controller) -> Iterator[Message]:
-    for each in own.fitted:
-        repair = next(option for option in controller.repairs_of(each.component) if option.id == each.repair)
-        lands = [land for land in controller.lands_of(each.component) if repair.changes(land.key)]
+    for fitted in own.fitted:
+        repair = next(option for option in controller.repairs_of(fitted.component) if option.id == fitted.repair)
+        lands = [land for land in controller.lands_of(fitted.component) if repair.changes(land.key)]
         template = Sentence("Component {component} has {repair} fitted, which counts as its new state: {sizes}.")
         if repair.keeps_clearance:
             template = Sentence(
                 "Component {component} was given {repair}, which leaves its lands as worn as they were: none is new."
             )
         sizes = () if repair.keeps_clearance else tuple(_size(land.with_repair(repair)) for land in lands)
-        text = template.of(component=each.component, repair=Name(repair.label), sizes=sizes)
-        yield Message("info", REPAIR_FITTED, text, each.place)
+        text = template.of(component=fitted.component, repair=Name(repair.label), sizes=sizes)
+        yield Message("info", REPAIR_FITTED, text, fitted.place)
 
 
 def _size(land: Land) -> Sentence:

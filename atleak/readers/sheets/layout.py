@@ -130,7 +130,7 @@ def _sum_message(table: HeadedTable, nominal: HeadedColumn, deviation: HeadedCol
 def _says_no_unit(table: HeadedTable, deviation: HeadedColumn) -> bool:
     """Return whether neither the heading nor every cell says in which unit the deviations are."""
     stated = map(stated_number, table.cells(deviation.index).values())
-    return deviation.unit is None and any(each is not None and each[1] is None for each in stated)
+    return deviation.unit is None and any(number is not None and number[1] is None for number in stated)
 
 
 _TITLE_ROWS = 4
@@ -317,8 +317,8 @@ def _said(table: HeadedTable, lines: Sequence[tuple[Sentence, str]], names: Cont
         found = next(((line, said) for line, text in lines if (said := read(text)) is not None), None)
         if wanted and found is not None:
             said_by.append(found[0])
-            told: dict[str, Any] = {name: found[1]}
-            table = replace(table, **told)
+            change: dict[str, Any] = {name: found[1]}
+            table = replace(table, **change)
     return replace(table, said_by=all_of(dict.fromkeys(said_by))) if said_by else table
 
 
@@ -352,7 +352,7 @@ def _sections(table: HeadedTable, names: ControllerNames) -> Iterator[HeadedTabl
         else:
             following = replace(
                 following,
-                said_by=all_of(dict.fromkeys(each for each in (following.said_by, said.said_by) if each)),
+                said_by=all_of(dict.fromkeys(named for named in (following.said_by, said.said_by) if named)),
                 part=following.part or said.part,
                 component=following.component or said.component,
             )

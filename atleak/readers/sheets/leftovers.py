@@ -85,10 +85,10 @@ class Account:
             if not self._is_size(sheet, row, column.index)
         )
         used = {column.index for column in (*columns.keys, *table.values, *table.of_lands)} | table.used
-        unread = [index for index in range(sheet.width) if index not in used and not self._is_figure(rows, index)]
+        others = [index for index in range(sheet.width) if index not in used and not self._is_figure(rows, index)]
         self._slipped(rows)
-        unread = [index for index in unread if not self._is_quantity(rows, index)]
-        rivals = [index for index in unread if self._is_rival(rows, index)]
+        others = [index for index in others if not self._is_quantity(rows, index)]
+        rivals = [index for index in others if self._is_rival(rows, index)]
         known = len(rivals) == 1 and _is_headed(table) and _says_other(table, rivals[0])
         if known and not self._differs(rows, rivals[0]):
             self._leave_column(table, rivals[0], self._sizes_in(rows, rivals[0]), None)
@@ -504,7 +504,7 @@ def _by_titles(named: Sequence[_Said]) -> ReadingsError:
     expected = Sentence(
         "the readings of one unit: delete or hide the other ones; or one name over all, if it is one unit"
     )
-    if all(each.is_sheet for each in named):
+    if all(unit_name.is_sheet for unit_name in named):
         expected = Sentence(
             "one: say which sheet, as in --sheet {name}; or one name for all, if it is one unit",
             name=f'"{named[0].text}"',
@@ -512,7 +512,7 @@ def _by_titles(named: Sequence[_Said]) -> ReadingsError:
     return ReadingsError(
         Sentence(
             "the readings are of several units, by their titles: {titles}",
-            titles=all_of(Sentence("{said!r}", said=each.text) for each in named),
+            titles=all_of(Sentence("{said!r}", said=unit_name.text) for unit_name in named),
         ),
         place=named[1].place,
         value=named[1].text,
@@ -540,7 +540,7 @@ def _column(read: Sequence[SheetRows]) -> ReadingsError | None:
                     values[heading][text_of(cell)].add((entry.key.component, entry.key.part, entry.key.plane))
     for heading, stations in values.items():
         # where every value stands at one part of one component, it is the number of a part, or of a row
-        of_parts = len(stations) > 2 and all(len({each[0] for each in stood}) == 1 for stood in stations.values())
+        of_parts = len(stations) > 2 and all(len({station[0] for station in stood}) == 1 for stood in stations.values())
         if len(stations) > 1 and not of_parts:
             chosen = next(iter(stations))
             return ReadingsError(

@@ -146,11 +146,11 @@ def read_readings(
     given_unit = None if unit is None else unit_named(unit, "length")
     data, file = read_bytes(source, name)
     of_gauges = likeness_of(controller)
-    sheets = read_sheets(data, file, lambda each: max(_score(each), of_gauges(each)), is_word)
+    sheets = read_sheets(data, file, lambda page: max(_score(page), of_gauges(page)), is_word)
     tabs = find_tabs(sheets, controller)
     pressures = tabs.read(file, data)
-    sheets = [each for each in sheets if each not in tabs]
-    cells = (cell for each in sheets for row in each.rows for cell in row)
+    sheets = [page for page in sheets if page not in tabs]
+    cells = (cell for page in sheets for row in page.rows for cell in row)
     if pressures is not None and not any(any(map(str.isdigit, str(cell))) for cell in cells):
         digest, tab = pressures.sha256, pressures.sheet
         return Readings(pressures.file, digest, tab, "mm", False, "tidy", readings=(), pressures=pressures)
@@ -223,10 +223,10 @@ class _Measurement:
                 account.problems += read_rows(table, names, self.unit).problems
         for sheet in chosen.sheets_left_aside:
             account.leave_sheet(sheet)
-        around = {each.name for each in chosen.sheets if each.turned}
+        around = {page.name for page in chosen.sheets if page.turned}
         cells = self.head.cells
         account.take((name, column, row) if name in around else (name, row, column) for name, row, column in cells)
-        account.close([each for each in chosen.sheets if not each.hidden])
+        account.close([page for page in chosen.sheets if not page.hidden])
         return account
 
     def readings(self, digest: str, pressures: PressureTable | None) -> Readings:
@@ -264,7 +264,7 @@ class _Measurement:
     def _layout(self) -> Literal["table", "tidy", "columns"]:
         if any(reading.coordinates is not None for reading in self.converted.readings):
             return "table"
-        return "columns" if any(len({each.group for each in rows.table.values}) > 1 for rows in self.rows) else "tidy"
+        return "columns" if any(len({value.group for value in rows.table.values}) > 1 for rows in self.rows) else "tidy"
 
     def _contradictions(self) -> list[Message]:
         found: list[Message] = []
@@ -280,7 +280,7 @@ class _Measurement:
             yield Message("info", "read_as", sheet.note, Place(sheet.file))
         for table in (rows.table for rows in self.filled if rows.table.said_by):
             part = table.part and PART_WORDS[table.part]
-            said = all_of(each for each in (table.component, part) if each is not None)
+            said = all_of(name_of for name_of in (table.component, part) if name_of is not None)
             text = Sentence("{where}: {said}, as {said_by} says", where=table.where, said=said, said_by=table.said_by)
             yield Message("info", "taken_from_title", text, table.sheet.place(table.rows[0]))
         unmeasured = sum(rows.rows_without_reading for rows in self.rows)
@@ -304,7 +304,7 @@ def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:
             "{count} readings at an unworn end (component {places}): of the pair when new, not of its wear. `atleak "
             "controller learn` makes mounting clearances of them"
         ),
-        places=in_a_row(dict.fromkeys(place.of(component=each.component, plane=each.plane) for each in unworn)),
+        places=in_a_row(dict.fromkeys(place.of(component=end.component, plane=end.plane) for end in unworn)),
     )
     return [Message("info", "unworn_ends", text, unworn[0].place)]
 

@@ -64,7 +64,7 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
     problems += [problem for _, problem in _contradictions(readings, controller, by_land, gaps, doubtful)]
     if readings.unworn:
         places = {problem.place for problem in problems}
-        problems += [each for each in check(readings.when_new, controller) if each.place not in places]
+        problems += [problem for problem in check(readings.when_new, controller) if problem.place not in places]
     return sorted(problems, key=lambda problem: _row(problem.place))
 
 
@@ -169,8 +169,8 @@ def _off_problem(readings: Readings, reading: Reading, land: Land, ratio: float,
 def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, count: int, known: int) -> ReadingsError:
     stated = find_unit(readings.unit, "length")
     units = () if stated is None else (unit(name, "length") for name in unit_names("length"))
-    close = (each for each in units if stated and abs(stated.factor / each.factor - factor) < 1e-6 * factor)
-    fits = next((each.said for each in close), None)
+    close = (other for other in units if stated and abs(stated.factor / other.factor - factor) < 1e-6 * factor)
+    fits = next((other.said for other in close), None)
     mend = Sentence("check the unit in the heading")
     if fits:
         mend = Sentence("if the numbers are in {unit}, state that unit", unit=fits)
@@ -252,13 +252,14 @@ def _exchanged(
         for gap in gaps
         if gap.measured
         and all(
-            abs(each.diameter - gap.land.nominal_of(each.part)) > NOMINAL_TOLERANCE for each in by_land[gap.land.key]
+            abs(reading.diameter - gap.land.nominal_of(reading.part)) > NOMINAL_TOLERANCE
+            for reading in by_land[gap.land.key]
         )
     ]
     lands = {land.key: land for land in far}
     like: dict[LandKey, list[LandKey]] = defaultdict(list)
     for land, other in product(far, far):
-        if all(abs(each.diameter - other.nominal_of(each.part)) <= _EXCHANGED for each in by_land[land.key]):
+        if all(abs(reading.diameter - other.nominal_of(reading.part)) <= _EXCHANGED for reading in by_land[land.key]):
             like[land.key].append(other.key)
     for land in far:
         circle = [lands[key] for key in _circle(land.key, like)]

@@ -67,7 +67,7 @@ def _several(entries: Sequence[DiameterCell], *, numbered: bool = True) -> dict[
     for entry in entries:
         station = _station(entry)
         rows[station if numbered else (*station[:5], None)][entry.row] = None
-    return {station: list(each) for station, each in rows.items() if len(each) > 1}
+    return {station: list(numbers) for station, numbers in rows.items() if len(numbers) > 1}
 
 
 def _station(entry: DiameterCell) -> StationKey:
@@ -128,11 +128,11 @@ def _splitting(
             continue
         if words.any("state"):
             candidates.append((0, index, splits))
-        elif all(is_state(cells[row]) for each in splits.values() for rows in each.values() for row in rows):
+        elif all(is_state(cells[row]) for by_value in splits.values() for rows in by_value.values() for row in rows):
             candidates.append((1, index, splits))
         elif len(splits) == len(several) >= _FEWEST and _same_everywhere(splits, heading):
             candidates.append((2, index, splits))
-    yield from ((index, surest) for _, index, surest in sorted(candidates, key=lambda each: each[:2]))
+    yield from ((index, surest) for _, index, surest in sorted(candidates, key=lambda candidate: candidate[:2]))
 
 
 def _day(cell: Cell) -> str:
@@ -143,7 +143,7 @@ def _day(cell: Cell) -> str:
 
 
 def _values(splits: Splits) -> list[str]:
-    return list(dict.fromkeys(value for each in splits.values() for value in each))
+    return list(dict.fromkeys(value for by_value in splits.values() for value in by_value))
 
 
 def _same_everywhere(splits: Splits, heading: str) -> bool:
@@ -230,8 +230,8 @@ def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet, *, numbered: bo
             runs.append([(earlier, at)])
     for run in runs:
         stations = {entry[0] for earlier, _ in run for entry in rows[order[earlier]]}
-        told = {station[:2] for station in stations} if numbered else stations  # parts of components
-        if len(run) >= _FEWEST and len(told) >= _FEWEST and run[0][1] > run[-1][0]:
+        measured = {station[:2] for station in stations} if numbered else stations  # parts of components
+        if len(run) >= _FEWEST and len(measured) >= _FEWEST and run[0][1] > run[-1][0]:
             again, first = ([order[pair[which]] for pair in run] for which in (1, 0))
             text = Sentence(
                 "{again} hold the same readings in the same order as {first}: pasted twice? They count as repeats",
@@ -275,7 +275,7 @@ def _returning(entries: Sequence[DiameterCell], sheet: Sheet, controller: Contro
 
 def _spread(entries: Sequence[DiameterCell], station: StationKey, controller: Controller) -> float:
     """Return how far the diameters of a station are apart [m], by the nominal one: the unit may not be known yet."""
-    sizes = [each.raw.unit.to_si(each.raw.size) if each.raw.unit else each.raw.size for each in entries]
+    sizes = [entry.raw.unit.to_si(entry.raw.size) if entry.raw.unit else entry.raw.size for entry in entries]
     land = controller.land_of_plane(station[0], station[2])
     return 0.0 if land is None else (max(sizes) / min(sizes) - 1.0) * land.nominal_diameter
 

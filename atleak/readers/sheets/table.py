@@ -200,7 +200,7 @@ class HeadedTable:
         """Return the table for what stands above its headings in the file, also where it was turned."""
         if not self.sheet.turned:
             return self
-        first = min((each.index for each in self.columns if each.holds_size or each.role in KEYS), default=0)
+        first = min((column.index for column in self.columns if column.holds_size or column.role in KEYS), default=0)
         return replace(self, sheet=replace(self.sheet, turned=False), first=first)
 
     def with_columns(
@@ -263,12 +263,12 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
     found = [header for first in range(len(sheet.rows)) for header in _likely_headers(sheet, first, is_component)]
     headers: list[HeadedTable] = []
     taken: set[int] = set()
-    for header in sorted(found, key=lambda each: (-round(each.score + _depth_bonus(each), 9), each.first)):
+    for header in sorted(found, key=lambda header: (-round(header.score + _depth_bonus(header), 9), header.first)):
         rows = range(header.first, header.last + 1)
         if taken.isdisjoint(rows):
             headers.append(header)
             taken.update(rows)
-    return sorted(headers, key=lambda each: each.first)
+    return sorted(headers, key=lambda header: header.first)
 
 
 def _likely_headers(sheet: Sheet, first: int, is_component: Callable[[str], bool]) -> Iterator[HeadedTable]:

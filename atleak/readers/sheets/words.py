@@ -78,7 +78,7 @@ _TOGETHER = {  # several meanings under one name
 
 
 def _listed(meaning: str) -> list[str]:
-    tables = (_LISTED[each] for each in _TOGETHER.get(meaning, (meaning,)))
+    tables = (_LISTED[table_name] for table_name in _TOGETHER.get(meaning, (meaning,)))
     return [word for table in tables for words in table.values() for word in words]
 
 
