@@ -1,6 +1,7 @@
 """Describe the JSON that the command line writes, as JSON Schema: every key, its unit, what may be null.
 
-Parts that list verdicts or bands are made of `atleak.common.verdicts`; the others stand in the files of this folder.
+Parts that list verdicts or bands are made of `atleak.common.verdicts`; the others stand in the files of this folder. An
+object that names no keys as required requires all of them.
 """
 
 from __future__ import annotations
@@ -57,7 +58,21 @@ _BY_LEVEL = {
 @cache
 def _parts() -> dict[str, Any]:
     files = sorted(Path(__file__).parent.glob("*.json"))
-    return _BY_LEVEL | {name: part for file in files for name, part in json.loads(file.read_bytes())["$defs"].items()}
+    written = (json.loads(file.read_bytes(), object_hook=_with_required)["$defs"] for file in files)
+    return _BY_LEVEL | {name: part for parts in written for name, part in parts.items()}
+
+
+def _with_required(part: dict[str, Any]) -> dict[str, Any]:
+    """Require all keys of an object but where it says itself which; that stands behind its properties."""
+    if part.get("type") != "object" or not isinstance(part.get("properties"), dict):
+        return part
+    required = part.pop("required", list(part["properties"]))
+    described: dict[str, Any] = {}
+    for name, value in part.items():
+        described[name] = value
+        if name == "properties" and required:
+            described["required"] = required
+    return described
 
 
 def schema(output: str) -> dict[str, Any]:
