@@ -1,8 +1,7 @@
 """Know the fonts of the printed report: which characters they have, and how wide a text is in them.
 
-Take a font file that the workshop names, for the characters that the report's own fonts lack: never the system's.
-
-Make a font of boxes for the characters that no bundled font has: one sees a box, the file keeps the text.
+For characters that the bundled fonts lack there is a font file that the workshop names, never the system's, and last a
+font of boxes: one sees a box, and the file keeps the text.
 """
 
 from __future__ import annotations

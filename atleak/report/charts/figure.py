@@ -1,8 +1,7 @@
-"""Hold a figure as plain dictionaries: plotly checks every value of its own, which takes fifty times as long.
+"""Figures on the screen as plain dictionaries: plotly checks every value of its own, which takes fifty times as long.
 
-`Figure.checked` is the same figure as plotly reads it, each value checked: for notebooks and for tests.
-
-Lay out every figure on the screen: transparent ground, legend on top, space for labels, error bars.
+`Figure.checked` is the same figure as plotly reads it, each value checked: for notebooks and for tests. All have a
+transparent ground, the legend on top and room for labels.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Lay out where the pump's flow goes: places with their words and verdicts, and the flows between them.
+"""Lay out where the pump's flow goes, and draw it as ribbons, for screen and paper alike.
 
-Draw where the pump's flow goes as ribbons, for screen and paper alike: width is flow, shade and sign are verdict.
+A ribbon's width is its flow; shade and sign of a place are its verdict.
 """
 
 from __future__ import annotations

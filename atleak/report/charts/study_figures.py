@@ -1,8 +1,6 @@
-"""Draw the source study: leakage and share of its variants over the test, and leakage over temperature.
+"""Draw studies on the screen: the source study's variants over time and temperature, and a gauge study.
 
-Every chart has the article's units (dm³/min, %, °C, s). Dash and symbol tell the lines apart without their colour.
-
-Draw a gauge study on the screen: every reading by part and operator, and what the variation is made of.
+The source study has the article's units (dm³/min, %, °C, s). Dash and symbol tell lines apart without their colour.
 """
 
 from __future__ import annotations

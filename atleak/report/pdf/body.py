@@ -1,9 +1,4 @@
-"""Build the estimate of a printed report: what is to be done, what it costs, and a box to agree to each line.
-
-Build the section on gauge readings: each beside what is permissible and expected, and the patterns they show.
-
-Build the sections of a printed report as blocks of ready text: the template only places them.
-"""
+"""Build the sections of a printed report as blocks of ready text: the template only places them."""
 
 from __future__ import annotations
 

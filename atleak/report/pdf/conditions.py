@@ -1,9 +1,4 @@
-"""Build what depends on the condition: the complaint, the matrix of lands, the repairs and what they bring.
-
-Build the section on pressures: what line and circuits hold at each condition, and what the pump has left.
-
-Build the section on the road test: what the log says by itself, what to check next, and the leakage over it.
-"""
+"""Build the printed sections on conditions: complaint, matrix of lands, order of repair, pressures, road test."""
 
 from __future__ import annotations
 

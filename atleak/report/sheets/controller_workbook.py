@@ -1,10 +1,7 @@
-"""Write the sheets to fill in: forms with a key on each line, and tables with a column for each key.
+"""Write the workbook that describes a valve body, empty or filled in, its first sheet saying how, with pictures.
 
-Write the first sheet: how to fill in the others, with pictures of what is meant.
-
-Write the workbook that describes a valve body, empty or filled in.
-
-`atleak.catalogue.workbook.sheets` declares its sheets; `atleak.readers.controller_workbook` reads it back.
+Forms have a key on each line, tables a column for each key. `atleak.catalogue.workbook.sheets` declares the sheets;
+`atleak.readers.controller_workbook` reads them back.
 """
 
 from __future__ import annotations

@@ -1,6 +1,4 @@
-"""Write the tab of a measuring sheet that says how to measure.
-
-Write the measuring sheet of a controller as a workbook, empty or filled in.
+"""Write the measuring sheet of a controller as a workbook, empty or filled in, with a tab that says how to measure.
 
 Its form is that of the source study's Table 1; `atleak.readers.sheets.measuring_sheet.read_readings` reads it back.
 """

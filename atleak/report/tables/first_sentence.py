@@ -1,8 +1,6 @@
-"""Say in a reader's language what gauges or a log decided, or say where they are all there is.
+"""Say a diagnosis in one sentence: how it stands, by what, what it leaks, what is not measured, what is in doubt.
 
-Say what was measured of this job's pump and what it slips, and what the shares of a pump held at demand are of.
-
-Say a diagnosis in one sentence: how it stands, by what, what it leaks, what is not measured, what is in doubt.
+Its parts say what gauges or a log decided, and what the pump was measured to slip.
 """
 
 from __future__ import annotations

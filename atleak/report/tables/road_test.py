@@ -1,8 +1,6 @@
-"""Tables of a road-test log: its events, its pressures, and each channel's values over a part and at its ends.
+"""Tables of a road-test log: its events and pressures, its channels over a part, the instants that are read first.
 
-List the instants of a road test that people read, the sustained extremes first.
-
-Thin a road test's leakage for a sheet or a page: few samples, no spike lost, gaps kept.
+For a sheet or a page its leakage is thinned: few samples, no spike lost, gaps kept.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
-"""Define the columns of the sheets of gaps: every factor of a gap's flow as measured, and of the same gap when new.
+"""Lay out the sheets of gaps, one for each condition: every factor of a gap's flow, as measured and when new.
 
-A column is added in `GAP_COLUMNS`. A cell with a formula holds atleak's own number as its cached value.
-
-Lay out the sheets of gaps, one for each condition, and give the sums over them as formulas.
+A column is added in `GAP_COLUMNS`. A cell with a formula holds atleak's own number as its cached value; the sums over
+gaps are formulas too.
 """
 
 from __future__ import annotations

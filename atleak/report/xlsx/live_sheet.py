@@ -1,8 +1,7 @@
-"""Define what the sheets that compute have in common: cells, conditions and the formulas that several of them use.
+"""Define what the sheets that compute have in common: cells, conditions, and the formulas that several of them use.
 
-Name the cells that formulas ask for by name: constants, and what belongs to the instrument of a part.
-
-Names of conditions begin with the condition's own; `RESERVED` are beginnings that no condition has.
+Formulas ask for constants, and for what belongs to the instrument of a part, by names. Those of a condition begin with
+the condition's own; `RESERVED` are beginnings that no condition has.
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
-"""Write the readings as entered, and beside them what the repeats of every place give.
+"""Write the readings as entered, what the repeats of every place give, and the clearance in every direction.
 
 A place is one plane and direction of one part. The diameters of the sheet of lands are means of its places, and how far
 repeats differ makes the budget: a changed reading, coordinate or choice of what counts changes all of it.
-
-Lay out the clearance that the readings give in every direction of every plane; a land's form follows from it.
 """
 
 from __future__ import annotations

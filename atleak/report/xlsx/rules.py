@@ -1,9 +1,7 @@
-"""Write the sheet of limits, and the limits that follow from it for one land or total as formulas.
+"""Write the sheets of limits and of rules: what each limit says of the unit at every condition and of each land.
 
 A limit of wear depends on the land's mounting clearance, one of a share on the same share when new; see
 `atleak.catalogue.limits.Steps`, which computes what these formulas give.
-
-Lay out the sheet of rules: what each limit says of the unit at every condition and of each land.
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
-"""Write the first sentence of the summary as a formula: what it says follows from the sheets that compute.
+"""Write what of the summary follows from the sheets that compute: its first sentence and the flagged lands.
 
-It counts the lands past a limit and names the condition at which the unit leaks worst. What no formula gives, such as
-how sure a verdict is, stands in the sentence as issued.
-
-Write the flagged lands of the summary: those as issued, and live those that are flagged since.
+The sentence counts the lands past a limit and names the condition at which the unit leaks worst. What no formula gives,
+such as how sure a verdict is, stands there as issued; so do the lands that were flagged, beside those flagged since.
 """
 
 from __future__ import annotations

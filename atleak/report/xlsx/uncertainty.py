@@ -1,12 +1,8 @@
-"""Write the sheet of instruments: what is known of each, and what the repeats of this unit show of their spread.
+"""Write the sheet of instruments and the uncertainty budgets of the flagged lands, every number a formula.
 
-Every step from the repeats to the spread of one reading is a formula: see `atleak.diagnosis.uncertainty.sources`. The
-spread before rounding is the root of an equation; Newton's steps to it stand below.
-
-Write the uncertainty budgets of the flagged lands, every number of them a formula.
-
-Their sources and rows are those of `atleak.diagnosis.uncertainty.results`, which the PDF prints too. A changed reading,
-a changed number of an instrument or of an assumption reaches the combined uncertainty, its degrees of freedom and U.
+From the repeats to the spread of one reading: see `atleak.diagnosis.uncertainty.sources`; the spread before rounding is
+the root of an equation, whose Newton steps stand below. Sources and rows of the budgets are those of
+`atleak.diagnosis.uncertainty.results`, which the PDF prints too.
 """
 
 from __future__ import annotations
