@@ -1,7 +1,4 @@
-"""Draw the charts of the printed report as SVG, distinct in greyscale by dashes and hatches.
-
-Draw the charts of curves: leakage over a road test, the pump over engine speed.
-"""
+"""Draw curves on paper as SVG, told apart by dashes: leakage over a road test, the pump over engine speed."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Turn a message into the record that scripts rely on.
-
-Turn one condition of a diagnosis, and its pump, into JSON records: leakage, slip, pressures and circuits.
-"""
+"""Records of one condition and its pump for scripts: leakage, slip, pressures and circuits; and of a message."""
 
 from __future__ import annotations
 

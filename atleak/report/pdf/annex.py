@@ -1,7 +1,4 @@
-"""Print what an auditor asks for: the decision rule with every decision, who measured and when, and every reading.
-
-Print the uncertainty budget of flagged lands: what makes each clearance uncertain, row by row.
-"""
+"""Print what an auditor asks for: every decision with its rule, who measured and when, the readings, the budgets."""
 
 from __future__ import annotations
 

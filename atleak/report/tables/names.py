@@ -1,6 +1,6 @@
 """Name components and lands for people: by their numbers where they have such, else by their names alone.
 
-Say where the spools are taken to lie, and between which shares the total may lie with them.
+It also says where the spools are taken to lie, and between which shares the total may lie with them.
 """
 
 from __future__ import annotations
