@@ -1,7 +1,4 @@
-"""Say in a reader's language that a verdict is provisional, or leakage an upper bound, and why.
-
-Write the sentences that terminal, pages, workbook and PDF share.
-"""
+"""Sentences that terminal, pages, workbook and PDF share: on verdicts, rules, pressures, what is provisional."""
 
 from __future__ import annotations
 

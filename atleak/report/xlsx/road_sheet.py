@@ -1,7 +1,4 @@
-"""Write the sheets on the road test: what the log says by itself, its events, and the leakage over it.
-
-Write the sheet of gauge readings: what was shown, what is permissible and expected, verdicts, patterns.
-"""
+"""Write the sheets on the road test and on gauge readings: what was shown, what is permissible, what it says."""
 
 from __future__ import annotations
 
