@@ -88,11 +88,6 @@ def flows_at(model: LeakageModel, point: OperatingPoint) -> Flows:
 
     Sections that are given a pressure take from the line what leaks out of them; what leaks into one beyond that goes
     elsewhere. Consumers behind the line's regulator get what all others leave.
-
-    Raises
-    ------
-    DomainError
-        temperature outside the fluid's data.
     """
     at, controller = Operation.of(model, point), model.controller
     network, viscosity, held = at.network, at.viscosity, at.held

@@ -67,11 +67,6 @@ class Operation:
             [°C] in place of the condition's; arrays, like clearances that are arrays, give arrays.
         network
             that of the condition, where its gaps are others than the model's.
-
-        Raises
-        ------
-        DomainError
-            a temperature outside the fluid's data.
         """
         given = network or model.network(point, temperature)
         return cls(
@@ -298,13 +293,7 @@ class LandStates:
 
     @classmethod
     def of(cls, models: Sequence[LeakageModel], point: OperatingPoint) -> LandStates:
-        """Return a unit whose models differ in their clearances, the unit as it is first.
-
-        Raises
-        ------
-        DomainError
-            temperature outside the fluid's data.
-        """
+        """Return a unit whose models differ in their clearances, the unit as it is first."""
         return cls(models[0], point, tuple(model.network(point) for model in models))
 
     @cached_property
@@ -360,11 +349,6 @@ def with_new(
         of the unit as it is, and with every land new.
     chosen
         for each choice the lands that are as in ``new``.
-
-    Raises
-    ------
-    DomainError
-        temperature outside the fluid's data.
     """
     return LandStates.of((model, new), point).repaired([dict.fromkeys(keys, 1) for keys in chosen])
 
@@ -382,11 +366,6 @@ def pressure_losses(model: LeakageModel, new: LeakageModel, point: OperatingPoin
     Notes
     -----
     A pressure does not fall in proportion to the leaks: what two lands cost together is more or less than the sum.
-
-    Raises
-    ------
-    DomainError
-        temperature outside the fluid's data.
     """
     if model.profile.circuits != "on" or not lands:
         return {}

@@ -21,13 +21,7 @@ _NOTHING = np.empty(0)
 
 
 def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, float]) -> Mapping[str, Channel]:
-    """Return the channels of a road test, in the order of `QUANTITIES`.
-
-    Raises
-    ------
-    RoadTestError
-        for a constant of a quantity that no log has, or outside what it can be.
-    """
+    """Return the channels of a road test, in the order of `QUANTITIES`."""
     built: dict[str, Channel] = {}
     beside = [name for name in SPEEDS if name in assigner.signals][:2]  # one, and another for itself
     speeds = [assigner.signals[name] for name in beside]

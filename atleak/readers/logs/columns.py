@@ -106,11 +106,6 @@ def find_heading(headings: Sequence[Heading], wanted: str, file: str) -> Heading
     """Return the column that the user names: by its full header, its name without unit, or ``column 3``.
 
     Of several with one name it is the one with that place: ``Speed (column 3)``.
-
-    Raises
-    ------
-    RoadTestError
-        naming the nearest column when there is none, or saying that several have that name.
     """
     tests = (
         lambda heading: heading.label == wanted.strip(),
@@ -138,13 +133,7 @@ def find_heading(headings: Sequence[Heading], wanted: str, file: str) -> Heading
 def map_columns(
     candidates: list[Candidate], headings: Sequence[Heading], mapping: Mapping[str, str], file: str
 ) -> list[Candidate]:
-    """Return the candidates after the user has named columns: a named column replaces what the names suggest.
-
-    Raises
-    ------
-    RoadTestError
-        for an unknown quantity or column.
-    """
+    """Return the candidates after the user has named columns: a named column replaces what the names suggest."""
     for quantity, column in mapping.items():
         if quantity not in QUANTITIES:
             problem = Sentence("unknown quantity")
@@ -231,11 +220,6 @@ class Assigner:
             how many it has, more or less, and bytes that the cells of one take that are kept.
         thins
             whether fewer are kept where one of some rows is read.
-
-        Raises
-        ------
-        RoadTestError
-            with the memory that it would take, and of how many rows one would fit.
         """
         whole, most = HELD * wide * rows, own_part_of(self.room)
         held = whole / (self.every if thins else 1)

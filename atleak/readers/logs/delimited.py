@@ -52,13 +52,7 @@ class Filled:
         return self._room[: -(-self._met // self._every)]
 
     def add(self, part: np.ndarray) -> None:
-        """Add the next numbers.
-
-        Raises
-        ------
-        InputError
-            where more come than were stated.
-        """
+        """Add the next numbers."""
         kept, first = part[-self._met % self._every :: self._every], len(self.numbers)
         if first + len(kept) > len(self._room):
             raise InputError(Sentence("is damaged: it holds more samples than it states"))
@@ -160,13 +154,7 @@ class Delimited(LogTable):
         return result
 
     def _blocks(self) -> Iterator[bytes]:
-        """Yield the rows in blocks of whole lines.
-
-        Raises
-        ------
-        RoadTestError
-            for a line without end.
-        """
+        """Yield the rows in blocks of whole lines."""
         at, size = self.start, BLOCK
         while at < self.end:
             data = _part(self.source, self.held, at, min(at + size, self.end))

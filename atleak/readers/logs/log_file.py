@@ -66,13 +66,7 @@ _BINARY_LOGS = {  # whose, by the ending of the name, of files that are no text
 
 
 def refuse_what_is_no_log(head: bytes, file: str) -> None:
-    """Refuse a file whose first bytes show that it is no log, or none that can be read.
-
-    Raises
-    ------
-    RoadTestError
-        naming what it is.
-    """
+    """Refuse a file whose first bytes show that it is no log, or none that can be read."""
     place = Place(file=file)
     if not head.strip(b" \t\r\n\x00\xef\xbb\xbf\xff\xfe"):
         if head.strip(b" \t\r\n"):

@@ -171,13 +171,7 @@ def _column(cells: list[object]) -> pd.Series:
 
 
 def open_log_sheets(source: LogFile) -> list[LogSheet]:
-    """Return every sheet of a workbook that holds a table.
-
-    Raises
-    ------
-    RoadTestError
-        when the workbook cannot be read.
-    """
+    """Return every sheet of a workbook that holds a table."""
     by_name: dict[str, SheetCells] = {}
     blocks = read_apart(log_blocks, source.data, source.file, RoadTestError, WORKBOOK, stray_cells)
     for name, count, columns in blocks:

@@ -152,13 +152,7 @@ def understand_mdf(
 
 
 def mdf_columns(source: LogFile) -> list[tuple[Heading, np.ndarray]]:
-    """Return the heading and the numbers of every channel of an MDF file.
-
-    Raises
-    ------
-    RoadTestError
-        when asammdf is not installed, or the file is damaged.
-    """
+    """Return the heading and the numbers of every channel of an MDF file."""
     channels, _, _ = _contents(source)
     samples = _samples(source, channels)
     return [(channel.heading, samples[channel.heading.index][1]) for channel in channels]
@@ -235,13 +229,7 @@ def _read_channels(source: LogFile, channels: Sequence[_MdfChannel], every: int)
 
 
 def _check_readable(source: LogFile) -> None:
-    """Refuse an MDF file that is cut off, or that nothing is there to read.
-
-    Raises
-    ------
-    RoadTestError
-        saying what is missing.
-    """
+    """Refuse an MDF file that is cut off, or that nothing is there to read."""
     if importlib.util.find_spec("asammdf") is None:
         raise RoadTestError(
             Sentence("is an MDF file: reading it needs the extra 'mdf'"),

@@ -65,13 +65,7 @@ class ParquetLog(LogTable):
 
 
 def open_parquet(source: LogFile) -> ParquetLog:
-    """Return the table of a Parquet file, of which only what it says of itself and the first rows are read.
-
-    Raises
-    ------
-    RoadTestError
-        where the file is damaged, holds no rows, or columns with several values in a cell.
-    """
+    """Return the table of a Parquet file, of which only what it says of itself and the first rows are read."""
     ((_, told),) = read_apart(parquet_parts, source.apart, source.file, RoadTestError, PARQUET)
     columns, rows = told["columns"], told["rows"]
     if not rows or not columns:

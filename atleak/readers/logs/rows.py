@@ -55,11 +55,6 @@ def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: 
     ----------
     lines
         of which each bears its number in the file as label.
-
-    Raises
-    ------
-    RoadTestError
-        naming the row, the column, and what stands there.
     """
     columns = {candidate.heading.index: candidate for candidate in used}
     indices = [int(index) for index in lines.columns]
@@ -131,11 +126,6 @@ def with_units_stated_again(
     ----------
     place
         tells how many rows stand before a line.
-
-    Raises
-    ------
-    RoadTestError
-        where the numbers of the part of the log that states no unit may be in another one.
     """
     result = []
     for channel in channels:
@@ -169,11 +159,6 @@ def check_clock_stated_again(
     ----------
     unit_before
         tells in which unit a column of numbers seems to be before a line.
-
-    Raises
-    ------
-    RoadTestError
-        asking for its unit.
     """
     label, chosen = clock
     if chosen.form != "number" or "time" in assigner.units:
@@ -284,13 +269,7 @@ def lines_of(frame: pd.DataFrame) -> np.ndarray:
 def rows_of_log(
     frame: pd.DataFrame, times: list[Candidate], channels: list[Candidate], table: LogTable, assigner: Assigner
 ) -> LogRows:
-    """Leave out comments, markers, repeated headers and blank rows at the end, each counted in a message.
-
-    Raises
-    ------
-    RoadTestError
-        where another header with other columns begins.
-    """
+    """Leave out comments, markers, repeated headers and blank rows at the end, each counted in a message."""
     left, word_for_time = LeftOutRow.of(frame, table), _words_for_time(frame, times, table)
     if len(word_for_time) >= _REMARKS * len(frame):
         word_for_time = word_for_time[:0]
@@ -318,11 +297,6 @@ def _without_words(
     ----------
     word_for_time
         lines with a word in place of the time.
-
-    Raises
-    ------
-    RoadTestError
-        where another header with other columns begins.
     """
     words_in_columns = {index: words_of(frame, index, table.decimal) for index in frame.attrs.get("words", {})}
     if frame.empty or (

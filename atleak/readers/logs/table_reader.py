@@ -167,13 +167,7 @@ class _LongRows:
 
 
 def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
-    """Read a long table: its signals go to the assigner.
-
-    Raises
-    ------
-    RoadTestError
-        when its time cannot be read or the user names a column that it lacks.
-    """
+    """Read a long table: its signals go to the assigner."""
     rows = _LongRows(table, shape, assigner)
     left = LeftOutRow.of(rows.every, table)
     left.say(assigner)
@@ -300,13 +294,7 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
 
 
 def refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
-    """Refuse rows in which a decimal comma has become a delimiter: nearly two cells for every name.
-
-    Raises
-    ------
-    RoadTestError
-        with the last row of the sample.
-    """
+    """Refuse rows in which a decimal comma has become a delimiter: nearly two cells for every name."""
     named = sum(1 for heading in table.headings if heading.names)
     filled = max((sum(1 for cell in row if cell) for row in table.sample), default=0)
     if table.has_header and named >= 2 and filled >= 2 * named - 1 and filled - named >= 2:

@@ -114,11 +114,6 @@ def best_clock(
     """Return the name and the clock of the time column that serves best, or a clock counted from the interval.
 
     The interval is the one that the user states, else that of the lines above the table.
-
-    Raises
-    ------
-    RoadTestError
-        when no time column can be read and the lines above the table state no interval.
     """
     readable: list[tuple[Candidate, Clock]] = []
     for candidate in times:
@@ -164,13 +159,7 @@ def _best(readable: list[tuple[Candidate, Clock]]) -> tuple[Candidate, Clock]:
 
 
 def _counted(table: LogTable, assigner: Assigner, rows: LogRows) -> Clock:
-    """Return a clock that counts rows by the interval that is stated.
-
-    Raises
-    ------
-    RoadTestError
-        where neither the user nor the file states one.
-    """
+    """Return a clock that counts rows by the interval that is stated."""
     stated = assigner.interval
     interval = _interval_in_preamble(table) if stated is None else stated
     if interval is None:
@@ -189,13 +178,7 @@ _LEAST_ROWS = 8
 
 
 def _ask_where_it_cannot_be(candidate: Candidate, clock: Clock, table: LogTable, assigner: Assigner) -> None:
-    """Ask about a clock in ms by which the whole log takes less than a second: it may be another time, of injection.
-
-    Raises
-    ------
-    RoadTestError
-        naming the column, and one without a name that rises with the rows.
-    """
+    """Ask about a clock in ms by which the whole log takes less than a second: it may be another time, of injection."""
     if candidate.mapped or "time" in assigner.units or clock.unit not in ("ms", "µs", "ns"):
         return
     part, other, span = clock.seconds[:_SOME], rising_without_name(table), _span(clock.seconds)

@@ -69,13 +69,7 @@ def same_unit(one: str, other: str, kind: str | None) -> bool:
 
 
 def given(quantity: str, name: str) -> Fit:
-    """Return the unit that the user states for a quantity.
-
-    Raises
-    ------
-    InputError
-        when the quantity has no units or none of that name.
-    """
+    """Return the unit that the user states for a quantity."""
     kind = QUANTITIES[quantity].unit_kind
     if kind is None:
         said = QUANTITIES[quantity].said

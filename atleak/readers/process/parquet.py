@@ -145,13 +145,7 @@ def _twice(schema: Any) -> set[int]:
 
 
 def _described(field: Any) -> dict[str, Any]:
-    """Return what is known of a column.
-
-    Raises
-    ------
-    Refused
-        where its cells hold several values each.
-    """
+    """Return what is known of a column."""
     metadata = {key.decode("utf-8", "replace").strip().lower(): value for key, value in (field.metadata or {}).items()}
     unit = next((metadata[key].decode("utf-8", "replace").strip() for key in _UNITS if key in metadata), "")
     kind = _kind(_plain(field.type))
