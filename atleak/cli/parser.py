@@ -29,8 +29,8 @@ COMMANDS = {
         for name in ("controllers", "fluids", "limits", "instruments")
     },
     "catalogue": ("catalogue", "your own catalogue"),
-    "schema": ("schema", "the JSON Schema of what a command writes, or of a job record"),
-    "sample": ("sample", "the sample files: sheets, a log, gauge readings"),
+    "schema": ("shipped", "the JSON Schema of what a command writes, or of a job record"),
+    "sample": ("shipped", "the sample files: sheets, a log, gauge readings"),
     "app": ("app", "the dashboard in a browser"),
 }
 """Every command as help lists them: its module, imported when it is called, and what it does or gives."""
