@@ -31,7 +31,7 @@ heading = st.empty()
 if "framed" not in st.session_state:  # seen while all else is imported, read and computed
     heading.title(page.title)
 
-from pages.shared import book, panel, show, steps  # noqa: E402
+from pages.shared import book, panel, show  # noqa: E402
 
 result = panel.draw()
 entrance.draw_sign_out()
@@ -39,7 +39,7 @@ heading.empty()
 try:
     with show.faults():
         if page in groups[""][1:]:
-            steps.draw(result)
+            panel.draw_steps(result)
         del result  # the names of this file outlive the visit
         page.run()
 finally:  # also where the page ends early

@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from pages.shared import panel, reader, show, steps
+from pages.shared import panel, reader, show
 from pages.shared.state import new_job, session, take_sample
 
 case, diagnosis = panel.shown()
@@ -21,4 +21,4 @@ with st.container(horizontal=True):
         st.switch_page(panel.PAGES / "10_Job_book.py")
 st.caption(show.plain(say("start.open")))
 st.subheader(say("start.way"))
-steps.draw(diagnosis)
+panel.draw_steps(diagnosis)

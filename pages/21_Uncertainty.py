@@ -8,7 +8,7 @@ from atleak.report.charts.land_figures import total_share
 from atleak.report.tables.clearances import budget_rows
 from atleak.report.tables.sentences import land_in_words
 from atleak.report.tables.table import Column, Table
-from pages.shared import panel, reader, show, words
+from pages.shared import pairs, panel, reader, show
 
 case, diagnosis = panel.shown()
 say = reader.say()
@@ -24,8 +24,8 @@ show.messages(unit.messages, say("about.uncertainty"))
 st.subheader(say("uncertainty.total"))
 show.chart(total_share(diagnosis, say), "totals")
 
-advised = words.advised(diagnosis, say)
-show.open_verdicts(words.advice(diagnosis, advised, say))
+advised = pairs.advised(diagnosis, say)
+show.open_verdicts(pairs.advice(diagnosis, advised, say))
 
 st.subheader(say("uncertainty.clearances"))
 of_land = {land.key: land for land in diagnosis.lands}

@@ -16,9 +16,9 @@ from atleak.report.tables.source_study import (
     variants_record,
 )
 from pages.shared import panel, reader, show
-from pages.shared.cases import result_key
-from pages.shared.study import CITED, computed
+from pages.shared.cases import result_key, study_of
 
+CITED = "Dziubak & Szczepaniak, *Energies* 2023, 16, 7667, [doi 10.3390/en16227667](https://doi.org/10.3390/en16227667)"
 STUDY, JOB = "of_study", "of_job"
 case, diagnosis = panel.shown()
 say = reader.say()
@@ -28,7 +28,7 @@ own, said_of = None if case.sample else diagnosis.road, {of: say(f"study.{of}") 
 what = st.radio(say("study.run_on"), list(said_of), 0, said_of.get, horizontal=True) if own else STUDY
 try:
     job = (result_key(case), diagnosis.controller, own.road_test) if own and what == JOB else ("study", None, None)
-    controller, road_test, results, options, curves = computed(*job)
+    controller, road_test, results, options, curves = study_of(*job)
 except AtleakError as error:
     st.error(show.error_line(error))
     st.stop()

@@ -6,7 +6,7 @@ from atleak.analysis.repair.plan import plan_repairs
 from atleak.report.charts import land_figures as figures
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.tables.lands import ON_PAPER, pair_table
-from pages.shared import conditions, fields, files, pairs, panel, pressures, reader, repair_plan, road, show, words
+from pages.shared import conditions, fields, files, pairs, panel, pressures, reader, repair_plan, road, show
 from pages.shared.state import session
 
 case, diagnosis = panel.shown()
@@ -26,7 +26,7 @@ if diagnosis.without_sheet:
 show.jumps(
     {"flagged-pairs": "diagnosis.flagged_pairs", "pressures": "diagnosis.pressures", "repair-plan": "repair_plan.title"}
 )
-pairs.section(diagnosis, words.advised(diagnosis, say))
+pairs.section(diagnosis, pairs.advised(diagnosis, say))
 
 st.subheader(say("diagnosis.totals"))
 show.chart(figures.total_share(diagnosis, say), "share")
@@ -55,7 +55,7 @@ if diagnosis.log is not None:
     road.leakage(diagnosis)
 
 st.subheader(say("diagnosis.rest"))
-show.open_verdicts(words.advice(diagnosis, words.advised(diagnosis, say), say))
+show.open_verdicts(pairs.advice(diagnosis, pairs.advised(diagnosis, say), say))
 show.sheet_messages(diagnosis)
 every = fields.fold(say("diagnosis.all_lands", count=len(diagnosis.lands)), key=f"all-lands-{session().generation}")
 if every.open:

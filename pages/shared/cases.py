@@ -16,6 +16,7 @@ from weakref import WeakValueDictionary
 
 import streamlit as st
 
+from atleak.analysis.source_study import compare_options, run_variants, sample_log, temperature_curves
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import ListedEntry, catalogue_files, listed_entries, own_files
 from atleak.catalogue.instruments import Instruments
@@ -28,7 +29,16 @@ from atleak.job.case import OWN_FILES, SLOTS, Case, CaseChoice, Reader, Slot, So
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.measuring_plan import PLAN_PARTS
 from atleak.measurements.readings import Readings
-from atleak.readers.logs import LogColumn, Understood, default_path, log_columns, recall, remember, understand
+from atleak.readers.logs import (
+    LogColumn,
+    Understood,
+    default_path,
+    log_columns,
+    read_road_test,
+    recall,
+    remember,
+    understand,
+)
 from atleak.readers.logs.remembered_columns import RememberedColumns
 from atleak.readers.sheets.measuring_sheet import read_readings
 
@@ -323,3 +333,12 @@ def diagnosis_of(case: Case) -> Diagnosis:
 def result_key(case: Case) -> str:
     """Return the key of a job's result: its files and choices, with the columns of its log as they are read now."""
     return case_with_columns(case).key
+
+
+@st.cache_resource(max_entries=8, show_spinner="W1 … W8")
+def study_of(key: str, _controller: Any, _road_test: Any) -> tuple[Any, ...]:
+    """Return a controller and a road test (the study's by default) with results, options and temperature curves."""
+    if _controller is None:
+        _controller, _road_test = controller_of(Case()), read_road_test(sample_log())
+    job = _controller, _road_test
+    return *job, run_variants(*job), compare_options(*job), temperature_curves(*job)

@@ -19,7 +19,7 @@ from atleak.readers.gauges.typed_gauges import TYPED_GAUGES_FILE as TYPED_GAUGES
 from atleak.readers.gauges.typed_gauges import TypedGauges
 from atleak.readers.typed_sheet import TYPED_FILE, JudgedEntry, Typed, judge, typed_in, written_sheet
 from atleak.report.measuring_grid import Grid, grid_record
-from pages.shared import book, fields, reader, show, words
+from pages.shared import book, fields, pairs, reader, show
 from pages.shared.cases import PageCase, controller_of, diagnosis_of, instruments_of, readings_of
 from pages.shared.state import new_job, put_file, remember, session
 
@@ -142,7 +142,7 @@ def _choices(typed: Typed, diagnosis: Diagnosis) -> None:
             say("measuring.lands"),
             [land.key for land in controller.lands],
             [*plan.lands],
-            lambda key: words.pair(controller, *key),
+            lambda key: pairs.pair_name(controller, *key),
             key=f"{owner}-lands",
             on_change=chosen,
             args=("lands",),

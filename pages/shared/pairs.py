@@ -9,11 +9,13 @@ from typing import Any
 
 import streamlit as st
 
+from atleak.catalogue.controller import Controller
 from atleak.common.style import look_of
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.report.charts.drawing import component_svgs, on_dark, spool_svg
+from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.tables.lands import (
     ON_PAPER,
     OpenedLand,
@@ -22,10 +24,11 @@ from atleak.report.tables.lands import (
     opened_lands,
     pair_table,
 )
-from atleak.report.tables.names import component_words, has_number
+from atleak.report.tables.names import component_words, has_number, land_words
+from atleak.report.tables.sentences import land_in_words
 from atleak.report.tables.table import Table, leveled
 from pages.shared import address, reader, show
-from pages.shared.state import session
+from pages.shared.state import job, session
 
 OPENED = "pair"  # the opened component's name in the address
 _HERE = Path(__file__).parent
@@ -143,3 +146,22 @@ def _land(each: OpenedLand, say: Wording, advice: str) -> str:
     opened = " open" if verdict.flagged else ""
     fold = f"<details{opened}><summary>{escape(say('diagnosis.numbers'))}</summary><dl>{facts}</dl>{tables}</details>"
     return f"<section>{heading}<ul>{said}</ul>{fold}</section>"
+
+
+def advised(diagnosis: Diagnosis, say: Wording) -> Callable[[LandDiagnosis], str]:
+    """Return what says in the reader's language how a land's open verdict can be decided."""
+    return PrintedNames(diagnosis, job(), say).advice
+
+
+def pair_name(controller: Controller, component: str, land: int) -> str:
+    """Return component, land and name, so that a narrow column cuts the name only: ``25/1 main pressure valve``."""
+    return land_words(controller, (component, land), reader.say())
+
+
+def advice(diagnosis: Diagnosis, advised: Callable[[LandDiagnosis], str], say: Wording) -> list[str]:
+    """Return what would make the open verdicts clear, one line of markdown per land of which that can be said."""
+    return [
+        f"- **{show.plain(land_in_words(diagnosis, land.key, say))}**: {show.plain(said)}"
+        for land in diagnosis.ranked
+        if (said := advised(land))
+    ]

@@ -1,4 +1,4 @@
-"""Show the sidebar: the files of the job, its valve body and its stated condition. Every page draws it."""
+"""Show what frames every page: the sidebar with the job's files, valve body and condition, and the job's steps."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from atleak.common.units import unit
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import SourceFile
+from atleak.job.result import Step, job_steps
 from pages.shared import book, choices, drop_zone, dropped, fields, reader, show
 from pages.shared.cases import PageCase, controller_of, diagnosis_of, own_faults
 from pages.shared.state import (
@@ -31,6 +32,7 @@ from pages.shared.state import (
 )
 
 PAGES = Path(__file__).resolve().parents[1]
+_STEPS = {path.stem.partition("_")[2].lower(): path for path in PAGES.glob("[1-9]_*.py")}
 WHERE = {"readings": "Readings", "road_test": "Road_test", "pressures": "Pressures"}
 RPM = unit("rpm", "rotational_speed")
 LOOKS = Path(__file__).with_name("page.css")
@@ -265,3 +267,17 @@ def _notices() -> None:
     for slot in ("catalogue", "settings"):
         if slot in now.refused:
             show.refusal(say("panel.not_computed"), now.refused[slot], say("panel.last_that_could"))
+
+
+def draw_steps(diagnosis: Diagnosis) -> None:
+    """Draw a line of the job's steps: each a way to its page, with what is there or missing."""
+    with st.container(horizontal=True, gap="small", key="steps"):
+        steps = [step for step in job_steps(diagnosis, job(), reader.say()) if step.name in _STEPS]
+        for number, step in enumerate(steps, 1):
+            st.page_link(_STEPS[step.name], label=_step_label(number, step), width="content")
+
+
+def _step_label(number: int, step: Step) -> str:
+    state = show.plain(step.state)
+    name = f"{number} {reader.say()(f'steps.{step.name}')}"
+    return f"{name} · {state if step.complete else f'**{state}**'}" if state else name
