@@ -8,7 +8,7 @@ from __future__ import annotations
 import datetime
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from atleak.common.errors import ReadingsError
 from atleak.readers.cells.sheet import Cell
@@ -43,26 +43,11 @@ _MONTH = (
 _DATE = re.compile(rf"\d{{1,2}}[-. ]+{_MONTH}|{_MONTH}[-. ]+\d{{1,2}}|\d{{4}}-\d\d-\d\d(?:[t ]00:00(?::00)?)?")
 
 
-@dataclass(frozen=True)
-class Label:
-    """What one cell says of a diameter, each as a cell of its own column would say it; None where it does not.
-
-    ``number`` is one that stands for a land or a plane without saying which of them.
-    """
-
-    component: str | None = None
-    part: str | None = None
-    land: str | None = None
-    plane: str | None = None
-    direction: str | None = None
-    repeat: str | None = None
-    unit: str | None = None
-    number: str | None = None
-
-    @property
-    def said(self) -> dict[str, str]:
-        """Return what is said, by what it is."""
-        return {name: value for name, value in vars(self).items() if value is not None}
+_ROLES: Mapping[str, Role] = {  # what a cell may say; a number stands for a land or a plane without saying which
+    **{role: role for role in ("component", "part", "land", "plane", "direction", "repeat", "unit")},
+    "number": "plane",
+}
+Label = dict[str, str]  # what one cell says of a diameter, each as a cell of its own column would say it
 
 
 def read_label(cell: Cell, names: ControllerNames) -> Label | None:
@@ -70,20 +55,20 @@ def read_label(cell: Cell, names: ControllerNames) -> Label | None:
 
     >>> from atleak.catalogue.controller_file import load_controller
     >>> names = ControllerNames(load_controller("minimal_example"))
-    >>> read_label("pressure_regulator (2), bore 90°", names).said
+    >>> read_label("pressure_regulator (2), bore 90°", names)
     {'component': 'pressure_regulator', 'part': 'sleeve', 'plane': '2', 'direction': '90°'}
     >>> read_label("ring gauge 18.0", names), read_label("pressure_regulator/3", names)
     (None, None)
     """
     if isinstance(cell, bool | datetime.date | datetime.time) or cell is None:
         return None
-    text = text_of(cell)
-    rest, unit = unit_of_heading(text)
+    rest, unit = unit_of_heading(text_of(cell))
     folded = plain(rest)
     for component, other in (*_with_component(folded, names), (None, folded)):
-        label = _read_rest(other, replace(Label(), component=component, unit=None if unit is None else unit.name))
-        if label is not None and (label := _placed(label, names)) is not None and label.said:
-            return label
+        label: Label = {} if component is None else {"component": component}
+        label |= {} if unit is None else {"unit": unit.name}
+        if _takes_rest(other, label) and _is_placed(label, names) and label:
+            return {name: label[name] for name in _ROLES if name in label}
     return None
 
 
@@ -108,48 +93,49 @@ def _unless_label(match: re.Match[str]) -> str:
     return "" if is_label or match[0].startswith("#") else match[0]
 
 
-def _read_rest(text: str, label: Label) -> Label | None:
-    """Return the label with what the other words of its cell say; None where one of them says something else."""
+def _takes_rest(text: str, label: Label) -> bool:
+    """Add what the other words of its cell say to a label; return whether all of them are understood."""
     part = part_said(text.strip(" -–_/.,;:()"))
     if part is not None:
-        return replace(label, part=part)
+        label["part"] = part
+        return True
     spot, others = spot_of_heading(tokens_of(text.replace(".", " ").replace("°", "° ")))
-    label = replace(label, **spot)
+    label |= spot
     before = ""
     for token in others:
+        part = part_of(token) if len(token) > 1 else None
         if token.isdigit():
-            if before in sheet_vocabulary("of_repeat") and label.repeat is None:
-                label = replace(label, repeat=token)
-            elif label.number is None and label.land is None and label.plane is None:
-                label = replace(label, number=token)
-            else:
-                return None
-        elif (is_angle(token) or token in _AXES) and label.direction is None:
-            label = replace(label, direction=_AXES.get(token, token))
-        elif (said := part_of(token) if len(token) > 1 else None) is not None and label.part in (None, said):
-            label = replace(label, part=said)
-        elif token.isalpha() and len(token) > 3 and label.direction is None and direction_of(token) is not None:
-            label = replace(label, direction=token)
+            repeats = before in sheet_vocabulary("of_repeat") and "repeat" not in label
+            if not repeats and not label.keys().isdisjoint(("number", "land", "plane")):
+                return False
+            label["repeat" if repeats else "number"] = token
+        elif (is_angle(token) or token in _AXES) and "direction" not in label:
+            label["direction"] = _AXES.get(token, token)
+        elif part is not None and label.get("part", part) == part:
+            label["part"] = part
+        elif token.isalpha() and len(token) > 3 and "direction" not in label and direction_of(token) is not None:
+            label["direction"] = token
         elif token not in sheet_vocabulary("number", "diameter", "of_repeat"):
-            return None
+            return False
         before = token
-    return label
+    return True
 
 
-def _placed(label: Label, names: ControllerNames) -> Label | None:
-    """Return the label with its number as the plane or land of its component; None where it has no such one."""
-    if label.component is None:
-        return label
+def _is_placed(label: Label, names: ControllerNames) -> bool:
+    """Take the number of a label for a plane; return whether its component has that plane or land."""
+    component = label.get("component")
+    if component is None:
+        return True
     try:
-        if label.number is not None:
-            return replace(label, number=None, plane=names.plane(label.component, label.number))
-        if label.plane is not None:
-            names.plane(label.component, label.plane)
-        if label.land is not None:
-            names.land(label.component, label.land)
+        if "number" in label:
+            label["plane"] = names.plane(component, label.pop("number"))
+        elif "plane" in label:
+            names.plane(component, label["plane"])
+        if "land" in label:
+            names.land(component, label["land"])
     except ReadingsError:
-        return None
-    return label
+        return False
+    return True
 
 
 def says_date(cell: Cell) -> bool:
@@ -161,12 +147,6 @@ def says_date(cell: Cell) -> bool:
     if isinstance(cell, datetime.date):
         return True
     return isinstance(cell, str) and _DATE.fullmatch(plain(cell)) is not None
-
-
-_ROLES: Mapping[str, Role] = {
-    **{role: role for role in ("component", "part", "land", "plane", "direction", "repeat", "unit")},
-    "number": "plane",
-}
 
 
 def with_split_labels(table: HeadedTable, names: ControllerNames) -> HeadedTable:
@@ -196,7 +176,7 @@ class _LabelColumn:
     def split(self, rows: Sequence[int]) -> HeadedTable:
         """Return the table with a column for each thing that the cells say; as it is where they say one at most."""
         labels = self._labels(rows)
-        said = dict.fromkeys(name for label in labels.values() for name in label.said)
+        said = dict.fromkeys(name for label in labels.values() for name in label)
         wanted = [name for name in said if not self._is_said(_ROLES[name])]
         texts, filled = self.table.texts, self.table.sheet.filled
         columns = [(HeadedColumn(0, texts[self.index], _ROLES[name], rank=9), self.index) for name in wanted]
@@ -205,7 +185,7 @@ class _LabelColumn:
             label = labels.get(row)
             for at, name in enumerate(wanted):
                 whole = filled(row, self.index) if at == 0 else ""
-                yield whole if label is None else label.said.get(name, "")
+                yield whole if label is None else label.get(name, "")
 
         return self.table.with_columns(columns, cells, frozenset({self.index})) if labels else self.table
 
@@ -221,7 +201,7 @@ class _LabelColumn:
         if not candidate:
             return {}
         labels = {row: label for row, cell in cells.items() if (label := read_label(cell, self.names)) is not None}
-        said = {name for label in labels.values() for name in label.said}
+        said = {name for label in labels.values() for name in label}
         needed = {name for name in said if not self._is_said(_ROLES[name])} - {"unit"}
         if role is None:  # an "x" is a tick as often, and "No. 2" may be anything's
             needed -= {"direction", "repeat"} if said & {"component", "part"} else {"direction", "repeat", "number"}
@@ -236,9 +216,9 @@ class _LabelColumn:
 
     def _agrees(self, label: Label, row: int) -> bool:
         """Return whether a label contradicts no other column, and no heading that says the part of its diameters."""
-        part = part_said(label.part or "")
+        part = part_said(label.get("part", ""))
         parts = {column.part for column in self.table.values} - {None}
-        places = {place for place in (label.land, label.plane, label.number) if place is not None}
+        places = {label[name] for name in ("land", "plane", "number") if name in label}
 
         def differs(role: Role, cell: Cell) -> bool:
             if is_blank(cell):
@@ -246,12 +226,12 @@ class _LabelColumn:
             if role in ("plane", "land"):
                 return bool(places) and places.isdisjoint(plane_names(cell))
             if role == "part":
-                return label.part is not None and part_said(text_of(cell)) != part
-            other = self.names.component(cell) if role == "component" and label.component is not None else None
-            return other in self.names.with_lands and other != label.component
+                return "part" in label and part_said(text_of(cell)) != part
+            other = self.names.component(cell) if role == "component" and "component" in label else None
+            return other in self.names.with_lands and other != label["component"]
 
         others = (column for column in self.table.columns if column.index != self.index)
-        return not (label.part is not None and parts and part not in parts) and not any(
+        return not ("part" in label and parts and part not in parts) and not any(
             differs(column.role, self.table.sheet.filled(row, column.index)) for column in others
         )
 

@@ -426,7 +426,7 @@ def _kind(cells: Sequence[Cell], names: ControllerNames) -> str | None:
     kinds: set[str] = set()
     for text in dict.fromkeys(texts):
         label = read_label(text, names)
-        kinds |= set() if label is None else set(label.said) - {"unit"}
+        kinds |= set() if label is None else label.keys() - {"unit"}
         if label is None or len(kinds) != 1:
             return None
     kind = kinds.pop()
