@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Annotated, Any
@@ -92,9 +92,6 @@ class Plan:
 
     def in_order(self, controller: Controller, cells: Iterable[PlanCell]) -> tuple[PlanCell, ...]:
         """Return cells of the controller in the order of measuring."""
-        return tuple(sorted(cells, key=self._place(controller)))
-
-    def _place(self, controller: Controller) -> Callable[[PlanCell], tuple[Any, ...]]:
         components = {name: number for number, name in enumerate(controller.components)}
         planes = {
             (land.component, plane): (land.land, number)
@@ -112,4 +109,4 @@ class Plan:
             }[self.order]
             return *first, plane, -1.0 if cell.direction is None else cell.direction, cell.repeat
 
-        return place
+        return tuple(sorted(cells, key=place))

@@ -320,8 +320,12 @@ class Places:
     def fault(self, fault: SheetFault | InputError) -> CatalogueError:
         """Return a fault as an error that names sheet, row and column, or table and key where no sheet says it."""
         if isinstance(fault, SheetFault):
-            return _at(self.place(fault.spot), fault)
-        return _at(Place(self.file, table=fault.place.table, key=fault.place.key), fault)
+            place = self.place(fault.spot)
+        else:
+            place = Place(self.file, table=fault.place.table, key=fault.place.key)
+        return CatalogueError(
+            fault.problem, place=place, value=fault.value, expected=fault.expected, nearest=fault.nearest
+        )
 
     def place(self, spot: Spot) -> Place:
         """Return where a cell is: the column by its letter and heading."""
@@ -341,11 +345,6 @@ class Places:
         names = [self.place(Spot(declared.name)).sheet for declared in SHEETS]
         number = names.index(error.place.sheet) if error.place.sheet in names else len(names)
         return number, error.place.row or 0, error.place.column or ""
-
-
-def _at(place: Place, fault: SheetFault | InputError) -> CatalogueError:
-    """Return a fault as it is, at a place of the workbook."""
-    return CatalogueError(fault.problem, place=place, value=fault.value, expected=fault.expected, nearest=fault.nearest)
 
 
 _WANTED = Sentence("a workbook (.xlsx) as 'atleak controller template' writes it")

@@ -12,20 +12,13 @@ from typing import Any
 
 from atleak.common.sentences import Sentence
 
-_ROWS, COLUMNS, _CELLS = 10_000, 300, 50_000
-"""Rows and columns that a sheet may reach, and cells that may be filled; a measuring sheet fills some thousands."""
-_WORDS = 5_000
-"""Different texts with a letter in them, on one sheet."""
-MOST_SHEETS = 200
-"""Sheets of one workbook."""
-LETTERS = 300
-"""Characters of a cell that are read; what follows is no part of a name, a heading or a number."""
-MOST_TABLES = 200
-"""Tables under headings of their own on one sheet."""
-FAULTS = 300
-"""Faults after which no more of a file is read: it is not what it was given as."""
-MOST_TEXT = 4 << 20
-"""Bytes of a text file."""
+_ROWS, COLUMNS, _CELLS = 10_000, 300, 50_000  # that a sheet may reach, and fill; a measuring sheet fills some thousands
+_WORDS = 5_000  # different texts with a letter in them, on one sheet
+MOST_SHEETS = 200  # of one workbook
+LETTERS = 300  # of a cell that are read; what follows is no part of a name, a heading or a number
+MOST_TABLES = 200  # under headings of their own on one sheet
+FAULTS = 300  # after which no more of a file is read: it is not what it was given as
+MOST_TEXT = 4 << 20  # bytes of a text file
 
 EXPECTED = Sentence(
     "a table that was filled in at a bench: at most {rows} rows, {columns} columns and {cells} filled cells",
