@@ -339,7 +339,7 @@ def decided_repairs(repairs: OfferedRepairs, job: Job) -> frozenset[MoveKey]:
     return frozenset(move.key for move in repairs.chosen([move.key for move in moves]))
 
 
-def with_repairs(repairs: OfferedRepairs, job: Job, keys: Collection[MoveKey], chooser: Chooser = choose) -> Job:
+def with_repairs(repairs: OfferedRepairs, job: Job, keys: Collection[MoveKey]) -> Job:
     """Return the record with decisions that carry out the offered repairs of some keys, and no other offered repair.
 
     What was decided already stays as it is where it agrees: an approved repair stays approved, a declined one keeps its
@@ -357,12 +357,12 @@ def with_repairs(repairs: OfferedRepairs, job: Job, keys: Collection[MoveKey], c
     missing = [move for move in chosen if not any(_is_about(each, move, controller) for each in carried_out)]
     decisions += [decision_on(move) for move in missing]
     changed = job.model_copy(update={"repair_decisions": tuple(decisions)})
-    return _nothing_besides(repairs.diagnosis, changed, chooser)
+    return _nothing_besides(repairs.diagnosis, changed)
 
 
-def _nothing_besides(diagnosis: Diagnosis, job: Job, chooser: Chooser) -> Job:
+def _nothing_besides(diagnosis: Diagnosis, job: Job) -> Job:
     """Return the record with what its estimate proposes by itself left open, until it proposes nothing more."""
-    while besides := [each for each in estimate(diagnosis, job, chooser).lines if not each.own and each.carried_out]:
+    while besides := [each for each in estimate(diagnosis, job).lines if not each.own and each.carried_out]:
         for line in besides:
             job = with_line(job, line, decision=None, price=None, hours=None)
     return job

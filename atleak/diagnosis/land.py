@@ -90,9 +90,9 @@ class WearLine:
         reach = _deviate(coverage) * self.uncertainty_at(mileage)
         return self.at(mileage) - reach, self.at(mileage) + reach
 
-    def rate_interval(self, coverage: float = MILEAGE_COVERAGE) -> tuple[float, float]:
+    def rate_interval(self) -> tuple[float, float]:
         """Return the interval of the rate [m/km]."""
-        reach = _deviate(coverage) * math.sqrt(float(self.covariance[1, 1]))
+        reach = _deviate(MILEAGE_COVERAGE) * math.sqrt(float(self.covariance[1, 1]))
         return self.rate - reach, self.rate + reach
 
     @property
@@ -100,7 +100,7 @@ class WearLine:
         """Return whether wear can be told from measurement: the interval of the rate is above zero."""
         return self.rate_interval()[0] > 0.0
 
-    def reaches(self, limit: float, present: float, coverage: float = MILEAGE_COVERAGE) -> Crossing:
+    def reaches(self, limit: float, present: float) -> Crossing:
         """Return the mileage at which the clearance reaches a limit [m].
 
         Parameters
@@ -114,7 +114,7 @@ class WearLine:
         ratio of two uncertain values is drawn. So the interval ends where the band of the line crosses the limit
         (Fieller, J. R. Stat. Soc. B 16 (1954) 175-185).
         """
-        z = _deviate(coverage)
+        z = _deviate(MILEAGE_COVERAGE)
         most, least = (self._crosses(limit, present, deviate) for deviate in (z, -z))
         return Crossing(self._crosses(limit, present, 0.0), most, least if self.certain else math.inf, present)
 

@@ -99,7 +99,7 @@ class FleetUnit:
         yield from (file for file in (self.job_file, *of_case) if isinstance(file, SourceFile))
 
 
-def travelling(path: Path, name: str | None = None) -> SourceFile:
+def travelling(path: Path) -> SourceFile:
     """Return a file as it goes along with a unit: its bytes, or where it lies, in full, where it is large.
 
     Raises
@@ -107,7 +107,7 @@ def travelling(path: Path, name: str | None = None) -> SourceFile:
     InputError
         a file that cannot be read.
     """
-    at = SourceFile(name or path.name, path=path.absolute())
+    at = SourceFile(path.name, path=path.absolute())
     try:
         large = path.stat().st_size > TRAVELS_UP_TO
     except OSError:

@@ -56,8 +56,8 @@ metadata = MetaData(
 )
 
 
-def _id(name: str = "id") -> Column[int]:
-    return Column(name, Integer, primary_key=True)
+def _id() -> Column[int]:
+    return Column("id", Integer, primary_key=True)
 
 
 def key_of_row(text: str) -> str:

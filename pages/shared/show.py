@@ -242,12 +242,12 @@ def rounded(value: float) -> str:
     return f"{value:.0f}" if abs(value) >= 99.95 else f"{value:.3g}" if abs(value) >= 0.001 else f"{value:z.3f}"
 
 
-def records(rows: list[dict[str, Any]], *, number: str | Callable[[Any], str] = "{:.6g}", **options: Any) -> None:
-    """Show plain rows; numbers have up to six digits unless ``number`` says otherwise."""
+def records(rows: list[dict[str, Any]], **options: Any) -> None:
+    """Show plain rows; numbers have up to six digits."""
     frame = pd.DataFrame(rows)
     names = frame.columns.tolist()
     numbers: list[Hashable] = [name for name in names if pd.api.types.is_numeric_dtype(frame[name])]
-    style = frame.style.format(number, subset=numbers, na_rep="–")
+    style = frame.style.format("{:.6g}", subset=numbers, na_rep="–")
     st.dataframe(style, hide_index=True, width="stretch", placeholder="–", **options)
 
 

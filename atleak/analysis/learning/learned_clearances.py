@@ -31,7 +31,7 @@ from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.common.errors import Place, ReadingsError
 from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
-from atleak.diagnosis.uncertainty.assumptions import DEFAULTS, Assumptions
+from atleak.diagnosis.uncertainty.assumptions import DEFAULTS
 from atleak.diagnosis.uncertainty.sources import LandSources, find_sources
 from atleak.measurements.readings import Readings, clearances
 
@@ -203,7 +203,6 @@ def learn(
     *,
     instruments: Instruments | None = None,
     temperature: float | None = None,
-    assumptions: Assumptions = DEFAULTS,
 ) -> Learned:
     """Return the mounting clearances that measuring sheets of new or known-good units show.
 
@@ -221,8 +220,6 @@ def learn(
         that measured; the catalogue's defaults unless given.
     temperature
         of measuring [°C], instead of what each sheet states.
-    assumptions
-        about what no reading tells.
 
     Raises
     ------
@@ -231,7 +228,7 @@ def learn(
     """
     gauges = instruments or load_instruments()
     _require_different(sheets)
-    units = [_sources(controller, sheet, gauges, temperature, assumptions) for sheet in sheets]
+    units = [_sources(controller, sheet, gauges, temperature) for sheet in sheets]
     empty = [_tells_nothing(sheet) for sheet, lands in zip(sheets, units, strict=True) if not any(map(_counts, lands))]
     if empty:
         raise faults_together(empty)
@@ -313,16 +310,12 @@ def _tells_nothing(sheet: Readings) -> ReadingsError:
 
 
 def _sources(
-    controller: Controller,
-    sheet: Readings,
-    instruments: Instruments,
-    temperature: float | None,
-    assumptions: Assumptions,
+    controller: Controller, sheet: Readings, instruments: Instruments, temperature: float | None
 ) -> tuple[LandSources, ...]:
     new = sheet.when_new
     measured_at = sheet.measured_at(temperature).value
     states = clearances(new, controller, temperature=measured_at, instruments=instruments)
-    return find_sources(states, new, controller, instruments, assumptions)[0]
+    return find_sources(states, new, controller, instruments, DEFAULTS)[0]
 
 
 def _counts(land: LandSources) -> bool:
