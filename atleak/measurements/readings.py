@@ -554,12 +554,12 @@ def far_from_nominal(land: Land, part: Part, diameter: float) -> Sentence | None
     nominal = land.nominal_of(part)
     if abs(diameter - nominal) <= NOMINAL_TOLERANCE:
         return None
-    said = {"diameter": in_mm(diameter), "nominal": in_mm(nominal)}
+    sizes = {"diameter": in_mm(diameter), "nominal": in_mm(nominal)}
     if "nominal_diameter_mm" in land.representative:
         return Sentence(
-            "{diameter} {diameter.unit}, nominal (representative) {nominal} {nominal.unit}: is it this land?", **said
+            "{diameter} {diameter.unit}, nominal (representative) {nominal} {nominal.unit}: is it this land?", **sizes
         )
-    return Sentence("{diameter} {diameter.unit}, nominal {nominal} {nominal.unit}: is it this land?", **said)
+    return Sentence("{diameter} {diameter.unit}, nominal {nominal} {nominal.unit}: is it this land?", **sizes)
 
 
 def _land_messages(state: LandClearance, place: Place | None) -> Iterable[Message]:

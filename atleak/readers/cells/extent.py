@@ -51,10 +51,10 @@ def excess(rows: Sequence[Sequence[Any]]) -> Sentence | None:
     filled = sum(cell != "" for row in rows for cell in row)
     if len(rows) <= _ROWS and width <= COLUMNS and filled <= _CELLS:
         texts = {cell for row in rows for cell in row if isinstance(cell, str)}
-        said = sum(any(map(str.isalpha, text)) for text in texts) if len(texts) > _WORDS else 0
-        if said <= _WORDS:
+        worded = sum(any(map(str.isalpha, text)) for text in texts) if len(texts) > _WORDS else 0
+        if worded <= _WORDS:
             return None
-        return Sentence("this sheet has {count} different texts", count=said)
+        return Sentence("this sheet has {count} different texts", count=worded)
     return Sentence(
         "this sheet has {rows} rows, {columns} columns and {cells} filled cells",
         rows=len(rows),

@@ -193,8 +193,8 @@ def _coloured_styles(xml: bytes) -> dict[int, str]:
 def _colour(element: bytes, name: bytes) -> str:
     """Return the attributes of a colour as they are written; nothing of the usual white ground and black letters."""
     tag = re.search(rb"<(?:\w{1,20}:)?" + name + rb"\b([^<>]*)>", element)
-    said = b" ".join(b"%s %s" % attribute for attribute in _attributes(tag[1].rstrip(b"/")).items()) if tag else b""
-    return "" if _PLAIN.fullmatch(said) else f"{name.decode()} {said.decode('utf-8', 'replace')};"
+    colour = b" ".join(b"%s %s" % attribute for attribute in _attributes(tag[1].rstrip(b"/")).items()) if tag else b""
+    return "" if _PLAIN.fullmatch(colour) else f"{name.decode()} {colour.decode('utf-8', 'replace')};"
 
 
 def _coloured_cells(xml: bytes, styles: dict[int, str]) -> Iterator[tuple[tuple[int, int], str]]:

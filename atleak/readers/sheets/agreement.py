@@ -117,9 +117,9 @@ class _Beside:
                 abs(value * scale.factor - size) <= _rounded(value, scale) for scale in units for size in sizes
             ):
                 continue
-            difference, said = units[0].from_si(known[0] * (0.5 if radial else 1.0)), units[0].said
-            computed = Sentence("{size:.6g} {unit}", size=difference, unit=said)
-            yield row, Sentence("{size:g} {unit}", size=value, unit=said), computed
+            difference, unit_name = units[0].from_si(known[0] * (0.5 if radial else 1.0)), units[0].said
+            computed = Sentence("{size:.6g} {unit}", size=difference, unit=unit_name)
+            yield row, Sentence("{size:g} {unit}", size=value, unit=unit_name), computed
 
     def means(self, index: int) -> Iterator[Contradiction]:
         """Yield the means that are not those of the diameters of their row, direction or plane."""
@@ -130,8 +130,8 @@ class _Beside:
             means = [fmean(sizes) for reading in wanted for sizes in self._sets(reading, wanted)]
             if means and not any(abs(value * unit.factor - mean) <= _rounded(value, unit) for mean in means):
                 sizes = (value, unit.from_si(means[0]))
-                said, expected = (Sentence("{size:.7g} {unit}", size=size, unit=unit.said) for size in sizes)
-                yield row, said, expected
+                written, expected = (Sentence("{size:.7g} {unit}", size=size, unit=unit.said) for size in sizes)
+                yield row, written, expected
 
     def _sets(self, reading: Reading, beside: Sequence[Reading]) -> Iterator[list[float]]:
         """Yield the diameters that this mean may be of: of its row, direction, plane; the closest first."""
@@ -223,7 +223,9 @@ def _is_correction(words: Words) -> bool:
 def _correction(table: HeadedTable, index: int, rows: Collection[int], columns: Columns) -> Iterator[Message]:
     read = [column.heading for group in columns.groups for column in group.values()]
     stated = {
-        row: said[0] for row in rows if (said := stated_number(table.sheet.cell(row, index))) is not None and said[0]
+        row: number[0]
+        for row in rows
+        if (number := stated_number(table.sheet.cell(row, index))) is not None and number[0]
     }
     if not stated or any(letters(heading).any("corrected") for heading in read):
         return

@@ -64,7 +64,7 @@ def spot_of_heading(tokens: Sequence[str]) -> tuple[dict[str, str], Words]:
     (({'land': '2'}, ('spool',)), ({'plane': '2'}, ('ø',)))
     """
     words = [token for token in tokens if token not in ORDINALS]
-    said: dict[str, str] = {}
+    spot: dict[str, str] = {}
     others: list[str] = []
     at = 0
     while at < len(words):
@@ -72,16 +72,16 @@ def spot_of_heading(tokens: Sequence[str]) -> tuple[dict[str, str], Words]:
         kind = _kind(glued[1] if glued else words[at])
         step = 2 if at + 1 < len(words) and words[at + 1] in sheet_vocabulary("number") else 1
         name = glued[2] if glued else words[at + step] if at + step < len(words) else ""
-        if kind is not None and kind not in said and _names_spot(name, kind):
-            said[kind] = _ROMAN.get(name, name)
+        if kind is not None and kind not in spot and _names_spot(name, kind):
+            spot[kind] = _ROMAN.get(name, name)
             at += 1 if glued else step + 1
-        elif kind in ("land", "plane") and kind not in said and others and others[-1].isdigit():
-            said[kind] = others.pop()
+        elif kind in ("land", "plane") and kind not in spot and others and others[-1].isdigit():
+            spot[kind] = others.pop()
             at += 1
         else:
             others.append(words[at])
             at += 1
-    return said, Words(others)
+    return spot, Words(others)
 
 
 def _kind(word: str) -> str | None:
@@ -139,11 +139,11 @@ _SAYS_ANGLE: tuple[Callable[[str, str, str], bool], ...] = (  # of a word, by th
 
 def _direction(role: str, tokens: Sequence[str]) -> float | None:
     angles = [word for holds in _SAYS_ANGLE for before, word, after in _around(tokens) if holds(before, word, after)]
-    said = [angle for word in angles if (angle := direction_of(word)) is not None]
-    said += [_DIRECTED[token] for token in tokens if role == "diameter" and token in _DIRECTED]
+    found = [angle for word in angles if (angle := direction_of(word)) is not None]
+    found += [_DIRECTED[token] for token in tokens if role == "diameter" and token in _DIRECTED]
     axes = {token[0] for token in tokens if token in _ENDS}
-    said += [0.0 if axes == {"x"} else 90.0] if len(axes) == 1 else []
-    return next(iter(said), None)
+    found += [0.0 if axes == {"x"} else 90.0] if len(axes) == 1 else []
+    return next(iter(found), None)
 
 
 def _counted(tokens: Sequence[str]) -> tuple[int | None, list[int]]:
@@ -303,49 +303,49 @@ def read_heading(text: str, index: int = 0) -> HeadedColumn | None:
 
 @lru_cache(maxsize=4096)
 def _read_heading(text: str) -> HeadedColumn | None:
-    said = _Heading(*unit_of_heading(text))
-    (spot, others), side = spot_of_heading(tokens_of(said.text)), side_of(said.text)
-    role = _of_land(said) or (_role_at_spot(said, others) if spot else _role_of_part(said))
+    heading = _Heading(*unit_of_heading(text))
+    (spot, others), side = spot_of_heading(tokens_of(heading.text)), side_of(heading.text)
+    role = _of_land(heading) or (_role_at_spot(heading, others) if spot else _role_of_part(heading))
     if role is None:
         return None
-    if role == "diameter" and None not in (said.part, side) and said.part != side:
+    if role == "diameter" and None not in (heading.part, side) and heading.part != side:
         role = "quantity"  # the outer diameter of a sleeve, say
     if role not in {"diameter", "coordinate"}:
-        rank = _rank(said.words) if role == "component" else 0
-        return HeadedColumn(0, text, role, unit=said.unit, rank=rank)
+        rank = _rank(heading.words) if role == "component" else 0
+        return HeadedColumn(0, text, role, unit=heading.unit, rank=rank)
     coordinate, direction, repeat = numbers_of_heading(role, others)
-    by_place = role != said.role and said.unit is None and not said.says("of_size")
-    is_outcome = said.is_outcome and repeat is None
+    by_place = role != heading.role and heading.unit is None and not heading.says("of_size")
+    is_outcome = heading.is_outcome and repeat is None
     return HeadedColumn(
-        *(0, text, role, said.unit, coordinate, said.part or side),
+        *(0, text, role, heading.unit, coordinate, heading.part or side),
         direction=direction_of(spot.get("direction", "")) if direction is None else direction,
         repeat=repeat,
         land=spot.get("land"),
         plane=spot.get("plane"),
-        otherwise=said.role if by_place else None,
-        standing="corrected" if said.says("corrected") else "raw" if said.says("raw") else None,
-        tentative=is_outcome or by_place or (said.unit is None and said.is_letter),
+        otherwise=heading.role if by_place else None,
+        standing="corrected" if heading.says("corrected") else "raw" if heading.says("raw") else None,
+        tentative=is_outcome or by_place or (heading.unit is None and heading.is_letter),
         besides=besides_numbers(others),
     )
 
 
-def _role_at_spot(said: _Heading, others: Words) -> Role | None:
+def _role_at_spot(heading: _Heading, others: Words) -> Role | None:
     """Return what a heading is that says a land, plane or direction by its name: a diameter, or a figure of one.
 
     "Land" is the column of their numbers, "Land 1" may be a diameter there, and "Land 1 mean" is a mean.
     """
-    if said.role not in (None, "plane", "land", "direction", "part", "component", "repeat"):
-        return said.role
+    if heading.role not in (None, "plane", "land", "direction", "part", "component", "repeat"):
+        return heading.role
     if is_explained(others):
         return "coordinate" if others.any("coordinate") else "diameter"
-    of_others = _Heading(" ".join(others), said.unit).role
-    return of_others if of_others in ("mean", "diameter", *SAYS_NOTHING) else said.role
+    of_others = _Heading(" ".join(others), heading.unit).role
+    return of_others if of_others in ("mean", "diameter", *SAYS_NOTHING) else heading.role
 
 
-def _role_of_part(said: _Heading) -> Role | None:
+def _role_of_part(heading: _Heading) -> Role | None:
     """Return what a heading is that names a part: a diameter too, where it says a direction or repeat besides."""
-    named, part, side, tokens = said.role, said.part, side_of(said.text), tokens_of(said.text)
-    alone, explained = part is None and said.unit is None, is_explained(tokens)
+    named, part, side, tokens = heading.role, heading.part, side_of(heading.text), tokens_of(heading.text)
+    alone, explained = part is None and heading.unit is None, is_explained(tokens)
     if side is not None and part in (None, side) and explained and (named is None or not alone):
         return "diameter" if named in (None, "component") else named
     if named is not None or alone or not explained or (part is None and not set(tokens).isdisjoint("xy")):
@@ -353,7 +353,7 @@ def _role_of_part(said: _Heading) -> Role | None:
     return "diameter" if any(number is not None for number in numbers_of_heading("diameter", tokens)) else None
 
 
-def _of_land(said: _Heading) -> Role | None:
+def _of_land(heading: _Heading) -> Role | None:
     """Return what a heading says of a land itself; only where it says so and nothing else.
 
     A plain "position" is as often the number of a row, or the depth at which a diameter was measured.
@@ -363,11 +363,11 @@ def _of_land(said: _Heading) -> Role | None:
     >>> read_heading("Position from left end [mm]").role, read_heading("Position").role
     ('position', 'component')
     """
-    says, only = said.says, said.words.only
+    says, only = heading.says, heading.words.only
     contact = says("contact_length") or (says("contact") and says("length"))
     if contact and only("contact_length", "contact", "length", "beside_contact_length", "of_reading"):
         return "contact length"
-    placed = said.unit is not None and says("axial_position") and says("left")
+    placed = heading.unit is not None and says("axial_position") and says("left")
     if placed and only("axial_position", "left", "beside_position", "of_reading"):
         return "position"
     return "fitted repair" if says("fitted") and says("repair") and only("fitted", "repair") else None
@@ -423,8 +423,8 @@ class _Heading:
 
     @property
     def says_now_alone(self) -> bool:
-        said = self.says("actual", "now")
-        return said and all(part_of(word) for word in self.words.but("of_reading", "now", "when"))
+        now = self.says("actual", "now")
+        return now and all(part_of(word) for word in self.words.but("of_reading", "now", "when"))
 
     @property
     def is_outcome(self) -> bool:

@@ -230,9 +230,9 @@ class Exclusions:
                 groups = [(whats, [row for _, rows in groups for row in rows])]
             for what, rows in groups:
                 count = counted(len(rows), Sentence("{count} row"), Sentence("{count} rows"))
-                said = text.of(rows=count, what=what, named=rows_named(self.sheet, rows))
+                reason = text.of(rows=count, what=what, named=rows_named(self.sheet, rows))
                 code = why if why in LEFT_ASIDE else _HIDDEN
-                yield Message("info" if why in _NO_WARNING else "warning", code, said, self.sheet.place())
+                yield Message("info" if why in _NO_WARNING else "warning", code, reason, self.sheet.place())
         for row, kind in self._summaries.items():
             if kind in _COMPUTED:
                 yield from self._disagreement(row, kind, entries)

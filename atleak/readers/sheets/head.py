@@ -129,16 +129,16 @@ def _value(
 ) -> float | None:
     """Return the value of a quantity in the unit in which people are asked for it; of several that differ none."""
     values: dict[float, Stated] = {}
-    for said in stated:
+    for entry in stated:
         try:
-            values.setdefault(_number(said, quantity), said)
+            values.setdefault(_number(entry, quantity), entry)
         except ReadingsError as error:
             problems.append(error)
     if len(values) > 1:
         template = Sentence("{value:g} {unit} ({place})")
         named = all_of(
-            template.of(value=value, unit=quantity.asked.unit, place=said.place.sentence)
-            for value, said in values.items()
+            template.of(value=value, unit=quantity.asked.unit, place=entry.place.sentence)
+            for value, entry in values.items()
         )
         text = Sentence(
             "the head states several {what}s, {named}: none is taken. State the one {of}",
@@ -186,19 +186,19 @@ def _read_date(stated: Sequence[Stated]) -> tuple[dt.date | None, list[Message]]
     """Return the date of measuring, and why none is taken of those that the heads state."""
     dates: dict[dt.date, Stated] = {}
     messages = []
-    for said in stated:
-        date = _date(said.value)
+    for entry in stated:
+        date = _date(entry.value)
         if date is not None:
-            dates.setdefault(date, said)
-        elif re.search(r"\d", str(said.value)):
+            dates.setdefault(date, entry)
+        elif re.search(r"\d", str(entry.value)):
             text = Sentence(
                 "the date {date!r} in the head is not taken: it can be read in two ways, or is none. Write it as "
                 "2026-04-17",
-                date=str(said.value),
+                date=str(entry.value),
             )
-            messages.append(Message("warning", "head_unclear", text, said.place))
+            messages.append(Message("warning", "head_unclear", text, entry.place))
     if len(dates) > 1:
-        messages.append(several([(date.isoformat(), said) for date, said in dates.items()], Sentence("date")))
+        messages.append(several([(date.isoformat(), entry) for date, entry in dates.items()], Sentence("date")))
     return next(iter(dates)) if len(dates) == 1 else None, messages
 
 

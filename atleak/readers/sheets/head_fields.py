@@ -183,7 +183,7 @@ def read_identity(heads: Sequence[tuple[Sheet, range]]) -> tuple[SheetIdentity, 
 
 def several(stated: Sequence[tuple[str, Stated]], what: Sentence) -> Message:
     """Tell that the heads state one thing differently: each as it reads, and where it stands."""
-    named = all_of(Sentence("{value!r} ({place})", value=value, place=said.place.sentence) for value, said in stated)
+    named = all_of(Sentence("{value!r} ({place})", value=value, place=entry.place.sentence) for value, entry in stated)
     text = Sentence(
         "the head states the {what} more than once, differently: {named}. None is taken", what=what, named=named
     )

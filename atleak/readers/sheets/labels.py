@@ -176,8 +176,8 @@ class _LabelColumn:
     def split(self, rows: Sequence[int]) -> HeadedTable:
         """Return the table with a column for each thing that the cells say; as it is where they say one at most."""
         labels = self._labels(rows)
-        said = dict.fromkeys(name for label in labels.values() for name in label)
-        wanted = [name for name in said if not self._is_said(_ROLES[name])]
+        meanings = dict.fromkeys(name for label in labels.values() for name in label)
+        wanted = [name for name in meanings if not self._is_said(_ROLES[name])]
         texts, filled = self.table.texts, self.table.sheet.filled
         columns = [(HeadedColumn(0, texts[self.index], _ROLES[name], rank=9), self.index) for name in wanted]
 
@@ -201,11 +201,11 @@ class _LabelColumn:
         if not candidate:
             return {}
         labels = {row: label for row, cell in cells.items() if (label := read_label(cell, self.names)) is not None}
-        said = {name for label in labels.values() for name in label}
-        needed = {name for name in said if not self._is_said(_ROLES[name])} - {"unit"}
+        meanings = {name for label in labels.values() for name in label}
+        needed = {name for name in meanings if not self._is_said(_ROLES[name])} - {"unit"}
         if role is None:  # an "x" is a tick as often, and "No. 2" may be anything's
-            needed -= {"direction", "repeat"} if said & {"component", "part"} else {"direction", "repeat", "number"}
-        agree = needed and role in (None, *said) and all(self._agrees(label, row) for row, label in labels.items())
+            needed -= {"direction", "repeat"} if meanings & {"component", "part"} else {"direction", "repeat", "number"}
+        agree = needed and role in (None, *meanings) and all(self._agrees(label, row) for row, label in labels.items())
         return labels if agree and 2 * len(labels) > len(cells) else {}
 
     def _is_plain(self, cell: Cell, role: Role) -> bool:

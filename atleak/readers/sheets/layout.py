@@ -77,18 +77,18 @@ def _is_deviation(column: HeadedColumn) -> bool:
 
 def _without_brackets(column: HeadedColumn) -> str:
     """Return a heading without its unit, and without what brackets hold of which nothing is known: "[0.01 mm]"."""
-    said, unit = unit_of_heading(column.heading)
+    text, unit = unit_of_heading(column.heading)
     if unit is not None:
-        return said
-    return _IN_BRACKETS.sub(lambda held: held[0] if any(map(part_of, letters(held[0]))) else " ", said)
+        return text
+    return _IN_BRACKETS.sub(lambda held: held[0] if any(map(part_of, letters(held[0]))) else " ", text)
 
 
 def _as_diameter(table: HeadedTable, deviation: HeadedColumn, nominal: HeadedColumn) -> HeadedColumn:
     """Return the column of the diameters that deviations make: what their heading says besides is theirs."""
-    said = _WORD.sub(
+    text = _WORD.sub(
         lambda word: "diameter" if letters(word[0]).any("deviation") else word[0], _without_brackets(deviation)
     )
-    read = read_heading(said)
+    read = read_heading(text)
     if read is None or read.role != "diameter":
         read = HeadedColumn(0, "", "diameter")
     return replace(
@@ -314,7 +314,7 @@ def _said(table: HeadedTable, lines: Sequence[tuple[Sentence, str]], names: Cont
         ("part", part_in, bool(table.values) and not table.has_part),
         ("component", component, not table.of("component")),
     ):
-        found = next(((line, said) for line, text in lines if (said := read(text)) is not None), None)
+        found = next(((line, value) for line, text in lines if (value := read(text)) is not None), None)
         if wanted and found is not None:
             said_by.append(found[0])
             change: dict[str, Any] = {name: found[1]}
@@ -340,7 +340,7 @@ def _sections(table: HeadedTable, names: ControllerNames) -> Iterator[HeadedTabl
     if table.left_aside or not table.values or (table.has_part and table.of("component")):
         yield table
         return
-    said, sheet = table, table.sheet
+    section, sheet = table, table.sheet
     for row in table.rows:
         if not _is_single(sheet, row):
             continue
@@ -352,13 +352,13 @@ def _sections(table: HeadedTable, names: ControllerNames) -> Iterator[HeadedTabl
         else:
             following = replace(
                 following,
-                said_by=all_of(dict.fromkeys(named for named in (following.said_by, said.said_by) if named)),
-                part=following.part or said.part,
-                component=following.component or said.component,
+                said_by=all_of(dict.fromkeys(named for named in (following.said_by, section.said_by) if named)),
+                part=following.part or section.part,
+                component=following.component or section.component,
             )
-        yield replace(said, sheet=replace(sheet, rows=sheet.rows[:row]))
-        said = replace(following, first=row, last=row)
-    yield said
+        yield replace(section, sheet=replace(sheet, rows=sheet.rows[:row]))
+        section = replace(following, first=row, last=row)
+    yield section
 
 
 _MOST_CELLS = 200_000  # of a sheet that is turned; a measuring sheet has a hundredth of them
@@ -403,8 +403,8 @@ def _headed(sheet: Sheet, first: int, names: ControllerNames) -> Sheet:
             if isinstance(heading, str) and (component := names.component_in(heading)) is not None:
                 titles[column] = component
             continue
-        said, kind = read_heading(text_of(heading)) if isinstance(heading, str) else None, _kind(below, names)
-        role = None if said is None else said.role
+        read, kind = read_heading(text_of(heading)) if isinstance(heading, str) else None, _kind(below, names)
+        role = None if read is None else read.role
         if kind not in (None, role):
             headings[column] = _HEADINGS[kind]
         if kind is not None or role in _KEYS:

@@ -455,7 +455,7 @@ _LISTED = 4  # values of a column that are named
 
 
 @dataclass(frozen=True)
-class _Said:
+class _UnitName:
     """What a text says of the unit that readings under it are of: by which word, which one, and where it stands."""
 
     word: str
@@ -470,10 +470,10 @@ def units_apart(read: Sequence[SheetRows]) -> list[ReadingsError]:
 
     The parts of two units fit each other well enough to pass for one: nothing else would show it.
     """
-    by_word: dict[str, dict[str, _Said]] = defaultdict(dict)
+    by_word: dict[str, dict[str, _UnitName]] = defaultdict(dict)
     for rows in read:
-        for said in _titles(rows):
-            by_word[said.word].setdefault(said.which, said)
+        for unit_name in _titles(rows):
+            by_word[unit_name.word].setdefault(unit_name.which, unit_name)
     for named in by_word.values():
         if len(named) > 1:
             return [_by_titles(list(named.values()))]
@@ -481,15 +481,15 @@ def units_apart(read: Sequence[SheetRows]) -> list[ReadingsError]:
     return [] if column is None else [column]
 
 
-def _titles(rows: SheetRows) -> Iterator[_Said]:
+def _titles(rows: SheetRows) -> Iterator[_UnitName]:
     sheet = rows.table.sheet
     last = max(entry.row for entry in rows.entries)
-    said = [(text, sheet.place(row), False) for row, text in _lines(sheet, rows.table.last, last)]
-    said.append((rows.table.title, sheet.place(max(rows.table.first - 1, 0)), False))
-    for text, place, is_sheet in (*said, (sheet.name or "", sheet.place(), True)):
+    texts = [(text, sheet.place(row), False) for row, text in _lines(sheet, rows.table.last, last)]
+    texts.append((rows.table.title, sheet.place(max(rows.table.first - 1, 0)), False))
+    for text, place, is_sheet in (*texts, (sheet.name or "", sheet.place(), True)):
         for match in _NAMED.finditer(text):
             if plain(match[1]) in sheet_vocabulary("whole_unit"):
-                yield _Said(plain(match[1]), match[2].strip("./-"), text, place, is_sheet)
+                yield _UnitName(plain(match[1]), match[2].strip("./-"), text, place, is_sheet)
 
 
 def _lines(sheet: Sheet, first: int, last: int) -> Iterator[tuple[int, str]]:
@@ -500,7 +500,7 @@ def _lines(sheet: Sheet, first: int, last: int) -> Iterator[tuple[int, str]]:
             yield row, " ".join(cells[0].split())
 
 
-def _by_titles(named: Sequence[_Said]) -> ReadingsError:
+def _by_titles(named: Sequence[_UnitName]) -> ReadingsError:
     expected = Sentence(
         "the readings of one unit: delete or hide the other ones; or one name over all, if it is one unit"
     )

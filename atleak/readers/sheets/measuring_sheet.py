@@ -78,14 +78,14 @@ class ReadingsRefused(ReadingsError):
         if len(self.problems) == 1:
             return super().sentence
         count, file = len(self.problems), self.place.file
-        said = Sentence("{count} problems in the readings:", count=count)
+        text = Sentence("{count} problems in the readings:", count=count)
         if file:
-            said = Sentence("{count} problems in {file}:", count=count, file=file)
+            text = Sentence("{count} problems in {file}:", count=count, file=file)
         for problem in self.problems[:_SHOWN]:
-            said = Sentence("{problem}\n  {other}", problem=said, other=problem.sentence)
+            text = Sentence("{problem}\n  {other}", problem=text, other=problem.sentence)
         if count > _SHOWN:
-            said = Sentence("{problem}\n  … and {count} more", problem=said, count=count - _SHOWN)
-        return said
+            text = Sentence("{problem}\n  … and {count} more", problem=text, count=count - _SHOWN)
+        return text
 
 
 __all__ = ["ReadingsRefused", "check", "read_readings"]
@@ -280,8 +280,8 @@ class _Measurement:
             yield Message("info", "read_as", sheet.note, Place(sheet.file))
         for table in (rows.table for rows in self.filled if rows.table.said_by):
             part = table.part and PART_WORDS[table.part]
-            said = all_of(name_of for name_of in (table.component, part) if name_of is not None)
-            text = Sentence("{where}: {said}, as {said_by} says", where=table.where, said=said, said_by=table.said_by)
+            what = all_of(name_of for name_of in (table.component, part) if name_of is not None)
+            text = Sentence("{where}: {said}, as {said_by} says", where=table.where, said=what, said_by=table.said_by)
             yield Message("info", "taken_from_title", text, table.sheet.place(table.rows[0]))
         unmeasured = sum(rows.rows_without_reading for rows in self.rows)
         if unmeasured:

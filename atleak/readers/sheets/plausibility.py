@@ -372,8 +372,8 @@ def _smaller(gap: LandClearance, spool: Sentence, sleeve: Sentence, place: Place
             "measured"
         )
         expected = Sentence("readings of the {part} too, or the right nominal diameter in the valve body's file")
-    said = {"land": named(gap.land), "part": gap.land.part_name, "spool": spool, "sleeve": sleeve}
-    problem = template.of(**said)
+    values = {"land": named(gap.land), "part": gap.land.part_name, "spool": spool, "sleeve": sleeve}
+    problem = template.of(**values)
     if gap.status == "measured" and _looks_swapped(gap):
         problem = Sentence(
             "{problem}: spool and sleeve swapped? The other way round the radial clearance would be {swapped} "
@@ -381,7 +381,7 @@ def _smaller(gap: LandClearance, spool: Sentence, sleeve: Sentence, place: Place
             problem=problem,
             swapped=Quantity(-gap.radial_clearance * UM, "clearance", 1),
         )
-    return ReadingsError(problem, place=place, value=value, expected=expected.of(**said))
+    return ReadingsError(problem, place=place, value=value, expected=expected.of(**values))
 
 
 def _looks_swapped(gap: LandClearance) -> bool:

@@ -439,8 +439,8 @@ def _said_once(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]:
     angles = {column.direction for column in columns if column.holds_value} - {None}
     # "x1" and "x2" without "y1" and "y2" are only the names of two coordinates
     only_names = len(angles) == 1 and any(re.search(r"\b[xy][12]\b", column.heading.lower()) for column in columns)
-    said = {column.role for column in columns}.intersection(("part", "land", "plane", "direction"))
-    unsaid: dict[str, Any] = dict.fromkeys((*said, *(("direction",) if only_names else ())))
+    elsewhere = {column.role for column in columns}.intersection(("part", "land", "plane", "direction"))
+    unsaid: dict[str, Any] = dict.fromkeys((*elsewhere, *(("direction",) if only_names else ())))
     return [replace(column, **unsaid) if column.holds_value else column for column in columns]
 
 
