@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 import streamlit as st
 
-from atleak.analysis.repair.plan import RepairPlan, RepairStep, Total
+from atleak.analysis.repair.plan import RepairPlan, Total
 from atleak.common.style import look_of
 from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.verdicts import Verdict
@@ -19,7 +19,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.estimate import open_words
 from atleak.report.tables.lands import leaking_worst_first
-from atleak.report.tables.repairs import no_help, option_table, plan_ends, repair_name
+from atleak.report.tables.repairs import option_table, order_table, plan_ends, repair_name
 from atleak.report.tables.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
 from pages.shared import reader, show
 from pages.shared.show import plain
@@ -161,31 +161,13 @@ def repairs(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     if plan.pump_first:
         st.markdown(ends.pop(0))
     if plan.steps:
-        st.dataframe(_order(diagnosis, plan, say), hide_index=True, width="stretch", placeholder="–")
+        show.table(order_table(diagnosis, plan, say))
         st.caption(say(f"repair_plan.order_caption_{'cost' if plan.cost else 'new'}"))
         _options(diagnosis, plan, say)
     st.markdown("  \n".join(ends))
     if plan.steps and len(diagnosis.projections) > 1:
         st.markdown(f"**{say('repair_plan.every_step')}**")
         _steps_at_conditions(diagnosis, plan, say)
-
-
-def _order(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> pd.DataFrame:
-
-    def row(number: int, step: RepairStep) -> dict[str, Any]:
-        at = step.at
-        return {
-            "number": str(number),
-            "pair": land_in_words(diagnosis, step.land.key, say),
-            "before": _share(at.before, say) if step.helps else None,
-            "after": _share(at.after, say) if step.helps else None,
-            "then": say.signed(at.after.band) if step.helps else None,
-            "helps_at": say.condition(at.condition) if step.helps else no_help(step, say),
-            "verdict": say.signed(step.land.verdict),
-        }
-
-    frame = pd.DataFrame([row(number, step) for number, step in enumerate(plan.steps, start=1)])
-    return frame.rename(columns=lambda name: say(f"repair_plan.{name}"))
 
 
 def undecided(diagnosis: Diagnosis, *, closing: bool) -> None:

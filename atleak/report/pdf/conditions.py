@@ -26,11 +26,11 @@ from atleak.report.tables.lands import MatrixRow, leaking_worst_first
 from atleak.report.tables.names import land_number
 from atleak.report.tables.pressures import condition_table, held_table, pressure_chart
 from atleak.report.tables.pump_speed import PumpOverSpeed, pump_over_speed
-from atleak.report.tables.repairs import RepairOptionRow, no_help, option_table, plan_ends
+from atleak.report.tables.repairs import RepairOptionRow, option_table, order_table, plan_ends
 from atleak.report.tables.road_test import RoadInstant, RoadSeries, event_table, instant_table, place_table
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
-from atleak.report.tables.sentences import circuit_sentence, replace_at, shares_add_up
-from atleak.report.tables.table import VERDICT, Column, Judged, Table
+from atleak.report.tables.sentences import circuit_sentence, shares_add_up
+from atleak.report.tables.table import Column, Judged
 
 ABREAST = 5  # conditions beside one another in a table
 _MEASURE_FIRST = 6  # lands named for a complaint
@@ -98,21 +98,9 @@ class Conditions(PrintedPart):
         """Return the repairs in their order, with what each brings at every condition, and where they end."""
         say, plan = self.say, self.names.plan
 
-        def helps(step: RepairStep) -> str:
-            return say.condition(step.at.condition) if step.helps else no_help(step, say)
-
         if plan.steps:
             yield text(say("texts.repair_order_by_options" if plan.cost else "texts.repair_order"), leads=True)
-            columns = (
-                Column("", digits=0, words="", of=lambda step: step[0]),
-                Column("pair", width=250, of=lambda step: self.names.land_name(step[1].land)),
-                Column("verdict", VERDICT, of=lambda step: step[1].land.verdict),
-                Column("helps_at", width=200, of=lambda step: helps(step[1])),
-                Column("before", "percent", of=lambda step: step[1].at.before.share, times=PERCENT),
-                Column("after", "percent", of=lambda step: step[1].at.after.share, times=PERCENT),
-                Column("replace_at", width=100, of=lambda step: replace_at(step[1].land, say)),
-            )
-            yield printed(Table("", columns, list(enumerate(plan.steps, start=1)), say).filled)
+            yield printed(order_table(self.diagnosis, plan, say).filled)
             yield from self._options()
             if any(step.land.replace_mileage for step in plan.steps):
                 yield text(f"{say('printed.replace_at')}: {say('texts.replace_at')}.", small=True)

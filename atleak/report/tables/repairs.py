@@ -28,14 +28,14 @@ from atleak.analysis.repair.plan import (
 from atleak.catalogue.entries import Evidence
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey, Repair
-from atleak.common.unit_systems import KPA, MM, MM2_S, UM
+from atleak.common.unit_systems import KPA, MM, MM2_S, PERCENT, UM
 from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.operation import LINE
 from atleak.report.json.conditions import named_record, of_land, scaled
 from atleak.report.tables.names import land_number
-from atleak.report.tables.sentences import land_in_words, rule_reached
-from atleak.report.tables.table import Column, Judged, Table, span
+from atleak.report.tables.sentences import land_in_words, replace_at, rule_reached
+from atleak.report.tables.table import VERDICT, Column, Judged, Table, span
 
 
 @dataclass(frozen=True)
@@ -108,6 +108,35 @@ def option_rows(plan: RepairPlan) -> list[RepairOptionRow]:
         for number, step in enumerate(plan.steps, start=1)
         for option in sorted(step.options, key=lambda option: option is not step.chosen)
     ]
+
+
+def order_table(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> Table:
+    """Return the steps of a plan in their order, with what each brings at the condition where it helps most."""
+
+    def share(end: str, step: RepairStep) -> str | None:
+        total: Total = getattr(step.at, end)
+        known = say.number(total.share * PERCENT, 1) if math.isfinite(total.share) else say("diagnosis.no_flow")
+        return known if step.helps else None
+
+    def helps(step: RepairStep) -> str:
+        return say.condition(step.at.condition) if step.helps else no_help(step, say)
+
+    steps = {id(step): number for number, step in enumerate(plan.steps, start=1)}
+    columns = (
+        Column("number", digits=0, words=say("repair_plan.number"), of=lambda step: steps[id(step)]),
+        Column("pair", width=250, of=lambda step: land_in_words(diagnosis, step.land.key, say)),
+        Column("verdict", VERDICT, of=lambda step: step.land.verdict),
+        Column(
+            "helps_at",
+            width=200,
+            of=lambda step: say.condition(step.at.condition) if step.helps else no_help(step, say),
+        ),
+        Column("before", words_of="percent", of=partial(share, "before")),
+        Column("after", words_of="percent", of=partial(share, "after")),
+        Column("then", VERDICT, of=lambda step: step.at.after.band if step.helps else None),
+        Column("replace_at", width=100, of=lambda step: replace_at(step.land, say)),
+    )
+    return Table("order", columns, plan.steps, say)
 
 
 def option_table(plan: RepairPlan, say: Wording) -> Table:
