@@ -21,7 +21,7 @@ from pathlib import Path, PurePath
 from typing import Any, ParamSpec, TypeVar
 from xml.parsers.expat import ExpatError
 
-from atleak.common.errors import AtleakError, InputError, Place, reason_of
+from atleak.common.errors import AtleakError, InputError, Place, reason_of, translates_refusals
 from atleak.common.sentences import Sentence
 
 DAMAGE: tuple[type[Exception], ...] = (
@@ -73,10 +73,12 @@ def own_errors_only(
     """
 
     def guarded(read: Callable[Given, _Result]) -> Callable[Given, _Result]:
+        translated = translates_refusals(read)
+
         @wraps(read)
         def reading(*given: Given.args, **options: Given.kwargs) -> _Result:
             try:
-                return read(*given, **options)
+                return translated(*given, **options)
             except AtleakError:
                 raise
             except DAMAGE as error:
@@ -113,9 +115,9 @@ def _problem(error: BaseException) -> Sentence:
     return Sentence("is damaged or of a kind that cannot be read ({reason})", reason=reason_in_short(error))
 
 
-def own_fault(said: str, at: str) -> Sentence:
+def own_fault(raised: str, at: str) -> Sentence:
     """Return what to say of a fault of atleak's own: what was raised, and in which line."""
-    return Sentence("atleak could not make sense of it: {reason}: please send the file", reason=f"{said}, {at}")
+    return Sentence("atleak could not make sense of it: {reason}: please send the file", reason=f"{raised}, {at}")
 
 
 OWN_FAULT = own_fault("", "").template
@@ -141,8 +143,8 @@ def own_line(error: BaseException) -> str | None:
 
 def reason_in_short(error: BaseException) -> str:
     """Return the kind of an error and the beginning of what it says, in one line that can be printed."""
-    said = " ".join(str(error).encode("utf-8", "replace").decode().split())[:_SHOWN]
-    return f"{type(error).__name__}: {said}" if said else type(error).__name__
+    text = " ".join(str(error).encode("utf-8", "replace").decode().split())[:_SHOWN]
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
 def _called(*given: Any) -> str | None:

@@ -10,8 +10,9 @@ import pytest
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import Shelf, read_tables
 from atleak.common.damage import DAMAGE, own_errors_only
-from atleak.common.errors import CatalogueError, InputError, ReadingsError, RoadTestError
+from atleak.common.errors import CatalogueError, DomainError, InputError, ReadingsError, RoadTestError
 from atleak.common.sentences import Sentence
+from atleak.equations.clearance import radial_clearance
 from atleak.job.case import Case
 from atleak.job.kinds import kind_of
 from atleak.job.parts import JobFile, json_of
@@ -118,3 +119,8 @@ def test_a_catalogue_file_of_any_text_is_refused_as_such(tmp_path, text):
     path.write_text(text, encoding="utf-8")
     with pytest.raises(CatalogueError, match=r"^own\.toml"):
         load_controller(path)
+
+
+def test_what_an_equation_refuses_is_the_package_s_own_error() -> None:
+    with pytest.raises(DomainError, match=r"^sleeve diameter must be at least the spool's, found 0\.01 m$"):
+        own_errors_only(ReadingsError)(radial_clearance)(0.01, 0.02)
