@@ -27,8 +27,8 @@ class SignShape:
     filled: bool = True
 
 
-def _circle(radius: float, corners: int = 32) -> tuple[_Point, ...]:
-    turns = (2.0 * math.pi * number / corners for number in range(corners))
+def _circle(radius: float) -> tuple[_Point, ...]:
+    turns = (2.0 * math.pi * corner / 32 for corner in range(32))
     return tuple((round(radius * math.cos(turn), 4), round(radius * math.sin(turn), 4)) for turn in turns)
 
 

@@ -380,11 +380,6 @@ def _wording(language: str, units: str) -> Wording:
     return Wording(language, {**own, **texts}, units, unit_system(units))
 
 
-def value_names(names: Iterable[str]) -> str:
-    """Return the English names of values that a catalogue file states: ``nominal diameter, contact length``."""
-    return ", ".join(wording("en").get("parts", name) for name in names)
-
-
 def signed(level: Verdict | Band) -> str:
     """Return sign and English word of a verdict or a band: ``■ replace``."""
     return wording("en").signed(level)
