@@ -284,14 +284,14 @@ def _shown(*, quiet: bool) -> Iterator[Callable[[Progress], None]]:
 
 def _rate(progress: Progress) -> str:
     """Return in words how fast a run goes, how long it still takes, and how many errors there are."""
-    told = [f"{progress.per_second:.3g}/s"] if progress.done else []
+    parts = [f"{progress.per_second:.3g}/s"] if progress.done else []
     if progress.seconds_left is not None:
         minutes, seconds = divmod(round(progress.seconds_left), 60)
         hours, minutes = divmod(minutes, 60)
-        told.append(f"{hours}:{minutes:02}:{seconds:02} left")
+        parts.append(f"{hours}:{minutes:02}:{seconds:02} left")
     if progress.errors:
-        told.append(f"{progress.errors} error{'' if progress.errors == 1 else 's'}")
-    return " · ".join(told)
+        parts.append(f"{progress.errors} error{'' if progress.errors == 1 else 's'}")
+    return " · ".join(parts)
 
 
 def _print_finished(results: Results, found: FoundUnits, finished: Finished, options: argparse.Namespace) -> int:

@@ -113,8 +113,8 @@ def _import(options: argparse.Namespace) -> int:
             print(f"atleak: {error}", file=sys.stderr)
             failed += 1
             continue
-        said = "is in the book already" if taken.known else "taken in"
-        print(f"{path.name}: {said}: {taken.id}, {taken.verdict}")
+        words = "is in the book already" if taken.known else "taken in"
+        print(f"{path.name}: {words}: {taken.id}, {taken.verdict}")
         say_differences(path.name, taken.result_by, taken.differs)
     return 2 if failed else 0
 
@@ -376,8 +376,8 @@ def _show(options: argparse.Namespace) -> int:
         for each in otherwise:
             print(f"  {each}", file=sys.stderr)
     written_down = {**record["job"], **stored.file.job.record()}
-    said = {"id": stored.id, "stored_verdict": stored.file.result.get("verdict")}
-    outputs.write(json=lambda: {**record, "job": written_down, **said})
+    of_book = {"id": stored.id, "stored_verdict": stored.file.result.get("verdict")}
+    outputs.write(json=lambda: {**record, "job": written_down, **of_book})
     if outputs.shown:
         print_diagnosis(diagnosis)
     outputs.say_written()

@@ -223,7 +223,7 @@ def _unequal_repeats(states: Sequence[LandClearance], place: Place) -> Iterator[
     counts = {(state.spool_repeats, state.sleeve_repeats) for state in unequal}
     if len(counts) == 1:
         ((spools, sleeves),) = counts
-        said = Sentence(
+        what = Sentence(
             "spools were measured {spools} in each place, sleeves {sleeves}",
             spools=_times(spools),
             sleeves=_times(sleeves),
@@ -231,14 +231,14 @@ def _unequal_repeats(states: Sequence[LandClearance], place: Place) -> Iterator[
         fewer = Sentence("the spool") if spools < sleeves else Sentence("the sleeve")
     else:
         each = tuple(all_of(map(str, times)) for times in sorted(counts))
-        said = Sentence("spools and sleeves were measured unequally often ({each} times)", each=each)
+        what = Sentence("spools and sleeves were measured unequally often ({each} times)", each=each)
         fewer = Sentence("the part measured less often")
     text = Sentence(
         "In {unequal} of {measured} pairs {said}, counting independent repeats: {fewer} limits what the other's "
         "repeats can tell",
         unequal=len(unequal),
         measured=len(measured),
-        said=said,
+        said=what,
         fewer=fewer,
     )
     yield Message("info", "unequal_repeats", text, place)

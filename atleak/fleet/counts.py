@@ -31,8 +31,8 @@ _DECIDED_BY = ["decided_by_kind", "decided_by_component", "decided_by_land", "de
 
 def counts_of(units: pd.DataFrame) -> VerdictCounts:
     """Count some units, a row each."""
-    said, decided = units["verdict"].value_counts().to_dict(), units["decision"].value_counts().to_dict()
-    verdicts = {verdict: int(said.get(verdict, 0)) for verdict in VERDICTS}
+    counted, decided = units["verdict"].value_counts().to_dict(), units["decision"].value_counts().to_dict()
+    verdicts = {verdict: int(counted.get(verdict, 0)) for verdict in VERDICTS}
     decisions: dict[Decision | None, int] = {decision: int(decided.get(decision, 0)) for decision in DECISIONS}
     with_verdict = units["verdict"] != Verdict.NOT_MEASURED
     by_lands = with_verdict & units["by_lands"]

@@ -283,11 +283,11 @@ class Run:
         by_name = {each.name: future for future, each in self._under_way.items()}
         with contextlib.suppress(queue.Empty):
             while True:
-                said = self._overdue.get_nowait()
-                future = by_name.get(said["name"])
+                message = self._overdue.get_nowait()
+                future = by_name.get(message["name"])
                 if future is None or future not in self._under_way:  # of another run, or of an earlier try
                     continue
-                self._left.add(said["worker"])
+                self._left.add(message["worker"])
                 self._client.cancel([future], force=True)
                 each = self._under_way[future]
                 if each.tries < TRIES_OVERDUE:
@@ -301,7 +301,7 @@ class Run:
 
     def _why_ended(self, each: _Try, worker: str) -> InputError:
         time.sleep(_TOLD_WITHIN)
-        taken = [said["rss"] for _, said in self._client.get_events(_MEMORY) if said["worker"] == worker]
+        taken = [message["rss"] for _, message in self._client.get_events(_MEMORY) if message["worker"] == worker]
         if taken:
             problem = Sentence(
                 "needs more memory than a worker may take: it had {size:.1f} GB when it was ended",

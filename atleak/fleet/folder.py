@@ -146,17 +146,17 @@ def _run_of(folder: Path) -> dict[str, Any] | None:
     if folder.exists() and not folder.is_dir():
         raise FleetError(Sentence("is a file"), place=Place(file=str(folder)), expected=_FREE)
     try:
-        said = json.loads(path.read_bytes())
+        content = json.loads(path.read_bytes())
     except FileNotFoundError:
         return None
     except OSError as error:
         problem = Sentence("cannot be read: {reason}", reason=reason_of(error))
         raise FleetError(problem, place=Place(file=str(path))) from error
     except ValueError:
-        said = None
-    if not isinstance(said, dict) or said.get("kind") != _KIND or not isinstance(said.get("format"), int):
+        content = None
+    if not isinstance(content, dict) or content.get("kind") != _KIND or not isinstance(content.get("format"), int):
         raise FleetError(Sentence("is not what a fleet's run wrote"), place=Place(file=str(path)), expected=_FREE)
-    return said
+    return content
 
 
 COMMITTING: tuple[DataSet, ...] = ("units", "errors")  # written last: by their parts those of the others count
@@ -189,8 +189,8 @@ class ResultPart:
         >>> ResultPart("", "controller=four_speed_2023", "units").controller
         'four_speed_2023'
         """
-        said = unquote(self.folder.partition("=")[2])
-        return None if said == _NOT_KNOWN else said
+        controller = unquote(self.folder.partition("=")[2])
+        return None if controller == _NOT_KNOWN else controller
 
     def under(self, folder: Path) -> Path:
         """Return where it stands in a folder of results."""

@@ -101,13 +101,13 @@ def run_fleet(
     begun = time.monotonic()
     results.tidy()
     known = {sha256: each for sha256, each in results.standing().items() if not (retry_errors and each.failed)}
-    said = begun
+    reported = begun
 
     def say(run: Run, *, at_once: bool = False) -> None:
-        nonlocal said
+        nonlocal reported
         now = time.monotonic()
-        if progress is not None and (at_once or now - said >= _SAID_EVERY):
-            said = now
+        if progress is not None and (at_once or now - reported >= _SAID_EVERY):
+            reported = now
             progress(Progress(run.done, run.errors.total(), run.before, len(units), now - begun, run.workers))
 
     run = Run(units, known, results, client, time_limit, say, tell)

@@ -174,7 +174,7 @@ def _messages(rows: pd.DataFrame) -> Iterator[Message]:
 def _body_messages(units: pd.DataFrame) -> Iterator[Message]:
     """Yield what makes units of one valve body not comparable with one another."""
     various = {name: units[name].nunique() for name in _DIAGNOSED_WITH}
-    said = {
+    sentences = {
         "controller_sha256": Sentence(
             "The units were diagnosed with {count} different descriptions of this valve body.",
             count=various["controller_sha256"],
@@ -192,6 +192,6 @@ def _body_messages(units: pd.DataFrame) -> Iterator[Message]:
             count=various["profile"],
         ),
     }
-    for name, text in said.items():
+    for name, text in sentences.items():
         if various[name] > 1:
             yield Message("warning", f"various_{name.removesuffix('_sha256')}", text)

@@ -120,11 +120,11 @@ class FleetSections:
         ]
         counts, table = summary.counts.verdicts, self.tables.verdicts(rows)
         by_level = (*VERDICTS[1:], VERDICTS[0])
-        said = ", ".join(f"{say.level(level)} {say.number(counts[level], 0)}" for level in by_level)
+        counted = ", ".join(f"{say.level(level)} {say.number(counts[level], 0)}" for level in by_level)
         yield Picture(
             "verdicts",
             self.charts.verdicts(named),
-            say("fleet_summary.alt_verdicts", counted=said),
+            say("fleet_summary.alt_verdicts", counted=counted),
             say("fleet_summary.caption_verdicts"),
             by_level,
             table.only("body", "units", *(f"verdict_{level}" for level in by_level)),
@@ -134,10 +134,10 @@ class FleetSections:
 
     def _notes(self, *notes: str, **more: int) -> Iterator[Text]:
         """Yield what is to be known of a table, and what is not in it."""
-        said = list(notes)
-        said += [self.say(f"fleet_summary.{key}", count=count) for key, count in more.items() if count > 0]
-        if said:
-            yield Text(" ".join(said), small=True)
+        sentences = list(notes)
+        sentences += [self.say(f"fleet_summary.{key}", count=count) for key, count in more.items() if count > 0]
+        if sentences:
+            yield Text(" ".join(sentences), small=True)
 
     def know(self) -> Section:
         """Say what to know about the results."""
@@ -159,11 +159,11 @@ class FleetSections:
         if counts.units == 1:
             key = "body_unit" if counts.judged else "body_unit_unmeasured"
         numbers = {"units": counts.units, "judged": counts.judged, "visits": body.visits}
-        said = [say(f"fleet_summary.{key}", **{name: say.number(number, 0) for name, number in numbers.items()})]
+        sentences = [say(f"fleet_summary.{key}", **{name: say.number(number, 0) for name, number in numbers.items()})]
         if counts.judged:
-            said.append(say("fleet_summary.headline", rate=self.words.rate(counts.rates[Verdict.REPLACE])))
-            said.append(self.words.leading_pair(body))
-        parts = Text(" ".join(said)), *_listed(self.words.messages(body.messages))
+            sentences.append(say("fleet_summary.headline", rate=self.words.rate(counts.rates[Verdict.REPLACE])))
+            sentences.append(self.words.leading_pair(body))
+        parts = Text(" ".join(sentences)), *_listed(self.words.messages(body.messages))
         return Section("body", self._name(body), parts, level=1)
 
     def pairs(self, body: ValveBody) -> Section:
@@ -240,13 +240,13 @@ class FleetSections:
             return
         hours = say.number(sum(each.seconds for each in classes) / 3600.0, 1)
         span = say.span([classes[0].low_c, classes[-1].high_c], "temperature", 0)
-        said = [] if any(land.classes for land in body.wear) else [say("fleet_summary.caption_boxes")]
-        said.append(say("fleet_summary.caption_temperatures", hours=hours))
+        sentences = [] if any(land.classes for land in body.wear) else [say("fleet_summary.caption_boxes")]
+        sentences.append(say("fleet_summary.caption_temperatures", hours=hours))
         yield Picture(
             "temperatures",
             self.charts.temperatures(classes),
             say("fleet_summary.alt_temperatures", body=self._name(body), span=span),
-            " ".join(said),
+            " ".join(sentences),
             BANDS if any(each.bands_percent for each in classes) else (),
             self.tables.temperatures([body]).only(*_OVER_TEMPERATURE).filled,
         )
@@ -293,16 +293,16 @@ class FleetSections:
         yield from _listed(self.words.messages(comparison.messages))
 
     def _rates_compared(self, comparison: GroupComparison) -> Iterator[SectionPart]:
-        told = [each for each in comparison.verdicts if each.points and each.points.differs is not None]
-        found = [each for each in told if each.points and each.points.differs]
-        yield Text(self._differ("rates", len(found), len(told)), leads=bool(found))
+        compared = [each for each in comparison.verdicts if each.points and each.points.differs is not None]
+        found = [each for each in compared if each.points and each.points.differs]
+        yield Text(self._differ("rates", len(found), len(compared)), leads=bool(found))
         found.sort(key=lambda each: -abs(each.points.value if each.points else 0.0))
         yield from _listed([self.words.difference_of_rates(each) for each in found[: self.depth.differences]])
 
-    def _differ(self, what: str, found: int, told: int) -> str:
-        how = "differ" if found else "alike" if told else "too_few"
+    def _differ(self, what: str, found: int, compared: int) -> str:
+        how = "differ" if found else "alike" if compared else "too_few"
         how = "differs" if found and what == "wear" else how
-        return self.say(f"fleet_summary.{what}_{how}", found=found, count=told)
+        return self.say(f"fleet_summary.{what}_{how}", found=found, count=compared)
 
     def _wear_compared(self, body: ValveBody, comparison: GroupComparison) -> Iterator[SectionPart]:
         told = [each for each in comparison.lands if called(each) is not None]
@@ -325,10 +325,10 @@ class FleetSections:
             )
 
     def _drawn_differences(
-        self, body: ValveBody, found: Sequence[WearDifference], told: Sequence[WearDifference]
+        self, body: ValveBody, found: Sequence[WearDifference], compared: Sequence[WearDifference]
     ) -> Iterator[SectionPart]:
         yield from _listed([self.words.difference_of_wear(body, each) for each in found[:3]])
-        drawn = (found or told)[: self.depth.drawn]
+        drawn = (found or compared)[: self.depth.drawn]
         yield Picture(
             "differences",
             self.charts.differences(body, drawn),

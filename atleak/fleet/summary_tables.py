@@ -326,8 +326,8 @@ class FleetTables:
 
     def _part(self, whole: Column, part: str, of: Callable[[Any], Any], **more: Any) -> Column:
         """Return the column of one of the numbers that a thing is made of."""
-        said, about = self.say(f"fleet_parts.{part}"), self.say.texts["fleet_part_notes"][part]
-        words = self.say("fleet_parts.of", what=whole.title(self.say), part=said) if said else whole.words
+        part_word, about = self.say(f"fleet_parts.{part}"), self.say.texts["fleet_part_notes"][part]
+        words = self.say("fleet_parts.of", what=whole.title(self.say), part=part_word) if part_word else whole.words
         note = " ".join(filter(None, (whole.note, about)))
         return Column(f"{whole.key}.{part}", words=words, of=of, note=note, **more)
 

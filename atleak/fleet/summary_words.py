@@ -235,8 +235,8 @@ class FleetWords:
 
     def or_worse(self, level: Verdict, *, signed: bool = False) -> str:
         """Name a verdict and those that are worse, with its sign where that is asked for."""
-        said = self.say.signed(level) if signed else self.say.level(level)
-        return said if level is VERDICTS[-1] else self.say("fleet_summary.or_worse", level=said)
+        word = self.say.signed(level) if signed else self.say.level(level)
+        return word if level is VERDICTS[-1] else self.say("fleet_summary.or_worse", level=word)
 
     def points(self, value: float | None) -> str:
         """Write a difference with its sign."""
@@ -274,8 +274,8 @@ def cumulated(pairs: tuple[PairTrouble, ...]) -> list[float | None]:
 
 def called(found: WearDifference) -> bool | None:
     """Return whether the wear of two groups differs, at the same mileage or at any; None of too few units."""
-    said = [each.differs for each in (found.mean_points, found.same_mileage_points) if each is not None]
-    return True if True in said else False if False in said else None
+    differ = [each.differs for each in (found.mean_points, found.same_mileage_points) if each is not None]
+    return True if True in differ else False if False in differ else None
 
 
 def _described(controller: str) -> Controller | None:

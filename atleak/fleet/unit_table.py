@@ -105,21 +105,21 @@ class RowCells:
 
     def one_of(self, meaning: str, known: Iterable[str]) -> str | None:
         """Return a word of a list, whatever its case."""
-        said, names = self.text(meaning), list(known)
-        if said is None or said.lower() in names:
-            return None if said is None else said.lower()
+        text, names = self.text(meaning), list(known)
+        if text is None or text.lower() in names:
+            return None if text is None else text.lower()
         self._fault(meaning, Sentence("not one of those that there are"), one_of(names))
         return None
 
     def number(self, meaning: str, asked: AskedNumber) -> float | None:
         """Return a number in the unit in which people are asked for it."""
         cell = self.cell(meaning)
-        if not (said := _text_of(cell)):
+        if not (text := _text_of(cell)):
             return None
         if isinstance(cell, int | float) and not isinstance(cell, bool):
-            said = written(float(cell), asked)  # a number as it is stored, which can be read in one way
+            text = written(float(cell), asked)  # a number as it is stored, which can be read in one way
         heading = self.place(meaning).column or ""
-        read: WrittenNumber = written_mileage(said, heading) if asked is MILEAGE else read_number(said, asked)
+        read: WrittenNumber = written_mileage(text, heading) if asked is MILEAGE else read_number(text, asked)
         if read.value is None:
             self._fault(meaning, read.reason)
         return read.value
@@ -134,10 +134,10 @@ class RowCells:
 
     def yes(self, meaning: str) -> bool | None:
         """Return whether a cell says yes; None where it says nothing."""
-        said = self.text(meaning)
-        if said is None or says_yes(said):
-            return None if said is None else True
-        if not says_no(said):
+        text = self.text(meaning)
+        if text is None or says_yes(text):
+            return None if text is None else True
+        if not says_no(text):
             self._fault(meaning, Sentence("says neither yes nor no"))
         return False
 
@@ -154,10 +154,10 @@ class RowCells:
         cell = self.cell(meaning)
         if isinstance(cell, dt.datetime):
             return cell.date()
-        if isinstance(cell, dt.date) or not (said := _text_of(cell)):
+        if isinstance(cell, dt.date) or not (text := _text_of(cell)):
             return cell or None
-        date = sure_date([said])
-        if date is None and order is not None and (day := day_number(said, order)) is not None:
+        date = sure_date([text])
+        if date is None and order is not None and (day := day_number(text, order)) is not None:
             return dt.date.fromordinal(day)
         if date is None:
             self._fault(meaning, Sentence("no date that can be read in one way"), Sentence("a date such as 2026-04-17"))
@@ -173,12 +173,12 @@ class RowCells:
             return None
 
     def _path(self, meaning: str) -> Path | None:
-        said = self.text(meaning)
-        if said is None:
+        text = self.text(meaning)
+        if text is None:
             return None
-        found = file_at(self._folder, said)
+        found = file_at(self._folder, text)
         if found is None:
-            is_folder = _is(Path.is_dir, self._folder / said)
+            is_folder = _is(Path.is_dir, self._folder / text)
             self._fault(meaning, Sentence("is a folder") if is_folder else Sentence("no such file"), _PATH)
         return found
 
@@ -228,9 +228,9 @@ def _text_of(cell: Cell) -> str:
     return cell.isoformat(" ") if isinstance(cell, dt.datetime) else str(cell).strip()
 
 
-def file_at(folder: Path, said: str) -> Path | None:
+def file_at(folder: Path, text: str) -> Path | None:
     """Return the file that a path leads to; one that was written on Windows is understood elsewhere too."""
-    bare = said.strip("\"'")
+    bare = text.strip("\"'")
     spellings = [bare] if os.name == "nt" else [bare, bare.replace("\\", "/")]
     return next((path for each in spellings if _is(Path.is_file, path := folder / each)), None)
 
@@ -334,8 +334,8 @@ class TableUnits:
         seen: Counter[str] = Counter()
         keys = []
         for row in self.table.rows:
-            told = [_text_of(self.table.cell(row, meaning)) for meaning in _IDENTIFIED_BY]
-            digest = hashlib.sha256(json.dumps(told).encode()).hexdigest()[:_KEY]
+            identity = [_text_of(self.table.cell(row, meaning)) for meaning in _IDENTIFIED_BY]
+            digest = hashlib.sha256(json.dumps(identity).encode()).hexdigest()[:_KEY]
             seen[digest] += 1
             keys.append(digest if seen[digest] == 1 else f"{digest}-{seen[digest]}")
         return keys

@@ -48,11 +48,11 @@ class FleetUnit:
         """
         if self.job_file is not None and not self.of_table:
             return self.job_file.sha256
-        told = None if self.job is None else self.job.model_dump_json(exclude_defaults=True)
+        record = None if self.job is None else self.job.model_dump_json(exclude_defaults=True)
         rests_on = (
             None if self.job_file is None else self.job_file.sha256,
             None if self.case is None else self.case.key,
-            told,
+            record,
             self.group,
             sorted(self.labels),
             None if self.fault is None else (self.reference, str(self.fault)),

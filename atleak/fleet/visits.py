@@ -85,9 +85,9 @@ def read_visits(results: Results, *, by: str | None, controller: str | None) -> 
     rows["provisional"] = rows["provisional"].eq(True)
     numbers = zip(table["serial"].to_pylist(), table["vin"].to_pylist(), strict=True)
     keys = [key_of_numbers(serial, vin) for serial, vin in numbers]
-    told = pd.Series(keys, dtype=object).fillna("row:" + rows[HASH])
+    identity = pd.Series(keys, dtype=object).fillna("row:" + rows[HASH])
     rows["told"] = [key is not None for key in keys]
-    rows["unit"] = rows.groupby([PARTITION, told], sort=False, dropna=False).ngroup()
+    rows["unit"] = rows.groupby([PARTITION, identity], sort=False, dropna=False).ngroup()
     rows["day"] = pd.to_datetime(rows["date"].fillna(rows["measured_on"]))
     rows["driven"] = rows["mileage_km"].fillna(_FIRST_MILEAGE)
     rows = rows.sort_values(

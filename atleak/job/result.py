@@ -59,7 +59,7 @@ def judged_otherwise(
     """
     if numbers and not stored:
         return ()
-    before, now = ({what: (said, row) for what, said, row in _judged(result)} for result in (stored, today))
+    before, now = ({what: (place, row) for what, place, row in _judged(result)} for result in (stored, today))
     verdicts, others = [], []
     for what in dict.fromkeys([*before, *now]):
         (was, row), (is_now, again) = (each.get(what, (_NOT_JUDGED, {})) for each in (before, now))
@@ -107,8 +107,8 @@ def _judged(result: Mapping[str, Any]) -> Iterator[tuple[Sentence, Sentence, Map
         yield total, _words(condition.get("band"), condition.get("decision")), condition
         for circuit in _rows(condition, "circuits"):
             called = Name(circuit.get("name") or circuit.get("id"))
-            said = Sentence("{circuit} at {condition}", circuit=called, condition=at)
-            yield said, _words(circuit.get("verdict"), circuit.get("decision")), {}
+            place = Sentence("{circuit} at {condition}", circuit=called, condition=at)
+            yield place, _words(circuit.get("verdict"), circuit.get("decision")), {}
 
 
 def _words(verdict: str | None, decision: str | None) -> Sentence:
@@ -181,11 +181,11 @@ def job_steps(diagnosis: Diagnosis, job: Job, say: Wording) -> tuple[Step, ...]:
     verdict = say.signed(diagnosis.verdict)
     if measured < lands and not diagnosis.verdict.flagged and measured:
         verdict = say("steps.so_far", verdict=verdict)
-    driven = say("steps.no_log") if log is None else f"{say.number(log.road_test.duration, 0)} s"
+    log_state = say("steps.no_log") if log is None else f"{say.number(log.road_test.duration, 0)} s"
     return (
         Step("job", bool(named), named or say("steps.no_number")),
         Step("readings", measured == lands, say(f"steps.readings_{readings}", measured=measured, lands=lands)),
-        Step("road_test", log is not None, driven),
+        Step("road_test", log is not None, log_state),
         Step("diagnosis", diagnosis.verdict is not Verdict.NOT_MEASURED, verdict),
         Step("what_if", True),
         Step("report", True),

@@ -73,8 +73,8 @@ def _damage(book: Book) -> Iterator[str]:
     if book.engine.dialect.name != "sqlite":
         return
     with book.reading() as connection:
-        said = list(connection.exec_driver_sql("PRAGMA integrity_check(10)").scalars())
-        yield from said if said != ["ok"] else []
+        faults = list(connection.exec_driver_sql("PRAGMA integrity_check(10)").scalars())
+        yield from faults if faults != ["ok"] else []
         for table, row, other, _ in connection.exec_driver_sql("PRAGMA foreign_key_check"):
             yield Sentence("row {row} of {table} refers to no row of {other}", row=row, table=table, other=other)
 
@@ -127,8 +127,8 @@ def _result_problems(book: Book, stored: StoredJob) -> Iterator[Sentence]:
         kept = connection.execute(sa.select(*columns).where(lands.c.job == stored.id)).mappings().all()
         log = connection.execute(sa.select(log_tables).where(log_tables.c.job == stored.id)).one_or_none()
     if record["verdict"] != result.verdict:
-        said = level_named(record["verdict"]), level_named(result.verdict)
-        yield Sentence("its stored result says {verdict}, its row {other}", verdict=said[0], other=said[1])
+        verdicts = level_named(record["verdict"]), level_named(result.verdict)
+        yield Sentence("its stored result says {verdict}, its row {other}", verdict=verdicts[0], other=verdicts[1])
     if _by_land(kept) != _by_land(record["lands"]):
         yield Sentence("the lands of its stored result are not those of its rows")
     held = {name: None if source is None else source.sha256 for name, source in vars(case).items() if name in _OWN}
@@ -307,9 +307,9 @@ def _check(connection: sqlite3.Connection, path: Path) -> None:
     held = {name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
     if not {"alembic_version", "jobs"} <= held:
         raise BookError(Sentence("is no backup of a job book"), place=place, expected=_A_BACKUP)
-    said = [text for (text,) in connection.execute("PRAGMA integrity_check(3)")]
-    if said != ["ok"]:
-        problem = Sentence("the file is damaged: {reason}", reason=said[0])
+    faults = [text for (text,) in connection.execute("PRAGMA integrity_check(3)")]
+    if faults != ["ok"]:
+        problem = Sentence("the file is damaged: {reason}", reason=faults[0])
         raise BookError(problem, place=place, expected=Sentence("another backup"))
 
 

@@ -170,7 +170,7 @@ def _of_results(before: JobFile, after: JobFile, comparison: Comparison) -> Iter
         version, verdict = job_file.result.get("atleak"), job_file.result.get("verdict")
         if not version or version == __version__:
             continue
-        said = (
+        versions = (
             Sentence("The result kept with the job before was given by atleak {version}", version=version)
             if job_file is before
             else Sentence("The result kept with the job after was given by atleak {version}", version=version)
@@ -178,11 +178,11 @@ def _of_results(before: JobFile, after: JobFile, comparison: Comparison) -> Iter
         if verdict and verdict != diagnosis.verdict:
             text = Sentence(
                 "{kept} and said {verdict}; by this version it is {today}, which is compared",
-                kept=said,
+                kept=versions,
                 verdict=level_named(verdict),
                 today=diagnosis.verdict,
             )
             yield Message("warning", "other_version", text)
         else:
-            text = Sentence("{kept}; both jobs are judged anew by {version}", kept=said, version=__version__)
+            text = Sentence("{kept}; both jobs are judged anew by {version}", kept=versions, version=__version__)
             yield Message("info", "other_version", text)

@@ -185,19 +185,21 @@ def in_words(name: str, problem: Sentence = _UNUSABLE) -> Iterator[None]:
     try:
         yield
     except _REPORTED as error:
-        said = str(getattr(error, "orig", None) or error).strip()
-        reported = Sentence("{reason}", reason=said.splitlines()[0][:200])
-        meaning = next((words for sign, words in _FAULTS if sign in said.lower()), reported)
-        told = Sentence("{problem}: {reason}", problem=problem, reason=meaning)
-        raise BookError(told, place=Place(file=name)) from error
+        reason = str(getattr(error, "orig", None) or error).strip()
+        reported = Sentence("{reason}", reason=reason.splitlines()[0][:200])
+        meaning = next((words for sign, words in _FAULTS if sign in reason.lower()), reported)
+        text = Sentence("{problem}: {reason}", problem=problem, reason=meaning)
+        raise BookError(text, place=Place(file=name)) from error
 
 
 def shown(url: sa.URL) -> str:
     """Return a database's name for people: the file's path, or the URL without its password."""
     if url.get_backend_name() == "sqlite":
         return str(url.database)
-    said = url.set(drivername="postgresql", password=None)
-    return said.difference_update_query(said.query).render_as_string()  # a password may stand in what follows the name
+    shown = url.set(drivername="postgresql", password=None)
+    return shown.difference_update_query(
+        shown.query
+    ).render_as_string()  # a password may stand in what follows the name
 
 
 def _options(url: sa.URL) -> dict[str, Any]:

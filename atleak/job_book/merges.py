@@ -42,13 +42,13 @@ class UnitSeen:
     @property
     def in_words(self) -> Sentence:
         """Return the unit in words."""
-        said = [
+        sentences = [
             self.serials and Sentence("serial {texts}", texts=sorted(self.serials)),
             self.vins and Sentence("VIN {texts}", texts=sorted(self.vins)),
             self.plates and Sentence("plate {texts}", texts=sorted(self.plates)),
             *sorted(self.customers),
         ]
-        parts = [part for part in said if isinstance(part, str)]
+        parts = [part for part in sentences if isinstance(part, str)]
         return in_a_row(parts) if parts else Sentence("nothing that tells it")
 
 
@@ -142,12 +142,12 @@ def part(book: Book, row: int) -> None:
             apart |= more
         connection.execute(units.update().where(units.c.id == row).values(merged_with=None, merged_into=None))
         connection.execute(units.update().where(units.c.id.in_(apart - {row})).values(merged_into=row))
-        told = {each.key: row if each.id in apart else left for each in family.values()}
-        _sort(connection, told, {id: row if id in apart else left for id in family})
+        unit_of_key = {each.key: row if each.id in apart else left for each in family.values()}
+        _sort(connection, unit_of_key, {id: row if id in apart else left for id in family})
         drop_empty(connection)
 
 
-def _sort(connection: sa.Connection, told: Mapping[str, int], units_of: Mapping[int, int]) -> None:
+def _sort(connection: sa.Connection, unit_of_key: Mapping[str, int], units_of: Mapping[int, int]) -> None:
     """Put jobs to visits of the units that their records tell.
 
     Parameters
@@ -161,7 +161,7 @@ def _sort(connection: sa.Connection, told: Mapping[str, int], units_of: Mapping[
     held = held.join(visits, visits.c.id == jobs.c.visit).where(visits.c.unit.in_(units_of)).order_by(jobs.c.made_at)
     for job in connection.execute(held).all():
         unit = units_of[job.unit]
-        wanted = told.get(unit_key(job.id, job.serial, job.vin, job.plate), unit)
+        wanted = unit_of_key.get(unit_key(job.id, job.serial, job.vin, job.plate), unit)
         if wanted != unit:
             visit = connection.execute(sa.select(visits).where(visits.c.id == job.visit)).mappings().one()
             same = sa.select(visits.c.id).where(visits.c.number == visit["number"])

@@ -148,8 +148,8 @@ def plain_log(test: RoadTest, constants: Pairs) -> PlainLog | None:
             values[rows] = held
         else:  # every channel with its own stamps before it
             add(_TIME, channel.time)
-        said = channel.kind if channel.kind != "unknown" else ""
-        label = f"{said} {quantity.replace('_', ' ')}".strip()
+        kind = channel.kind if channel.kind != "unknown" else ""
+        label = f"{kind} {quantity.replace('_', ' ')}".strip()
         columns[quantity] = f"{label} [{written.name}]" if written else label
         if written is not None and QUANTITIES[quantity].unit_kind is not None:
             units[quantity] = written.name
@@ -230,6 +230,6 @@ def _gauged(table: PressureTable) -> list[tuple[str, ...]]:
     found = []
     for each in table.readings:
         numbers = (each.pressure, each.temperature, each.engine_speed)
-        said = ["" if number is None else f"{number:.9g}" for number in numbers]
-        found.append((each.cell.range, each.cell.engine.value, each.cell.tap, str(each.repeat), *said))
+        texts = ["" if number is None else f"{number:.9g}" for number in numbers]
+        found.append((each.cell.range, each.cell.engine.value, each.cell.tap, str(each.repeat), *texts))
     return sorted(found)

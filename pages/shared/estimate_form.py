@@ -131,8 +131,8 @@ def _line(words: EstimateWords, line: Line, record: Job) -> Job:
 def _without(words: EstimateWords, line: Line) -> str:
     """Say what is worse without a line, and what then stays past a limit."""
     say, past = words.say, words.estimate.stays_past(line)
-    said = say("estimate_page.without", lacks=words.lacks(line))
-    return f"{said} {say('estimate_page.then_past', rules='; '.join(map(words.past, past)))}" if past else said
+    sentence = say("estimate_page.without", lacks=words.lacks(line))
+    return f"{sentence} {say('estimate_page.then_past', rules='; '.join(map(words.past, past)))}" if past else sentence
 
 
 def _sums(words: EstimateWords) -> None:

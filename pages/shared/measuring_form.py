@@ -62,12 +62,12 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> None:
     _choices(typed, diagnosis)
     key = f"measuring-{session().generation}"
     grid = Grid(typed.plan.cells(diagnosis.controller, typed.entries), typed, _judged(typed, case), diagnosis)
-    said = {name: say(f"measuring.{'land_head' if name == 'land' else name}") for name in _WORDS}
+    words = {name: say(f"measuring.{'land_head' if name == 'land' else name}") for name in _WORDS}
     if session().in_book.conflict is not None and book.unsaved():
-        said["kept"] = say("measuring.not_saved")
+        words["kept"] = say("measuring.not_saved")
     data = {
         **grid_record(grid, say, dark=show.dark()),
-        "words": said,
+        "words": words,
         "readonly": case.sample,
         "job": book.job_id(),
         "owner": f"{_kept().session}-{session().generation}",

@@ -34,8 +34,8 @@ def findings(diagnosis: Diagnosis, *, said_above: bool = False) -> None:
         return
     above = deciding_sentence(log, diagnosis.decided_by, say) if said_above else None
     every = kept_with(log, "sentences", say, lambda: _sentences(log, say))
-    said = [sentence for sentence in every if sentence != above]
-    st.markdown("\n".join(f"- {plain(sentence)}" for sentence in said))
+    sentences = [sentence for sentence in every if sentence != above]
+    st.markdown("\n".join(f"- {plain(sentence)}" for sentence in sentences))
     if log.permitted is not None:
         with st.expander(say("road_test.places")):
             show.table(place_table(log.permitted, say))
@@ -85,12 +85,12 @@ def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:
     """Show the extremes of a road test, the sustained ones first, and how they are to be read."""
     say = reader.say()
     show.table(instant_table(road, uncertainty, say))
-    said = [say("texts.sustained", seconds=say.plain(road.extremes.window))]
+    sentences = [say("texts.sustained", seconds=say.plain(road.extremes.window))]
     if uncertainty is not None:
-        said.append(say("road_test.intervals"))
+        sentences.append(say("road_test.intervals"))
     if road.lower_bound:
-        said.append(say("texts.lower_bound"))
-    st.caption(plain(" ".join(said)))
+        sentences.append(say("texts.lower_bound"))
+    st.caption(plain(" ".join(sentences)))
 
 
 def as_new(diagnosis: Diagnosis) -> None:

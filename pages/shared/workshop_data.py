@@ -218,13 +218,13 @@ def draw_undo(desk: Desk, say: Wording) -> None:
 # --- what is being typed ------------------------------------------------------------------------------------------
 
 
-def draw_head(desk: Desk, editing: Editing, found: Checked, say: Wording, told: str = "") -> None:
+def draw_head(desk: Desk, editing: Editing, found: Checked, say: Wording, counts: str = "") -> None:
     """Show what is edited, with what is ``told`` of it, and ask in which units its numbers are typed."""
     name = found.data.get("name") or say("typed_entries.nameless")
     st.markdown(f"**{show.plain(name)}** · {say('typed_entries.id')} `{found.data.get('id', '–')}`")
     with st.container():
-        if told:
-            st.caption(show.plain(told))
+        if counts:
+            st.caption(show.plain(counts))
     *places, last = st.columns(len(desk.units) + 1, vertical_alignment="bottom")
     for attribute, place in zip(desk.units, places, strict=True):
         ask_unit(editing, attribute, say(f"typed_entries.in_{attribute}"), place)

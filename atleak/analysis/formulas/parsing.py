@@ -77,8 +77,8 @@ class _Token:
 
 def fault(at: int, problem: Sentence, expected: Sentence | None = None, nearest: str | None = None) -> FormulaError:
     """Make the error for a formula, naming the character."""
-    said = Sentence("at character {place}: {problem}", place=at, problem=problem)
-    return FormulaError(said, expected=expected, nearest=nearest)
+    text = Sentence("at character {place}: {problem}", place=at, problem=problem)
+    return FormulaError(text, expected=expected, nearest=nearest)
 
 
 def parse(text: str) -> Node:

@@ -90,7 +90,7 @@ _NAMED = 12  # lands that a message lists
 
 def learned_messages(learned: Learned) -> tuple[Message, ...]:
     """Return what is to be known about mounting clearances that were learned, warnings first."""
-    said = [
+    sentences = [
         *_units_left_out(learned),
         *_pairs_left_out(learned),
         *_many_left_out(learned),
@@ -101,7 +101,7 @@ def learned_messages(learned: Learned) -> tuple[Message, ...]:
         *_unworn_ends(learned),
         *_unlearned(learned),
     ]
-    return tuple(sorted(said, key=lambda message: message.level != "warning"))
+    return tuple(sorted(sentences, key=lambda message: message.level != "warning"))
 
 
 def why_left_out(unit: LearnedUnit, pairs: Iterable[LeftOut]) -> Sentence:
@@ -191,7 +191,7 @@ def _one_unit(learned: Learned) -> Iterator[Message]:
     text = Sentence(
         "One unit shows what its own clearances are, not how far new pairs differ, and nothing tells whether it is "
         "worn: {taken}. A second unit, better three, would show it",
-        taken=in_a_row(said for origin, said in each if origin in origins),
+        taken=in_a_row(text for origin, text in each if origin in origins),
     )
     yield Message("warning", "one_unit", text)
 
@@ -200,7 +200,7 @@ def _few_units(learned: Learned) -> Iterator[Message]:
     count = len(learned.counted)
     if learned.spread is None or count > _FEW_UNITS:
         return
-    said = [
+    sentences = [
         Sentence(
             "{count} units are few: their spread is taken over all lands together, and the uncertainties are wider by "
             "Student's t",
@@ -208,19 +208,19 @@ def _few_units(learned: Learned) -> Iterator[Message]:
         )
     ]
     if len(learned.units) < UNITS_TO_NAME_ONE:
-        said.append(
+        sentences.append(
             Sentence("a worn unit cannot be named, only single pairs that are wider than those of the other unit")
         )
     if len(learned.units) < UNITS_TO_JUDGE_A_SHIFT:
         shifts = [unit.shift for unit in learned.counted]
-        said.append(
+        sentences.append(
             Sentence(
                 "a unit that is worn in all lands alike cannot be told from a new one (all lands together are {apart} "
                 "{apart.unit} apart)",
                 apart=_width(max(shifts) - min(shifts)),
             )
         )
-    yield Message("info", "few_units", in_a_row(said))
+    yield Message("info", "few_units", in_a_row(sentences))
 
 
 def _wider_than_thought(learned: Learned) -> Iterator[Message]:
