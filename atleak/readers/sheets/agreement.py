@@ -222,11 +222,8 @@ def _is_correction(words: Words) -> bool:
 
 def _correction(table: HeadedTable, index: int, rows: Collection[int], columns: Columns) -> Iterator[Message]:
     read = [column.heading for group in columns.groups for column in group.values()]
-    stated = {
-        row: number[0]
-        for row in rows
-        if (number := stated_number(table.sheet.cell(row, index))) is not None and number[0]
-    }
+    numbers = {row: stated_number(table.sheet.cell(row, index)) for row in rows}
+    stated = {row: number[0] for row, number in numbers.items() if number is not None and number[0]}
     if not stated or any(letters(heading).any("corrected") for heading in read):
         return
     row = max(stated, key=lambda row: abs(stated[row]))

@@ -86,8 +86,24 @@ class SheetChoice:
     def messages(self) -> Iterator[Message]:
         """Yield what is to be said of the choice."""
         read = [page.sheet for page in self.looked_at if page.is_filled]
-        not_read = [page.sheet for page in self.every if page.readable and page.sheet not in read]
-        return _about_sheets(self.file, read, not_read, self.wanted)
+        others = [page.sheet for page in self.every if page.readable and page.sheet not in read]
+        names = _quoted(sheet.name for sheet in read)
+        if len(read) > 1:
+            text = Sentence(
+                "read as one measurement from sheets {sheets}, which hold different planes or parts", sheets=names
+            )
+            yield Message("info", "sheets_read", text, Place(self.file))
+        if others and read and self.wanted is None:
+            quoted = _quoted(sheet.name for sheet in others)
+            text = Sentence("read from sheet {sheets}; left aside: {others}", sheets=names, others=quoted)
+            yield Message("info", "sheet_chosen", text, Place(self.file, read[0].name))
+        for sheet in read:
+            if sheet.turned:
+                text = Sentence(
+                    "the headings run down the first column: read with rows and columns exchanged, so where a message "
+                    "says 'row' of readings, it is a column of the sheet"
+                )
+                yield Message("info", "sheet_turned", text, Place(self.file, sheet.name))
 
 
 def choose_sheet(
@@ -123,25 +139,6 @@ def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> _SheetTables:
     around = turned(sheet, names)
     sideways = None if around is None else _SheetTables(around, find_tables(around, names))
     return sideways if sideways is not None and sideways.is_filled else upright
-
-
-def _about_sheets(file: str, read: Sequence[Sheet], not_read: Sequence[Sheet], wanted: str | None) -> Iterator[Message]:
-    names, others = (_quoted(sheet.name for sheet in sheets) for sheets in (read, not_read))
-    if len(read) > 1:
-        text = Sentence(
-            "read as one measurement from sheets {sheets}, which hold different planes or parts", sheets=names
-        )
-        yield Message("info", "sheets_read", text, Place(file))
-    if not_read and read and wanted is None:
-        text = Sentence("read from sheet {sheets}; left aside: {others}", sheets=names, others=others)
-        yield Message("info", "sheet_chosen", text, Place(file, read[0].name))
-    for sheet in read:
-        if sheet.turned:
-            text = Sentence(
-                "the headings run down the first column: read with rows and columns exchanged, so where a message says "
-                "'row' of readings, it is a column of the sheet"
-            )
-            yield Message("info", "sheet_turned", text, Place(file, sheet.name))
 
 
 def _quoted(names: Iterable[str | None]) -> tuple[str, ...]:
