@@ -109,7 +109,7 @@ def matrix(diagnosis: Diagnosis) -> None:
             part = pd.IndexSlice[these, [name]]
             style = style.format(partial(_written, say, level), subset=part, na_rep=_beyond(say, level))
             if level is not None:
-                style = style.map(partial(_css, level), subset=part)
+                style = style.map(lambda _, level=level: show.colours(level), subset=part)
         if silent := [place for place, cell in enumerate(cells) if cell.leakage == 0.0]:
             style = style.format(lambda _: "–", subset=pd.IndexSlice[silent, [name]])
     config = _condition_columns(diagnosis, say)
@@ -138,10 +138,6 @@ def _condition_columns(diagnosis: Diagnosis, say: Wording) -> dict[str, Any]:
         )
         for number, each in enumerate(diagnosis.presented, start=1)
     }
-
-
-def _css(level: Verdict, _: object) -> str:
-    return show.colours(level)
 
 
 def _written(say: Wording, level: Verdict | None, share: float) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import streamlit as st
 
@@ -63,7 +64,7 @@ class _Asked:
 def choose(words: FleetWords) -> SummedUnit | None:
     """Show the units that are asked for, the worst first, page by page; return the one that is picked."""
     say, units = words.say, words.summary.worst
-    label: Callable[[SummedUnit], str | None] = _group if words.summary.by is None else _label
+    label: Callable[[SummedUnit], str | None] = attrgetter("group" if words.summary.by is None else "label")
     asked = _asked(words, label)
     found = [unit for unit in units if asked.fits(unit, label(unit))]
     if not found:
@@ -97,14 +98,6 @@ def _folder(units: Sequence[SummedUnit]) -> str:
 
 def _folder_of(name: str) -> str:
     return name[: max(name.rfind("/"), name.rfind("\\")) + 1]
-
-
-def _group(unit: SummedUnit) -> str | None:
-    return unit.group
-
-
-def _label(unit: SummedUnit) -> str | None:
-    return unit.label
 
 
 def _asked(words: FleetWords, label: Callable[[SummedUnit], str | None]) -> _Asked:

@@ -8,7 +8,6 @@ leakage, line pressure and what each circuit holds.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -155,7 +154,7 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
         steps=tuple(
             RepairStep(
                 lands[0],
-                _both(before, after),
+                tuple(itertools.starmap(RepairedAt, zip(before, after, strict=True))),
                 choice.moves.options.of(lands[0].key),
                 move.option,
                 together=tuple(lands[1:]),
@@ -188,11 +187,6 @@ def in_order(choice: Choice) -> list[tuple[Move, list[LandDiagnosis]]]:
     jobs = [(move, sorted(keys, key=urgency)) for move, keys in choice.lands if keys]
     jobs.sort(key=lambda job: urgency(job[1][0]))
     return [(move, [by_key[key] for key in keys]) for move, keys in jobs]
-
-
-def _both(before: Iterable[Total], after: Iterable[Total]) -> tuple[RepairedAt, ...]:
-    """Return what a repair brings at every condition."""
-    return tuple(itertools.starmap(RepairedAt, zip(before, after, strict=True)))
 
 
 def _remainder(diagnosis: Diagnosis, end: Total, new: Projection) -> Remainder:
