@@ -320,5 +320,5 @@ def test_gauge_readings_typed_with_tab_stand_in_their_cells_and_stay(page: Page)
     expect(page.get_by_text("300 kPa where 412 kPa are the least")).to_be_visible()
     from_menu(page, "More", "Pressures")
     wait_until_idle(page)
-    assert {cell: gauge(page, cell).input_value() for cell in values} == values
-    assert gauge(page, "D, slow idle").input_value() == "300,5"
+    for cell, text in {**values, "D, slow idle": "300,5"}.items():
+        expect(gauge(page, cell)).to_have_value(text)
