@@ -45,22 +45,20 @@ def with_sheet(job: Job | None, readings: Readings | None) -> Job | None:
     head, record = readings.identity, job or Job()
     if any(_contradictions(record, head)):
         return job
-    vehicle: dict[str, Any] = {}
-    if head.vehicle and not (record.vehicle.make or record.vehicle.model):
-        vehicle["model"] = head.vehicle
-    if head.vin and not record.vehicle.vin:
-        vehicle["vin"] = head.vin
-    if head.mileage is not None and record.vehicle.mileage_km is None:
-        vehicle["mileage_km"] = head.mileage
-    changes: dict[str, Any] = {
+    vehicle = record.vehicle
+    of_vehicle = {
+        "model": vehicle.model or ("" if vehicle.make else head.vehicle),
+        "vin": vehicle.vin or head.vin,
+        "mileage_km": head.mileage if vehicle.mileage_km is None else vehicle.mileage_km,
+    }
+    changes = {
         "number": record.number or head.job,
         "date": record.date or readings.date,
         "technician": record.technician or head.technician,
-        "vehicle": record.vehicle.model_copy(update=vehicle),
+        "vehicle": vehicle.model_copy(update=of_vehicle),
         "transmission": record.transmission.model_copy(update={"serial": record.transmission.serial or head.serial}),
+        "instruments": record.instruments or tuple(InstrumentUsed(name=name) for name in head.instruments),
     }
-    if head.instruments and not record.instruments:
-        changes["instruments"] = tuple(InstrumentUsed(name=name) for name in head.instruments)
     return record.model_copy(update=changes).with_pictures(record.pictures)
 
 
