@@ -121,9 +121,8 @@ def _same(table: HeadedTable, names: ControllerNames, component: HeadedColumn | 
             cells = table.cells(column.index)
             pairs = [(names.component(numbered.get(row, "")), names.component(cell)) for row, cell in cells.items()]
             agree = [one == other for one, other in pairs if one is not None and other is not None]
-            if 2 * sum(agree) > len(agree) or sum(names.is_named(text_of(cell)) for cell in cells.values()) > sum(
-                agree
-            ):
+            named = sum(names.is_named(text_of(cell)) for cell in cells.values())
+            if 2 * sum(agree) > len(agree) or named > sum(agree):
                 yield column
 
 
