@@ -34,7 +34,7 @@ from atleak.measurements.own_lands import LENGTHS_MEASURED, REPAIR_FITTED
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.first_sentence import impossible_part, may_parts, pump_sentence, shown_verdict, worn_pump
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
-from atleak.report.tables.lands import ON_PAPER, LandAtCondition, leaking_worst_first, pair_table
+from atleak.report.tables.lands import ON_PAPER, leaking_worst_first, matrix_table, pair_table
 from atleak.report.tables.names import positions
 from atleak.report.tables.repairs import no_help, option_rows, plan_ends, planned
 from atleak.report.tables.road_test import instant_record, road_instants
@@ -54,7 +54,7 @@ from atleak.report.tables.sentences import (
     reserve_sentence,
     when_new,
 )
-from atleak.report.tables.table import VERDICT, Column, Table
+from atleak.report.tables.table import VERDICT, Column, Table, with_sign
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
@@ -202,15 +202,15 @@ def laid_out(content: Table) -> Grid:
 
     Where its words do not fit beside one another with blanks between them, it has none; only then is a word broken.
     """
-    texts = [content.texts(item) for item in content.rows]
+    levels = [[column.judged(item).level for column in content.columns] for item in content.rows]
+    texts = [[*map(with_sign, content.texts(item), row)] for item, row in zip(content.rows, levels, strict=True)]
     widths, blanks = _widths(content, texts)
     grid = Grid(title=content.title or None, title_justify="left", title_style="", padding=(0, blanks))
     for column, heading, width in itertools.zip_longest(content.columns, content.headings, widths):
         side: Literal["left", "right"] = "right" if column.is_number else "left"
         grid.add_column(Text(heading), justify=side, overflow="fold", width=width)
-    for item, row in zip(content.rows, texts, strict=True):
-        levels = (column.judged(item).level for column in content.columns)
-        styles = ["" if level is None else look_of(level).style for level in levels]
+    for row, judged in zip(texts, levels, strict=True):
+        styles = ["" if level is None else look_of(level).style for level in judged]
         grid.add_row(*(Text(text, style=style) for text, style in zip(row, styles, strict=True)))
     return grid
 
@@ -398,15 +398,11 @@ def _matrix(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
         return
     what = "flagged lands" if diagnosis.flagged else "lands that leak most"
     yield f"Share of the pump's flow [%] of the {what} at the conditions above, by their numbers:"
-    for first in range(0, len(diagnosis.presented), CONDITIONS_ABREAST):
-        table = Grid("pair")
-        stretch = slice(first, first + CONDITIONS_ABREAST)
-        for number in range(len(diagnosis.presented))[stretch]:
-            table.add_column(f"{number + 1}.", justify="right", no_wrap=True)
-        for row in shown:
-            component, land = row.land.key
-            table.add_row(Text(f"{component}/{land}"), *(_share(cell) for cell in row.cells[stretch]))
-        yield table
+    table = matrix_table(diagnosis, shown, wording("en"))
+    pair = Column("pair", words="pair", of=lambda row: "/".join(map(str, row.land.key)))
+    _, *shares, _ = (replace(each, kind=None, words=f"{number}.") for number, each in enumerate(table.columns))
+    for first in range(0, len(shares), CONDITIONS_ABREAST):
+        yield laid_out(replace(table, columns=(pair, *shares[first : first + CONDITIONS_ABREAST])))
     for row in shown:
         if row.elsewhere:
             component, land = row.land.key
@@ -451,13 +447,3 @@ def _gauges(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
     yield laid_out(table if len(table.columns) <= GAUGES_ABREAST else table.without("decision"))
     for pattern in pattern_sentences(check, diagnosis.controller, say):
         yield f"→ {pattern}"
-
-
-def _share(cell: LandAtCondition) -> Text:
-    if cell.leakage == 0.0:
-        return Text("–")
-    share = wording("en").number(cell.share * PERCENT, 2)
-    if cell.verdict is None:
-        return Text(share)
-    look = look_of(cell.verdict)
-    return Text(f"{look.sign} {share}", style=look.style)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import html
+import math
 import os
 import re
 import traceback
@@ -37,7 +38,7 @@ from atleak.report.tables.first_sentence import shown_verdict
 from atleak.report.tables.gauges import gauge_table
 from atleak.report.tables.section import Facts, Picture, Points, Section, Text
 from atleak.report.tables.sentences import caveat_marks, caveats, fluid_in_state, rule_name
-from atleak.report.tables.table import VERDICT, Column, Table
+from atleak.report.tables.table import VERDICT, Column, Table, with_sign
 from pages.shared import reader
 from pages.shared.state import Refusal
 
@@ -152,11 +153,24 @@ def _heading(title: str) -> str:
     return begun(title) if title[1:2].isalpha() and not title.startswith("µ") else title
 
 
-def table(content: Table, *, empty: bool = False, **options: Any) -> Any:
+PAIR_WIDTH = 150  # pixels of a land's name, its number first
+_LETTER, _PADDING = 7, 20  # pixels of a letter, and of a cell's sides
+_TWO_LINES = 52  # pixels of a row
+
+
+def _room_for(names: Sequence[str]) -> tuple[int, int | None]:
+    """Return the width of a column in which no word of a name is cut, and the height of rows in which names wrap."""
+    words = [len(word) for name in names for word in name.split()]
+    wide = max(PAIR_WIDTH, _LETTER * max(words, default=0) + _PADDING)
+    return wide, _TWO_LINES if max(map(len, names), default=0) * _LETTER + _PADDING > wide else None
+
+
+def table(content: Table, *, empty: bool = False, pinned: str = "", **options: Any) -> Any:
     """Show a table, unless ``empty`` without the columns that no row has a value in.
 
-    Numbers are sorted as numbers, verdicts with the worst first; what is None is a dash. Further ``options`` are those
-    of `st.dataframe`; returned is what it returns, such as the rows that are selected.
+    Numbers are sorted as numbers, verdicts with the worst first; what is None is a dash. The column ``pinned`` stays in
+    sight. Further ``options`` are those of `st.dataframe`; returned is what it returns, such as the rows that are
+    selected.
     """
     content, say = content if empty else content.filled, content.say
     titled = (replace(column, words=_heading(column.title(say))) for column in content.columns)
@@ -172,12 +186,27 @@ def table(content: Table, *, empty: bool = False, **options: Any) -> Any:
         if column.kind == VERDICT:
             signs = zip(levels, frame[heading], strict=True)
             frame[heading] = [_sorted_verdict(level, say) if level else words or "–" for level, words in signs]
+        elif any(levels):
+            written.pop(heading, None)
+            for level in set(levels):
+                rows = [number for number, each in enumerate(levels) if each == level]
+                style = style.format(partial(_judged, column, level, say), subset=pd.IndexSlice[rows, [heading]])
         if any(levels):
             shades = ["" if level is None else colours(level) for level in levels]
             style = style.apply(lambda _, shades=shades: shades, subset=[heading])
+        if column.key == pinned:
+            wide, options["row_height"] = _room_for([str(cell) for cell in frame[heading]])
+            config[heading] = st.column_config.TextColumn(width=wide, pinned=True)
     if written:
         style = style.format(written, subset=list(written))
     return st.dataframe(style, hide_index=True, width="stretch", column_config=config, placeholder="–", **options)
+
+
+def _judged(column: Column, level: Verdict | Band | None, say: Wording, value: object) -> str:
+    """Return what a cell with a verdict shows: a number or words with the verdict's sign, a dash for nothing."""
+    if isinstance(value, float):
+        value = None if math.isnan(value) else column.written(value, say)
+    return "–" if value is None else with_sign(str(value), level)
 
 
 def section(content: Section, name: str) -> None:

@@ -15,7 +15,8 @@ from PIL import Image
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
-from pages.shared.conditions import CONDITION_WIDTH, PAIR_WIDTH
+from atleak.report.tables.lands import CONDITION_WIDTH
+from pages.shared.show import PAIR_WIDTH
 
 from .conftest import AT_REST, from_menu
 
@@ -319,7 +320,7 @@ def test_flagged_pairs_are_cards_on_a_phone_and_the_matrix_shows_two_conditions(
     matrix = by_condition.locator("xpath=following::*[@data-testid='stDataFrame'][1]")
     matrix.locator("thead th").first.wait_for(state="attached")
     headings = [text.strip() for text in matrix.locator("thead th").all_inner_texts()]
-    assert headings[:3] == ["Pair", "1 · driving in second, 80 °C", "2 · hot idle in drive, 100 °C"]
+    assert headings[:3] == ["Pair", "Driving in second, 80 °C [%]", "Hot idle in drive, 100 °C [%]"]
     assert matrix.bounding_box()["width"] + 2.0 >= PAIR_WIDTH + 2 * CONDITION_WIDTH
 
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from atleak.analysis.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
-from atleak.analysis.repair.plan import RepairStep, Total
 from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.wording import begun
 from atleak.diagnosis.land import LandDiagnosis
@@ -17,20 +15,20 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.charts.flows import FlowDiagram, flow_diagram, flow_svg, flow_words
 from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.charts.paper_curves import pump_chart, road_chart
-from atleak.report.pdf.blocks import Block, bullets, ends, joined, listed, named_facts, picture, printed, text
+from atleak.report.pdf.blocks import Block, bullets, ends, joined, named_facts, picture, printed, text
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.first_sentence import pump_sentence
 from atleak.report.tables.gauges import permissible_text
-from atleak.report.tables.lands import MatrixRow, leaking_worst_first
+from atleak.report.tables.lands import MatrixRow, leaking_worst_first, matrix_table
 from atleak.report.tables.names import land_number
 from atleak.report.tables.pressures import condition_table, held_table, pressure_chart
 from atleak.report.tables.pump_speed import PumpOverSpeed, pump_over_speed
-from atleak.report.tables.repairs import RepairOptionRow, option_table, order_table, plan_ends
+from atleak.report.tables.repairs import RepairOptionRow, option_table, order_table, plan_ends, totals_table
 from atleak.report.tables.road_test import RoadInstant, RoadSeries, event_table, instant_table, place_table
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
 from atleak.report.tables.sentences import circuit_sentence, shares_add_up
-from atleak.report.tables.table import Column, Judged
+from atleak.report.tables.table import Column, Table
 
 ABREAST = 5  # conditions beside one another in a table
 _MEASURE_FIRST = 6  # lands named for a complaint
@@ -58,24 +56,12 @@ class Conditions(PrintedPart):
 
     def matrix(self) -> Iterable[Block]:
         """Return the share of every land that leaks, at every condition."""
-        names, say, at = self.names, self.say, self.diagnosis.presented
-        rows = leaking_worst_first(self.diagnosis, at)
+        say = self.say
+        rows = leaking_worst_first(self.diagnosis, self.diagnosis.presented)
         if not rows:
             return
 
-        def share(number: int, row: MatrixRow) -> Judged:
-            cell = row.cells[number]
-            return Judged(None) if cell.leakage == 0.0 else Judged(say.number(cell.share * PERCENT, 2), cell.verdict)
-
-        first = (
-            Column("pair", width=250, of=lambda row: names.pair(row.land)),
-            Column("land", of=lambda row: str(row.land.key[1])),
-        )
-        shares = [
-            Column("", words_of="percent", width=100, words=say.condition(each.condition), of=partial(share, number))
-            for number, each in enumerate(at)
-        ]
-        yield from self._abreast(rows, first, shares)
+        yield from self._abreast(matrix_table(self.diagnosis, rows, say).without("elsewhere"))
         said = (say("texts.matrix"), shares_add_up(self.diagnosis, say), *self._elsewhere(rows))
         yield text(" ".join(said), small=True)
 
@@ -105,7 +91,10 @@ class Conditions(PrintedPart):
             if any(step.land.replace_mileage for step in plan.steps):
                 yield text(f"{say('printed.replace_at')}: {say('texts.replace_at')}.", small=True)
             if len(self.diagnosis.projections) > 1:
-                yield from self._totals_after(plan.steps)
+                yield text(say("texts.totals_after"), leads=True)
+                totals = totals_table(self.diagnosis, plan, say)
+                number = Column("", digits=0, words="", of=lambda row: str(row[0] or "–"))
+                yield from self._abreast(replace(totals, columns=(number, *totals.columns[1:])))
         yield from map(text, plan_ends(plan, say))
 
     def _options(self) -> Iterator[Block]:
@@ -120,28 +109,11 @@ class Conditions(PrintedPart):
             yield text(say("texts.repair_options"), leads=True)
             yield printed(replace(options.without("lands").filled, told=lands))
 
-    def _totals_after(self, steps: Sequence[RepairStep]) -> Iterable[Block]:
-        """Return the total after every step at every condition."""
-        say = self.say
-        yield text(say("texts.totals_after"), leads=True)
-        rows = [("–", [each.before for each in steps[0].conditions])]
-        rows += [(str(number), [each.after for each in step.conditions]) for number, step in enumerate(steps, start=1)]
-
-        def total(number: int, row: tuple[str, list[Total]]) -> Judged:
-            after = row[1][number]
-            return Judged(f"{say.number(after.share * PERCENT, 1)} {say.level(after.band)}", after.band)
-
-        first = Column("", digits=0, words="", of=lambda row: row[0])
-        totals = [
-            Column("", words_of="percent", width=50, words=say.condition(each.condition), of=partial(total, number))
-            for number, each in enumerate(self.diagnosis.projections)
-        ]
-        yield from self._abreast(rows, (first,), totals)
-
-    def _abreast(self, rows: Sequence[Any], first: Sequence[Column], columns: Sequence[Column]) -> Iterator[Block]:
-        """Yield tables of as many conditions as have room beside one another."""
-        for start in range(0, len(columns), ABREAST):
-            yield listed(self.say, rows, *first, *columns[start : start + ABREAST])
+    def _abreast(self, table: Table) -> Iterator[Block]:
+        """Yield a table of which as many conditions stand beside one another as have room."""
+        first, *conditions = table.columns
+        for start in range(0, len(conditions), ABREAST):
+            yield printed(replace(table, columns=(first, *conditions[start : start + ABREAST])))
 
 
 _DRAWN = 4  # lands drawn by themselves where the flow goes

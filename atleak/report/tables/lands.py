@@ -214,6 +214,34 @@ def pair_table(
 ON_PAPER = ("land", "sleeve", "spool", "mounting", "effective", "leakage", "interval", "share", "share_largest")
 
 
+CONDITION_WIDTH = 104  # pixels of a condition: two of them stand beside the pair on a phone
+
+
+def matrix_table(diagnosis: Diagnosis, rows: Sequence[MatrixRow], say: Wording) -> Table:
+    """Return the share of every land at every condition that is presented, each in the colour of its own verdict."""
+
+    def share(number: int, row: MatrixRow) -> Judged:
+        cell = row.cells[number]
+        if cell.leakage == 0.0:
+            return Judged(None)
+        return Judged(cell.share * PERCENT if math.isfinite(cell.share) else say("diagnosis.no_flow"), cell.verdict)
+
+    names = [say.condition(each.condition) for each in diagnosis.presented]
+    shares = (
+        Column(
+            each.condition.name, "percent", 2, CONDITION_WIDTH, name, of=partial(share, number),
+            note=say("diagnosis.matrix_help", condition=name),
+        )
+        for number, (each, name) in enumerate(zip(diagnosis.presented, names, strict=True))
+    )  # fmt: skip
+    columns = (
+        Column("pair", width=250, of=lambda row: land_in_words(diagnosis, row.land.key, say)),
+        *shares,
+        Column("elsewhere", width=300, words=say("diagnosis.matrix_elsewhere"), of=lambda row: row.elsewhere or None),
+    )
+    return Table("matrix", columns, rows, say)
+
+
 def share_cell(cell: LandAtCondition, say: Wording) -> Judged:
     """Return a share at one condition in the colour of its own verdict; nothing where nothing leaks."""
     if cell.leakage == 0.0:

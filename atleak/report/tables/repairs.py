@@ -33,6 +33,7 @@ from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.operation import LINE
 from atleak.report.json.conditions import named_record, of_land, scaled
+from atleak.report.tables.lands import CONDITION_WIDTH
 from atleak.report.tables.names import land_number
 from atleak.report.tables.sentences import land_in_words, replace_at, rule_reached
 from atleak.report.tables.table import VERDICT, Column, Judged, Table, span
@@ -137,6 +138,37 @@ def order_table(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> Table:
         Column("replace_at", width=100, of=lambda step: replace_at(step.land, say)),
     )
     return Table("order", columns, plan.steps, say)
+
+
+def totals_table(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> Table:
+    """Return the total at every condition as measured, and after every step of a plan that has any."""
+    totals = [(0, [each.before for each in plan.steps[0].conditions])]
+    totals += [(number, [each.after for each in step.conditions]) for number, step in enumerate(plan.steps, start=1)]
+
+    def step(row: tuple[int, list[Total]]) -> str:
+        number, _ = row
+        land = land_in_words(diagnosis, plan.steps[number - 1].land.key, say)
+        return f"{number}. {land}" if number else say("repair_plan.as_measured")
+
+    def total(name: str, row: tuple[int, list[Total]]) -> Judged:
+        at = next(each for each in row[1] if each.condition.name == name)
+        known = say.number(at.share * PERCENT, 1) if math.isfinite(at.share) else say("diagnosis.no_flow")
+        return Judged(f"{known} {say.level(at.band)}", at.band)
+
+    columns = (
+        Column("after_step", words=say("repair_plan.after_step"), of=step),
+        *(
+            Column(
+                each.name,
+                width=CONDITION_WIDTH,
+                words=say.condition(each),
+                words_of="percent",
+                of=partial(total, each.name),
+            )
+            for each in (projection.condition for projection in diagnosis.presented)
+        ),
+    )
+    return Table("totals", columns, totals, say)
 
 
 def option_table(plan: RepairPlan, say: Wording) -> Table:

@@ -218,11 +218,12 @@ class Table:
         """Return it as a DataFrame: numbers in the reader's unit, which the names of the columns say."""
         import pandas as pd
 
-        cells = {
-            heading: pd.Series([column.cell(item, self.say, rounded=rounded) for item in self.rows], dtype=column.dtype)
-            for heading, column in zip(self.headings, self.columns, strict=True)
-        }
-        return pd.DataFrame(cells)
+        made = {}
+        for heading, column in zip(self.headings, self.columns, strict=True):
+            cells = [column.cell(item, self.say, rounded=rounded) for item in self.rows]
+            words = any(isinstance(cell, str) for cell in cells)  # such as that there is no number
+            made[heading] = pd.Series(cells, dtype="object" if words else column.dtype)
+        return pd.DataFrame(made)
 
     def html(self, opens: Callable[[Any], str | None] | None = None, kind: str = "") -> str:
         """Return it as HTML, every text escaped; ``opens`` names what a press on an item's second cell opens."""
@@ -248,14 +249,18 @@ def _parted(columns: Iterable[Column]) -> Iterator[Column]:
         yield from _parted(column.parts) if column.parts else (column,)
 
 
+def with_sign(text: str, level: VerdictOrBand | None) -> str:
+    """Return a text with the sign of a verdict, which tells it without colour; as it is without a verdict."""
+    return text if level is None or look_of(level).sign in text else f"{look_of(level).sign} {text}"
+
+
 def leveled(text: str, level: VerdictOrBand | None) -> str:
     """Return a text as HTML in the colours of a verdict, with its sign; as it is without one."""
     if level is None:
         return escape(text)
     look = look_of(level)
-    sign = "" if look.sign in text else f"{look.sign} "
     style = f' style="background:{look.screen};color:{look.on_screen}"' if look.on_screen else ""
-    return f'<span class="level{"" if style else " plain"}"{style}>{sign}{escape(text)}</span>'
+    return f'<span class="level{"" if style else " plain"}"{style}>{escape(with_sign(text, level))}</span>'
 
 
 def columns(*named: str | Column) -> tuple[Column, ...]:

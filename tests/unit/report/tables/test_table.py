@@ -81,7 +81,7 @@ def test_a_terminal_has_the_readers_words_and_what_is_told_of_a_row(capsys: pyte
     lines = [line for line in said.splitlines()[1:] if "─" not in line]
     head, *rows = [[cell.strip() for cell in line.strip("│┃").split(line[0])] for line in lines]
     assert head == ["Befund", "Paarung", "Spiel [µm]", "Anteil [%]"]
-    assert ["■ ersetzen", "8/1 <b>", "25,5", "3,2"] in rows
+    assert ["■ ersetzen", "8/1 <b>", "25,5", "▲ 3,2"] in rows
     assert ["–", "9/2", "–", "–"] in rows
     assert said.splitlines()[-1] == "of the first"
 
