@@ -42,25 +42,25 @@ def agreement_messages(
 ) -> Iterator[Message]:
     """Yield a message for each clearance or mean that contradicts its diameters, and each correction not applied."""
     by_place = {reading.place: reading for reading in readings}
-    beside = _Beside(table, defaultdict(list), defaultdict(list))
+    numbers = _StatedNumbers(table, defaultdict(list), defaultdict(list))
     for entry in entries:
         reading = by_place.get(entry.raw.place)
         if reading is not None:
-            beside.rows[entry.row].append(reading)
-            beside.lands[reading.component, reading.plane].append(reading)
+            numbers.rows[entry.row].append(reading)
+            numbers.lands[reading.component, reading.plane].append(reading)
     for index in range(table.sheet.width):
         words = letters(table.heading(index))
         if index in columns.read or not words:
             continue
         is_clearance = words.any("clearance") and not words.any("not_of_these", "of_specification")
         if is_clearance or words.any("wear"):
-            yield from beside.of_one_part(index, readings)
+            yield from numbers.of_one_part(index, readings)
         if is_clearance:
-            yield from beside.warnings(index, "clearance", beside.clearances(index, words.any("radial")))
+            yield from numbers.warnings(index, "clearance", numbers.clearances(index, words.any("radial")))
         elif _is_correction(words):
-            yield from _correction(table, index, beside.rows, columns)
+            yield from _correction(table, index, numbers.rows, columns)
         elif any(column.index == index for column in table.of("mean")):
-            yield from beside.warnings(index, "mean", beside.means(index))
+            yield from numbers.warnings(index, "mean", numbers.means(index))
     yield from _correction_above(table)
 
 
@@ -68,8 +68,8 @@ Contradiction = tuple[int, Sentence, Sentence]  # row, what is stated, what foll
 
 
 @dataclass(frozen=True)
-class _Beside:
-    """What stands beside the readings of a table, which are given by row, and by component and plane."""
+class _StatedNumbers:
+    """The numbers beside the readings of a table, which are given by row, and by component and plane."""
 
     table: HeadedTable
     rows: dict[int, list[Reading]]

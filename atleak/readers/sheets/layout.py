@@ -309,17 +309,17 @@ def _said(table: HeadedTable, lines: Sequence[tuple[Sentence, str]], names: Cont
     def component(text: str) -> str | None:
         return names.component_in(text) or (names.component(text) if text == table.sheet.name else None)
 
-    said_by: list[Sentence] = []
+    named_by: list[Sentence] = []
     for name, read, wanted in (
         ("part", part_in, bool(table.values) and not table.has_part),
         ("component", component, not table.of("component")),
     ):
         found = next(((line, value) for line, text in lines if (value := read(text)) is not None), None)
         if wanted and found is not None:
-            said_by.append(found[0])
+            named_by.append(found[0])
             change: dict[str, Any] = {name: found[1]}
             table = replace(table, **change)
-    return replace(table, said_by=all_of(dict.fromkeys(said_by))) if said_by else table
+    return replace(table, named_by=all_of(dict.fromkeys(named_by))) if named_by else table
 
 
 def _why_aside(table: HeadedTable, titles: Sequence[str]) -> Sentence | None:
@@ -346,13 +346,13 @@ def _sections(table: HeadedTable, names: ControllerNames) -> Iterator[HeadedTabl
             continue
         text = next(str(cell) for cell in sheet.rows[row] if not is_blank(cell))
         following = _said(table, [(Sentence("the line {said!r}", said=text), text)], names)
-        if following.said_by == table.said_by:
+        if following.named_by == table.named_by:
             # an unknown line ends what the line before it says
-            following = replace(table, part=None, component=None, said_by=None)
+            following = replace(table, part=None, component=None, named_by=None)
         else:
             following = replace(
                 following,
-                said_by=all_of(dict.fromkeys(named for named in (following.said_by, section.said_by) if named)),
+                named_by=all_of(dict.fromkeys(named for named in (following.named_by, section.named_by) if named)),
                 part=following.part or section.part,
                 component=following.component or section.component,
             )

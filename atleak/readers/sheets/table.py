@@ -41,7 +41,7 @@ class HeadedTable:
     A table that goes on under another title, or on another sheet, has no headings of its own: ``last`` is then the row
     above its first one, -1 at the top of a sheet. ``sheet`` holds its cells at the places of the whole sheet, and
     nothing of the tables beside and below. ``part`` and ``component`` are what the title or the sheet's name says, with
-    ``said_by`` naming it. ``left_aside`` is why a table holds no readings of this valve body, None where it may.
+    ``named_by`` naming it. ``left_aside`` is why a table holds no readings of this valve body, None where it may.
     ``used`` are columns whose numbers went into others behind the last, ``filled`` rows whose labels are those of a row
     above, and ``messages`` is what is to be said of both.
     """
@@ -53,7 +53,7 @@ class HeadedTable:
     texts: tuple[str, ...] = ()
     part: Part | None = None
     component: str | None = None
-    said_by: Sentence | None = None
+    named_by: Sentence | None = None
     left_aside: Sentence | None = None
     used: frozenset[int] = frozenset()
     messages: tuple[Message, ...] = ()
