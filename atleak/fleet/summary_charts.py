@@ -73,7 +73,7 @@ class FleetCharts:
             what,
             look,
             parts,
-            told=[
+            hover=[
                 f"{name}<br>{what}: {self.words.counted(count, units)}, {part:.1f} %"
                 for (name, count, units), part in zip(rows, parts, strict=True)
             ],
@@ -94,7 +94,7 @@ class FleetCharts:
                 say("fleet.deciding"),
                 _DECIDING,
                 [each.deciding.percent if each.deciding.count else None for each in troubles],
-                told=[
+                hover=[
                     f"{name}<br>{say('fleet.deciding')}: {self.words.rate(each.deciding)}"
                     for each, name in zip(troubles, names, strict=True)
                 ],
@@ -206,7 +206,7 @@ class FleetCharts:
                 [each.pressure_mean_kpa for each in classes], [each.pressure_min_kpa for each in classes],
                 "lowest", from_zero=False,
             ),
-            Field(names["bands"], 0.21, stack=list(self._bands(classes)), told=hours),
+            Field(names["bands"], 0.21, stack=list(self._bands(classes)), hover=hours),
             Field(names["units"], 0.14, units=[each.units for each in classes]),
         ]  # fmt: skip
         has = [any(fields[0].spreads), any(fields[1].spreads), any(each.bands_percent for each in classes), True]

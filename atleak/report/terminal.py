@@ -216,9 +216,9 @@ def laid_out(content: Table) -> Grid:
 
 
 def print_table(content: Table) -> None:
-    """Print a table, and below it what is told of its items."""
-    told = filter(None, map(content.told, content.rows)) if content.told else ()
-    _print(laid_out(content), *dict.fromkeys(told))
+    """Print a table, and below it the remarks on its items."""
+    remarks = filter(None, map(content.remark, content.rows)) if content.remark else ()
+    _print(laid_out(content), *dict.fromkeys(remarks))
 
 
 def print_sections(sections: Iterable[Section], messages: Iterable[Message] = ()) -> None:

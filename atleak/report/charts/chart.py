@@ -23,7 +23,7 @@ class Layer:
     look: Look
     values: Sequence[float | None]  # None: nothing is drawn in this row
     spans: Sequence[Span | None] = ()  # the interval of each
-    told: Sequence[str] = ()  # what is told of each where somebody points at it
+    hover: Sequence[str] = ()  # words of each where somebody points at it
     inside: Sequence[str] = ()  # words in each bar, where they find room
     thick: float = 0.0  # of a bar, part of its row's height; 0: a mark
     lift: float = 0.0  # above its row's middle, part of the row's height
@@ -72,7 +72,7 @@ class Field:
     extremes: Sequence[float | None] = ()  # on the screen, where one can zoom
     extreme: Literal["largest", "lowest"] = "largest"
     stack: Sequence[tuple[str, Look, Sequence[float]]] = ()  # name, look and parts [%] of each layer, from below
-    told: Sequence[str] = ()  # of each class in the stack
+    hover: Sequence[str] = ()  # of each class in the stack
     units: Sequence[int] = ()
     from_zero: bool = True
 

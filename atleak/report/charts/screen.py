@@ -78,8 +78,8 @@ def _layer(
         name=layer.name,
         showlegend=False if named else None,
         error_x=error_bars(values, spans, 1.0, *(() if layer.thick else (layer.look.screen,))),
-        customdata=[layer.told[row] for row in here] if layer.told else None,
-        hovertemplate="%{customdata}<extra></extra>" if layer.told else f"{layer.name}: %{{x:.4g}}<extra></extra>",
+        customdata=[layer.hover[row] for row in here] if layer.hover else None,
+        hovertemplate="%{customdata}<extra></extra>" if layer.hover else f"{layer.name}: %{{x:.4g}}<extra></extra>",
         **look,
     )
 
@@ -259,7 +259,7 @@ def _stack(figure: Figure, row: int, chart: ClassChart, field: Field) -> None:
             name=name,
             showlegend=any(parts),
             marker={**shade(look), "line": {"width": 0}},
-            customdata=list(field.told),
+            customdata=list(field.hover),
             hovertemplate=f"{name}: %{{y:.1f}} %<br>%{{customdata}}<extra></extra>",
         )
         base = [below + part for below, part in zip(base, parts, strict=True)]

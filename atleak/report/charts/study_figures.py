@@ -267,9 +267,9 @@ def component_chart(study: GaugeStudy, say: Wording) -> RowChart:
     def bars(number: int, name: str, look: Look) -> LayerOf:
         values = [(getattr(study.of(component), name) or 0.0) * PERCENT for component in _BARS]
         named = say(f"gauge_study.{name}")
-        told = [f"{row}: {say.number(value, 1)} % {named}" for row, value in zip(names, values, strict=True)]
+        hover = [f"{row}: {say.number(value, 1)} % {named}" for row, value in zip(names, values, strict=True)]
         lift = 0.0 if len(both) == 1 else 0.22 - 0.44 * number
-        return named, look, values, {"told": told, "thick": 0.8 / len(both), "lift": lift}
+        return named, look, values, {"hover": hover, "thick": 0.8 / len(both), "lift": lift}
 
     def bound(key: str, level: Verdict, share: float) -> LayerOf:
         of_gauge = [share * PERCENT if component == "grr" else None for component in _BARS]

@@ -61,12 +61,12 @@ def listed(
     say: Wording,
     items: Iterable[Any],
     *columns: Column,
-    told: Callable[[Any], str] | None = None,
+    remark: Callable[[Any], str] | None = None,
     group: Callable[[Any], str] | None = None,
     whole: bool = False,
 ) -> Block:
     """Return a table with a row for every item; see `printed`."""
-    return printed(Table("", columns, list(items), say, told=told, group=group), whole=whole)
+    return printed(Table("", columns, list(items), say, remark=remark, group=group), whole=whole)
 
 
 def ends(of: Callable[[Any], tuple[float, float] | None], column: Column) -> tuple[Column, Column]:
@@ -97,9 +97,9 @@ def printed(content: Table, *, whole: bool = False) -> Block:
 
     def held(item: Any) -> list[list[Any]]:
         """Return the rows of an item, which hold together."""
-        said = content.told and content.told(item)
+        said = content.remark and content.remark(item)
         row = [_cell(column, intervals.get(column.key), item, say) for column in shown]
-        return [row, [{"told": said}]] if said else [row]
+        return [row, [{"remark": said}]] if said else [row]
 
     groups = [  # each of the rows of its items, below its heading
         [*([[[title]]] if title else []), *map(held, items)]
@@ -118,7 +118,7 @@ def printed(content: Table, *, whole: bool = False) -> Block:
     }
     if content.group is not None:
         block["groups"] = [sum(map(len, group)) for group in groups]
-    elif content.told is not None:
+    elif content.remark is not None:
         block["groups"] = _held([len(together) for together in groups[0]])
     return block
 

@@ -73,7 +73,7 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
         Column("labour", digits=2, of=lambda line: words.money(line.work)),
         Column("amount", digits=2, of=words.amount),
         Column("agreed", of=words.agreed),
-        told=lambda line: f"{say('printed.lacks')}: {words.lacks(line)}",
+        remark=lambda line: f"{say('printed.lacks')}: {words.lacks(line)}",
     )
     sums = ("parts", "labour", "net", "tax", "gross")
     yield listed(
@@ -199,7 +199,7 @@ class Body(PrintedPart):
             yield text(say("texts.none_flagged"))
             return
         table = self.names.lands.without(*_ELSEWHERE, "land", "share", "decided_by")
-        yield printed(replace(table, rows=flagged, told=self.names.reason).filled)
+        yield printed(replace(table, rows=flagged, remark=self.names.reason).filled)
         decided = ("decision",) if any(land.decision for land in flagged) else ()
         notes = ["both_rules", *decided, *(["uncertainty"] if self.diagnosis.uncertainty else [])]
         yield text(" ".join(say(f"texts.{note}") for note in notes), small=True)

@@ -107,7 +107,7 @@ class Conditions(PrintedPart):
         options = option_table(self.names.plan, say)
         if options.rows:
             yield text(say("texts.repair_options"), leads=True)
-            yield printed(replace(options.without("lands").filled, told=lands))
+            yield printed(replace(options.without("lands").filled, remark=lands))
 
     def _abreast(self, table: Table) -> Iterator[Block]:
         """Yield a table of which as many conditions stand beside one another as have room."""
@@ -188,9 +188,9 @@ class Pressures(PrintedPart):
 
     def _held(self, conditions: Sequence[PressuresAt]) -> Iterator[Block]:
         """Yield what the line and every circuit hold at each condition, and which circuits are not applied there."""
-        told = {"lands_that_cost", "permissible"} if self.diagnosis.controller.circuits else {"lands_that_cost"}
-        held = held_table(self.diagnosis, conditions, self.say).without(*told).filled
-        yield printed(replace(held, told=self._told))
+        below = {"lands_that_cost", "permissible"} if self.diagnosis.controller.circuits else {"lands_that_cost"}
+        held = held_table(self.diagnosis, conditions, self.say).without(*below).filled
+        yield printed(replace(held, remark=self._remark))
         for at in conditions:
             vented = joined(self.names.section(each.id) for each in at.circuits if each.vented)
             if vented:
@@ -204,7 +204,7 @@ class Pressures(PrintedPart):
         more = table.only("reserve_new", "reserve_repaired", "reserve_is", "reserve_decision").filled
         return printed(replace(table, columns=(*flows.columns, *below, *more.columns)))
 
-    def _told(self, each: HeldPressure) -> str:
+    def _remark(self, each: HeldPressure) -> str:
         """Return what is permissible, where the table has no room for it, and the lands that cost it most."""
         say, controller = self.say, self.diagnosis.controller
         shown = [cause for cause in each.causes.items() if abs(cause[1]) * KPA >= _SHOWS]
@@ -214,11 +214,11 @@ class Pressures(PrintedPart):
             for key, loss in causes[:_LANDS]
         ]
         more = [say("texts.more_lands", count=len(causes) - _LANDS)] if len(causes) > _LANDS else []
-        told = {
+        said = {
             "printed.permissible": (permissible_text(each.permissible, say) or "") if controller.circuits else "",
             "printed.costs": joined([*named, *more]) if causes else "",
         }
-        return "; ".join(f"{say(key)}, {say.unit('pressure')}: {words}" for key, words in told.items() if words)
+        return "; ".join(f"{say(key)}, {say.unit('pressure')}: {words}" for key, words in said.items() if words)
 
 
 EVENTS = 40  # that are listed one by one; the others stand in the workbook and in the JSON

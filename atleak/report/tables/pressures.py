@@ -143,9 +143,9 @@ def pressure_chart(at: PressuresAt, say: Wording) -> RowChart:
     ) -> LayerOf:
         values = [None if (value := of(each)) is None or value <= 0.0 else value * scale for each in held]
         shown = [say.number(value, say.digits("pressure", 0)) for value in values]
-        told = [f"{row}: {value} {unit} {name}" for row, value in zip(names, shown, strict=True)]
+        hover = [f"{row}: {value} {unit} {name}" for row, value in zip(names, shown, strict=True)]
         bar = {} if lift is None else {"thick": 0.24, "lift": lift}
-        return name, look, values, {"told": told, **bar, **more}
+        return name, look, values, {"hover": hover, **bar, **more}
 
     def now(verdict: Verdict | None) -> LayerOf:
         name = say("figures.now") if verdict is None else f"{say('figures.now')}: {say.signed(verdict)}"

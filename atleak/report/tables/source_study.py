@@ -47,7 +47,7 @@ def table_3(results: Sequence[VariantResult], say: Wording) -> Table:
     def share(result: VariantResult) -> float | None:
         return _share(result.computed.max_leakage)
 
-    def told(result: VariantResult) -> str:
+    def remark(result: VariantResult) -> str:
         note = result.variant.note
         return f"{result.variant.name}: {say.get('study_words', note)}" if note else ""
 
@@ -62,7 +62,7 @@ def table_3(results: Sequence[VariantResult], say: Wording) -> Table:
         _column("U digits", say, lambda result: _digits(result.variant.printed_max_share, share(result))),
         _column("U largest", say, lambda result: _share(result.computed.max_share), 3),
     )
-    return Table("table_3", columns, results, say, say("study.table_3_is"), told=told)
+    return Table("table_3", columns, results, say, say("study.table_3_is"), remark=remark)
 
 
 def point_table(points: Sequence[ComparedPoint], say: Wording) -> Table:

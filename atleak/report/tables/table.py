@@ -161,7 +161,7 @@ class Table:
         by which a page, a script or a sheet finds it, the same in every language
     title
         what stands over it, in the reader's words; empty where that says the name
-    told
+    remark
         what is said of an item below its row; an empty text says nothing
     group
         the heading of the group in which an item stands, where items of one group follow one another
@@ -172,7 +172,7 @@ class Table:
     rows: Sequence[Any]
     say: Wording
     title: str = ""
-    told: Callable[[Any], str] | None = None
+    remark: Callable[[Any], str] | None = None
     group: Callable[[Any], str] | None = None
 
     @property

@@ -213,7 +213,7 @@ def test_the_report_prints_lines_boxes_and_sums_only_where_an_estimate_was_fille
     )
     lines, sums = (block for block in sections(job)["estimate"] if block["kind"] == "table")
     agreed = [row[-1] for row in lines["rows"] if len(row) > 1]
-    assert [say("printed.lacks") in row[0]["told"] for row in lines["rows"] if len(row) == 1] == [True] * len(agreed)
+    assert [say("printed.lacks") in row[0]["remark"] for row in lines["rows"] if len(row) == 1] == [True] * len(agreed)
     assert sorted(map(str, agreed)) == sorted(
         [say("job_decisions.approved"), *2 * [str({"boxes": [say("estimate.yes"), say("estimate.no")]})]]
     )

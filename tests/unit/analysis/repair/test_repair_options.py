@@ -333,7 +333,7 @@ def test_every_language_prints_the_repairs_and_what_they_cost(language: str, pla
     row, told = table["rows"]
     assert {"option 1", say("plan.chosen"), "12,5", "1,5"} <= set(row)
     name = say.name(diagnosis.controller.components[PR])
-    assert f"{name}/1, {name}/2" in told[0]["told"]
+    assert f"{name}/1, {name}/2" in told[0]["remark"]
 
 
 def test_what_the_workshop_chooses_goes_before_the_cheapest_and_stays_in_the_job_file(

@@ -76,7 +76,7 @@ def test_a_notebook_has_numbers_under_headings_with_their_unit() -> None:
 
 
 def test_a_terminal_has_the_readers_words_and_what_is_told_of_a_row(capsys: pytest.CaptureFixture[str]) -> None:
-    print_table(table("de", told=lambda row: "of the first" if row is ROWS[0] else ""))
+    print_table(table("de", remark=lambda row: "of the first" if row is ROWS[0] else ""))
     said = capsys.readouterr().out
     lines = [line for line in said.splitlines()[1:] if "─" not in line]
     head, *rows = [[cell.strip() for cell in line.strip("│┃").split(line[0])] for line in lines]
