@@ -20,14 +20,14 @@ if TYPE_CHECKING:  # for type checkers; `_MODULES` says the same to the interpre
     from atleak.catalogue.limits import load_limits as load_limits
     from atleak.common.errors import AtleakError as AtleakError
     from atleak.diagnosis.diagnosis import Diagnosis as Diagnosis
-    from atleak.diagnosis.diagnosis import diagnose as diagnose
+    from atleak.diagnosis.examination import diagnose as diagnose
     from atleak.engine.leakage import LeakageModel as LeakageModel
     from atleak.engine.profile import PROFILES as PROFILES
     from atleak.engine.profile import Profile as Profile
     from atleak.engine.profile import find_profile as find_profile
+    from atleak.measurements.clearances import clearances as clearances
     from atleak.measurements.gauge_readings import PressureTable as PressureTable
     from atleak.measurements.readings import Readings as Readings
-    from atleak.measurements.readings import clearances as clearances
     from atleak.measurements.road_test import RoadTest as RoadTest
     from atleak.readers.gauges.gauge_table import read_pressure_table as read_pressure_table
     from atleak.readers.logs import read_road_test as read_road_test
@@ -46,8 +46,8 @@ _MODULES = {
     "Profile": "engine.profile",
     "Readings": "measurements.readings",
     "RoadTest": "measurements.road_test",
-    "clearances": "measurements.readings",
-    "diagnose": "diagnosis.diagnosis",
+    "clearances": "measurements.clearances",
+    "diagnose": "diagnosis.examination",
     "diagnosis_record": "report.json.diagnosis",
     "find_profile": "engine.profile",
     "load_controller": "catalogue.controller_file",

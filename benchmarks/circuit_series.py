@@ -29,7 +29,7 @@ from atleak.engine.profile import WORKSHOP
 from atleak.engine.series import leakage_series
 from atleak.equations import gap as gap_equations
 from atleak.equations import orifice as orifice_equations
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 
 OPTIONS = options(__doc__)
 SAMPLES, SMALL, SLOW = 1_800_000, 20_000, 200

@@ -30,7 +30,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.network import Network
 from atleak.engine.operation import with_new
 from atleak.engine.profile import WORKSHOP
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 
 OPTIONS = options(__doc__)
 CIRCUITS, LANDS = 12, 60

@@ -25,7 +25,7 @@ from atleak.catalogue.instruments import load_instruments
 from atleak.diagnosis.messages import common_shift
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.diagnosis.uncertainty.sources import find_sources
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 
 OPTIONS = options(__doc__)
 OPTIONS.add_argument("--units", type=int, default=400, help="units of each kind")

@@ -25,7 +25,7 @@ from simulated.gauged import Gauges, file_of, simulate
 from timing import options
 
 from atleak.catalogue.limits import load_limits
-from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
 
 OPTIONS = options(__doc__)

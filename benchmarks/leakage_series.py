@@ -27,7 +27,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.series import leakage_series
 from atleak.equations import gap as gap_equations
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 
 OPTIONS = options(__doc__)
 SAMPLES = 1_800_000

@@ -36,7 +36,8 @@ from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.limits import load_limits
 from atleak.common.style import find_paper
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.job.batch import write_reports
 from atleak.job.zip_file import write_job_file
 from atleak.measurements.job_card import Job

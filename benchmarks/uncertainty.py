@@ -30,7 +30,8 @@ from atleak.diagnosis.uncertainty.propagation import DRAWS, DRAWS_OF_CIRCUITS, S
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project, project_unworn
-from atleak.measurements.readings import Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Readings
 from atleak.readers.sheets.measuring_sheet import read_readings
 
 SAMPLE = Path(__file__).resolve().parents[1] / "sample_data" / "measuring_sheet_four_speed.xlsx"

@@ -41,7 +41,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER
 from atleak.engine.projection import with_wear
 from atleak.engine.series import leakage_series
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 
 ROOT = Path(__file__).resolve().parent.parent
 CONTROLLER = ROOT / "atleak" / "catalogue" / "controllers" / "four_speed_2023.toml"

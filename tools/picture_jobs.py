@@ -24,8 +24,9 @@ from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts
 from atleak.job_book.book import open_book
 from atleak.job_book.tables import jobs, results
+from atleak.measurements.clearances import clearances
 from atleak.measurements.job_card import Job, RepairDecision, Transmission, Vehicle
-from atleak.measurements.readings import Reading, clearances
+from atleak.measurements.readings import Reading
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.sheets.measuring_sheet import write_readings
 

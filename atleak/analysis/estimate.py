@@ -33,8 +33,8 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.engine.projection import repaired
+from atleak.measurements.clearances import LandClearance
 from atleak.measurements.job_card import EstimateTerms, Job, RepairDecision, RepairState
-from atleak.measurements.readings import LandClearance
 
 ORDER: tuple[RepairState, ...] = ("proposed", "approved", "done", "deferred", "declined")
 CARRIED_OUT: tuple[RepairState, ...] = ("proposed", "approved", "done")  # as far as anybody knows

@@ -191,14 +191,58 @@ class Gap:
 
 @dataclass(frozen=True)
 class Controller(Headed):
-    """A transmission's electro-hydraulic controller."""
+    """A type of valve body: its lands, the gaps that they seal, circuits, pump and operating points.
 
-    representative: str  # what of it is representative, "" where nothing is
+    Attributes
+    ----------
+    representative
+        what of it is representative, "" where nothing is.
+    gears
+        those that the gearbox has.
+    components
+        name of each component, by its number.
+    lands
+        in the file's order.
+    gaps
+        the leak paths of the lands.
+    relations
+        p_s and p_m as they follow from p_g.
+    pump
+        its displacement and slip.
+    operating_points
+        conditions at which a unit is judged.
+    complaints
+        what customers complain of, with the conditions and lands where it may show.
+    origin
+        the file.
+    circuits
+        sections whose pressure follows from their feeds and leaks.
+    leaks
+        those beside the lands, such as sealing rings.
+    consumers
+        what takes flow from the pump and is no leak.
+    line
+        what main pressure is set to, where it is not simply that of the operating point.
+    line_source
+        who states that.
+    permissible
+        low and high of main pressure, by gear or range and state.
+    repairs
+        those that the file names.
+    gaps_not_described
+        lands taken to leak from main pressure to the sump, as the file says nothing: an upper bound.
+    entry
+        the tables that it was read from.
+    doubts
+        values that are possible and unusual.
+    """
+
+    representative: str
     gears: tuple[int, ...]
-    components: MappingProxyType[str, str]  # number → name
+    components: MappingProxyType[str, str]
     lands: tuple[Land, ...]
     gaps: tuple[Gap, ...]
-    relations: MappingProxyType[str, PressureRelation]  # of p_s and p_m; p_g and p_k are measured
+    relations: MappingProxyType[str, PressureRelation]
     pump: Pump
     operating_points: tuple[OperatingPoint, ...]
     complaints: tuple[Complaint, ...]
@@ -206,16 +250,17 @@ class Controller(Headed):
     circuits: tuple[Circuit, ...] = ()
     leaks: tuple[Leak, ...] = ()
     consumers: tuple[Consumer, ...] = ()
-    line: SetPressure | None = None  # of main pressure, where it is not simply that of the operating point
+    line: SetPressure | None = None
     line_source: str = ""
-    permissible: tuple[PermissiblePressure, ...] = ()  # of main pressure
+    permissible: tuple[PermissiblePressure, ...] = ()
     repairs: tuple[Repair, ...] = ()
-    gaps_not_described: frozenset[LandKey] = frozenset()  # taken to leak from main pressure to the sump: an upper bound
-    entry: ControllerFile | None = field(default=None, repr=False, compare=False)  # the tables that it was read from
-    doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)  # values that are possible and unusual
+    gaps_not_described: frozenset[LandKey] = frozenset()
+    entry: ControllerFile | None = field(default=None, repr=False, compare=False)
+    doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)
 
     @property
     def sha256(self) -> str:
+        """Return the SHA-256 of the file."""
         return self.origin.sha256
 
     @cached_property
@@ -227,7 +272,14 @@ class Controller(Headed):
         return {(land.component, plane): land for land in self.lands for plane in land.planes}
 
     def land(self, component: str, land: int) -> Land:
-        """Return the land of that component and number.
+        """Return the land of a component.
+
+        Parameters
+        ----------
+        component
+            its number, as ``"26"``.
+        land
+            counted from 1 along the spool.
 
         Raises
         ------
@@ -237,18 +289,44 @@ class Controller(Headed):
         return self._by_key[component, land]
 
     def land_of_plane(self, component: str, plane: str) -> Land | None:
-        """Return the land that is measured in that plane, or None."""
+        """Return the land that is measured in a plane; None where there is none.
+
+        Parameters
+        ----------
+        component
+            its number.
+        plane
+            the plane's letter or number, as measuring sheets give it.
+        """
         return self._by_plane.get((component, plane))
 
     def lands_of(self, component: str) -> tuple[Land, ...]:
+        """Return the lands of a component, along the spool.
+
+        Parameters
+        ----------
+        component
+            its number.
+        """
         return tuple(land for land in self.lands if land.component == component)
 
     def repairs_of(self, component: str) -> tuple[Repair, ...]:
-        """Return the repairs that the file names for a component."""
+        """Return the repairs that the file names for a component.
+
+        Parameters
+        ----------
+        component
+            its number.
+        """
         return tuple(repair for repair in self.repairs if repair.component == component)
 
     def complaint(self, wanted: str | None) -> Complaint | None:
-        """Return the complaint of that id; None where none is wanted.
+        """Return a complaint that the file maps; None where none is wanted.
+
+        Parameters
+        ----------
+        wanted
+            its id; None where none is wanted.
 
         Raises
         ------
@@ -265,7 +343,13 @@ class Controller(Headed):
         raise unknown(Sentence("{controller} maps no such complaint", controller=Name(self.name)), wanted, known)
 
     def with_measured_pump(self, measured: PumpClearances) -> Controller:
-        """Return the same controller with the pump of a job, of which these clearances were measured."""
+        """Return the same controller with the pump of a job.
+
+        Parameters
+        ----------
+        measured
+            clearances that were measured of that pump.
+        """
         pump = self.pump.with_measured(measured)
         return self if pump is self.pump else replace(self, pump=pump)
 
@@ -275,7 +359,13 @@ class Controller(Headed):
         return self if self.pump.new is self.pump else replace(self, pump=self.pump.new)
 
     def gaps_in(self, gear: int) -> tuple[Gap, ...]:
-        """Return the gaps that see a pressure drop in that gear."""
+        """Return the gaps that see a pressure drop in a gear.
+
+        Parameters
+        ----------
+        gear
+            the gear engaged.
+        """
         return tuple(gap for gap in self.gaps if gear in gap.gears)
 
     @cached_property
@@ -284,21 +374,47 @@ class Controller(Headed):
         return tuple(each for each in self.permissible if each.gears and each.state != "fast_idle")
 
     def permissible_at(self, gear: int, state: State) -> PermissiblePressure | None:
-        """Return between which pressures main pressure must lie in a gear and state; None where the file is silent."""
+        """Return between which pressures main pressure must lie; None where the file is silent.
+
+        Parameters
+        ----------
+        gear
+            the gear engaged.
+        state
+            idle, stall or driving.
+        """
         return next((each for each in self.permissible if gear in each.gears and each.state == state), None)
 
     def permissible_in(
         self, selected: SelectorRange, gear: int | None, state: StandingState
     ) -> PermissiblePressure | None:
-        """Return the same for a range of the selector lever: what the file says of the range, or else of its gear."""
+        """Return the same for a range of the selector lever; None where the file is silent.
+
+        Parameters
+        ----------
+        selected
+            the range.
+        gear
+            the gear that the range engages, which counts where the file does not name the range; None where unknown.
+        state
+            what the engine of the standing vehicle does.
+        """
         of_state = [each for each in self.permissible if each.state == state]
         of_range = (each for each in of_state if selected in each.ranges)
         return next(of_range, None) or next((each for each in of_state if gear in each.gears), None)
 
     def with_line(self, point: OperatingPoint) -> OperatingPoint:
-        """Return an operating point with the main pressure that the line is set to there, where the file says what to.
+        """Set an operating point's main pressure to that of the line, where the file says what the line is set to.
 
-        Where the line follows a circuit this is what it is set to while that circuit holds its own set pressure.
+        Parameters
+        ----------
+        point
+            the operating point.
+
+        Returns
+        -------
+        OperatingPoint
+            where the line follows a circuit, with what it is set to while that circuit holds its own set pressure.
         """
         required = None if self.line is None else self._unleaked(self.line, point)
         return point if required is None else replace(point, main_pressure=required)
@@ -315,7 +431,20 @@ class Controller(Headed):
         return None if known is None else float(stated.with_pressures(point, known))
 
     def section_pressures(self, main_pressure: Any, converter_pressure: Any) -> dict[str, Any]:
-        """Compute all four section pressures [Pa] from the two that are measured; arrays give arrays."""
+        """Compute all four section pressures from the two that are measured.
+
+        Parameters
+        ----------
+        main_pressure
+            p_g [Pa], a number or an array.
+        converter_pressure
+            p_k [Pa], likewise.
+
+        Returns
+        -------
+        dict
+            ``p_g``, ``p_s``, ``p_m`` and ``p_k`` [Pa]; of arrays in their shape.
+        """
         return {
             "p_g": main_pressure,
             "p_s": self.relations["p_s"](main_pressure),
@@ -324,6 +453,17 @@ class Controller(Headed):
         }
 
     def above_main(self, main_pressure: Any) -> dict[str, Any]:
-        """Tell where p_s or p_m would be above main pressure: it feeds both, so there the relation does not hold."""
+        """Tell where p_s or p_m would be above main pressure, which feeds both: there the relation does not hold.
+
+        Parameters
+        ----------
+        main_pressure
+            p_g [Pa], a number or an array.
+
+        Returns
+        -------
+        dict
+            of ``p_s`` and ``p_m``: true where the relation does not hold, in the shape of ``main_pressure``.
+        """
         pressures = self.section_pressures(main_pressure, 0.0)
         return {section: pressures[section] > np.maximum(main_pressure, 0.0) for section in ("p_s", "p_m")}

@@ -71,7 +71,17 @@ checked_controller, controllers = CONTROLLERS.checked, CONTROLLERS.usable
 
 
 def load_controller(id_or_path: str | Path) -> Controller:
-    """Load a shipped controller by id or a workshop's own by path.
+    """Load a controller from its file.
+
+    Parameters
+    ----------
+    id_or_path
+        the id of one that is shipped or in the workshop's own catalogue, or the path of a file.
+
+    Returns
+    -------
+    Controller
+        checked; ``doubts`` say what is unusual.
 
     Raises
     ------

@@ -129,7 +129,21 @@ class Origin:
 
 @dataclass(frozen=True)
 class Headed:
-    """What the head of a catalogue file says, of the object that it describes."""
+    """What the head of a catalogue file says, of the object that it describes.
+
+    Attributes
+    ----------
+    id
+        by which options, files and reports name it.
+    name
+        what people see.
+    source
+        where its numbers come from.
+    date
+        of the source or of the entry, as ``2026-01-31``.
+    note
+        what a reader of a result must know; empty where there is nothing.
+    """
 
     id: str
     name: str

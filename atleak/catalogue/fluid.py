@@ -36,29 +36,63 @@ HIGHEST_TEMPERATURE = 150.0  # °C: no source in the catalogue measured a fluid 
 class Fluid(Headed):
     """One automatic transmission fluid.
 
-    ``points`` are the data sheet's (temperature [°C], kinematic viscosity [m²/s]); ``table`` holds
-    (temperature [°C], kinematic viscosity [m²/s], density [kg/m³]) where a source tabulates both.
+    Attributes
+    ----------
+    representative
+        which of its values are representative.
+    points
+        the data sheet's (temperature [°C], kinematic viscosity [m²/s]).
+    table
+        (temperature [°C], kinematic viscosity [m²/s], density [kg/m³]) where a source tabulates both.
+    density_at
+        (temperature [°C], density [kg/m³]) of the data sheet.
+    density_slope
+        change of density with temperature [kg/(m³·K)].
+    pour_point
+        below it nothing is computed [°C]; None where none is stated.
+    study_regression
+        whether the source study's eqs. (29) and (30) describe this fluid.
+    state
+        whether the data are those of the fresh or the used fluid.
+    used
+        id of the entry with this fluid's used data.
+    viscosity_half_width
+        relative: the viscosity may lie anywhere within ± this of what is given.
+    origin
+        the file.
+    doubts
+        values that are possible and unusual.
+    fresh
+        the fluid of which this is the used state, made by `in_state`.
     """
 
     representative: tuple[str, ...]
     points: tuple[tuple[float, float], ...]
     table: tuple[tuple[float, float, float], ...]
-    density_at: tuple[float, float]  # (temperature [°C], density [kg/m³])
-    density_slope: float  # [kg/(m³·K)]
-    pour_point: float | None  # [°C]
-    study_regression: bool  # whether the source study's eqs. (29) and (30) describe this fluid
+    density_at: tuple[float, float]
+    density_slope: float
+    pour_point: float | None
+    study_regression: bool
     state: FluidState
-    used: str | None  # id of the entry with this fluid's used data
-    viscosity_half_width: float  # relative: the viscosity may lie anywhere within ± this of what is given
+    used: str | None
+    viscosity_half_width: float
     origin: Origin
-    doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)  # values that are possible and unusual
-    fresh: Fluid | None = field(default=None, repr=False, compare=False)  # of which it is the used state by `in_state`
+    doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)
+    fresh: Fluid | None = field(default=None, repr=False, compare=False)
 
     def in_state(self, state: FluidState) -> Fluid:
         """Return this fluid fresh or used.
 
-        Used, it has its own used data where its file names them; or else `_USED_VISCOSITY` times the fresh one's
-        viscosity, its middle as the value and its width as `viscosity_half_width`, with the fresh one's density.
+        Parameters
+        ----------
+        state
+            the state wanted.
+
+        Returns
+        -------
+        Fluid
+            used, with its own used data where its file names them; else with the fresh one's density and a viscosity
+            thinner by `USED_THINNER`, the middle as the value and the width as `viscosity_half_width`.
 
         Raises
         ------
@@ -93,29 +127,68 @@ class Fluid(Headed):
         return self.viscosity_half_width > 0.0
 
     def kinematic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
-        """Return the kinematic viscosity [m²/s] at a temperature [°C]; an array gives an array.
+        """Compute the kinematic viscosity.
 
-        ``d341``: ASTM D341 through the lowest and highest data-sheet point. ``tabulated``: straight lines of
-        log ν between the table's points (the data sheet's where there is no table). ``regression``: the source study's
-        eq. (29), whatever the fluid. Outside `span` the result is NaN: see `span` and `messages`.
+        Parameters
+        ----------
+        temperature
+            [°C], a number or an array.
+        model
+            ``d341``: ASTM D341 through the lowest and highest data-sheet point. ``tabulated``: straight lines of log ν
+            between the table's points (the data sheet's where there is no table). ``regression``: the source study's
+            eq. (29), whatever the fluid.
+
+        Returns
+        -------
+        float or array
+            ν [m²/s] in the shape of ``temperature``; NaN outside `span`. `messages` says where the model is weak.
         """
         return _plain(self._viscosity(self._inside(temperature, model), model))
 
     def density(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
-        """Return the density [kg/m³] at a temperature [°C]; NaN where the viscosity is NaN.
+        """Compute the density.
 
-        ``tabulated`` takes the table's, linear between points, ``regression`` eq. (30); any other model takes a line
-        through the data sheet's point.
+        Parameters
+        ----------
+        temperature
+            [°C], a number or an array.
+        model
+            ``tabulated`` takes the table's density, linear between points, ``regression`` eq. (30); any other model
+            takes a line through the data sheet's point.
+
+        Returns
+        -------
+        float or array
+            ρ [kg/m³] in the shape of ``temperature``; NaN outside `span`.
         """
         return _plain(self._density(self._inside(temperature, model), model))
 
     def dynamic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
-        """Return μ = ν·ρ [Pa·s] at a temperature [°C]; NaN outside the fluid's data."""
+        """Compute the dynamic viscosity, μ = ν·ρ.
+
+        Parameters
+        ----------
+        temperature
+            [°C], a number or an array.
+        model
+            as `kinematic_viscosity` and `density` take it.
+
+        Returns
+        -------
+        float or array
+            μ [Pa·s] in the shape of ``temperature``; NaN outside `span`.
+        """
         inside = self._inside(temperature, model)
         return fluid_equations.dynamic_viscosity(self._viscosity(inside, model), self._density(inside, model))
 
     def span(self, model: ViscosityModel = "d341") -> tuple[float, float]:
-        """Return the lowest and highest temperature [°C] at which the model answers."""
+        """Return the lowest and the highest temperature [°C] at which a model answers.
+
+        Parameters
+        ----------
+        model
+            as `kinematic_viscosity` takes it.
+        """
         if model == "regression":
             return STUDY_LOWEST, STUDY_HIGHEST
         if model == "tabulated":
@@ -125,7 +198,14 @@ class Fluid(Headed):
         return lowest, HIGHEST_TEMPERATURE
 
     def require(self, temperature: float, model: ViscosityModel = "d341") -> None:
-        """Raise where the model has no answer.
+        """Raise where a model has no answer.
+
+        Parameters
+        ----------
+        temperature
+            [°C].
+        model
+            as `kinematic_viscosity` takes it.
 
         Raises
         ------
@@ -160,7 +240,15 @@ class Fluid(Headed):
         )
 
     def messages(self, lowest: float, highest: float, model: ViscosityModel = "d341") -> list[Message]:
-        """Return what a reader must know of results between two temperatures [°C]."""
+        """Return what a reader must know of results between two temperatures.
+
+        Parameters
+        ----------
+        lowest, highest
+            the two temperatures [°C].
+        model
+            as `kinematic_viscosity` takes it.
+        """
         messages = []
         if model == "d341" and not fluid_equations.astm_d341_reliable(lowest):
             text = Sentence(
@@ -387,7 +475,17 @@ checked_fluid, fluids = FLUIDS.checked, FLUIDS.usable
 
 
 def load_fluid(id_or_path: str | Path) -> Fluid:
-    """Load a fluid by its id, shipped or of the workshop's own, or from a file by its path.
+    """Load a fluid from its file.
+
+    Parameters
+    ----------
+    id_or_path
+        the id of one that is shipped or in the workshop's own catalogue, or the path of a file.
+
+    Returns
+    -------
+    Fluid
+        in the state that its data describe; ``doubts`` say what is unusual.
 
     Raises
     ------

@@ -200,18 +200,42 @@ class Steps:
 
 @dataclass(frozen=True)
 class Limits(Headed):
-    """A set of limits; a rule that is None is not applied."""
+    """A set of limits; a rule that is None is not applied.
 
-    wear: Steps | None  # of the fraction (c_r − c_m)/c_m
-    clearance: Steps | None  # of the radial clearance [m]
-    pair_share: Steps | None  # of leakage / pump capacity of one land, as a fraction
-    total_share: Steps  # of the whole controller, as a fraction
+    Attributes
+    ----------
+    wear
+        of (c_r − c_m)/c_m, as a fraction.
+    clearance
+        of the radial clearance [m].
+    pair_share
+        of leakage / pump capacity of one land, as a fraction.
+    total_share
+        of the whole valve body, likewise.
+    origin
+        the file.
+    reserve
+        of the pump, as a ratio; falling: less is worse.
+    circuit_loss
+        of the pressure lost against new [Pa].
+    below_permissible
+        of how far main pressure is below the permissible, as a fraction of it.
+    commanded_pressure
+        of how far main pressure is from what is commanded [Pa].
+    doubts
+        values that are possible and unusual.
+    """
+
+    wear: Steps | None
+    clearance: Steps | None
+    pair_share: Steps | None
+    total_share: Steps
     origin: Origin
-    reserve: Steps | None = None  # of the pump, falling
-    circuit_loss: Steps | None = None  # of the pressure lost against new [Pa]
-    below_permissible: Steps | None = None  # of how far main pressure is below the permissible, as a fraction of it
-    commanded_pressure: Steps | None = None  # of how far main pressure is from what is commanded [Pa]
-    doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)  # values that are possible and unusual
+    reserve: Steps | None = None
+    circuit_loss: Steps | None = None
+    below_permissible: Steps | None = None
+    commanded_pressure: Steps | None = None
+    doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)
 
     @property
     def fixed_bands(self) -> tuple[tuple[Band, float], ...]:
@@ -476,7 +500,17 @@ checked_limits, limit_sets = LIMIT_SETS.checked, LIMIT_SETS.usable
 
 
 def load_limits(id_or_path: str | Path) -> Limits:
-    """Load a set of limits by its id, shipped or of the workshop's own, or from a file by its path.
+    """Load a set of limits from its file.
+
+    Parameters
+    ----------
+    id_or_path
+        the id of one that is shipped or in the workshop's own catalogue, or the path of a file.
+
+    Returns
+    -------
+    Limits
+        checked; ``doubts`` say what is unusual.
 
     Raises
     ------

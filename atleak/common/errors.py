@@ -22,7 +22,13 @@ _NAMES_SHOWN = 40  # of those that would have been valid
 
 
 class AtleakError(Exception):
-    """Everything atleak raises on purpose."""
+    """Everything atleak raises on purpose.
+
+    Parameters
+    ----------
+    sentence
+        what is wrong.
+    """
 
     def __init__(self, sentence: Sentence) -> None:
         super().__init__(sentence)

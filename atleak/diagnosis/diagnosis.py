@@ -1,89 +1,136 @@
-"""Judge a unit by its limits: which pairs, by which rule, and what they cost the pump."""
+"""The result: which pairs of a unit are past a limit, by which rule, and what they cost the pump."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 from atleak.catalogue.circuits import Circuit
-from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
-from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
-from atleak.catalogue.instruments import Instruments
+from atleak.catalogue.controller import Controller, Land
+from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
-from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import Complaint, Repair
-from atleak.common.cache import kept_with
-from atleak.common.errors import Message, translates_refusals
+from atleak.common.errors import Message
 from atleak.common.verdicts import Band, Verdict, worst
-from atleak.diagnosis.gauge_check import PressureCheck, check_pressures
+from atleak.diagnosis.gauge_check import PressureCheck
 from atleak.diagnosis.land import (
     NO_RATE,
     LandDiagnosis,
     PumpDiagnosis,
-    diagnosed_land,
-    diagnosed_pump,
     replace_mileage,
     without_rate,
 )
-from atleak.diagnosis.messages import messages_of, sheet_messages
 from atleak.diagnosis.provisional import AssumedBasis, Representative
-from atleak.diagnosis.road import diagnosed_road, leakage_over
+from atleak.diagnosis.road import leakage_over
 from atleak.diagnosis.road_findings import RoadFindings
-from atleak.diagnosis.rules import Rule, UnitRules, cannot_be, farthest_first, unit_rules
+from atleak.diagnosis.rules import Rule, cannot_be, farthest_first
 from atleak.diagnosis.uncertainty import (
-    DEFAULTS,
-    GUARD_FACTOR,
-    Assumptions,
     Decision,
     RuleDecision,
     UnitUncertainty,
-    assess,
     certainty,
 )
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.operation import Losses, pressure_losses
-from atleak.engine.profile import WORKSHOP, Profile
-from atleak.engine.projection import BesideNew, Projection, project
+from atleak.engine.operation import Losses
+from atleak.engine.profile import Profile
+from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.engine.road_pressure import TemperatureClass, temperature_classes
-from atleak.measurements.gauge_readings import PressureTable
-from atleak.measurements.readings import MeasuringTemperature, Readings, clearances
+from atleak.measurements.readings import MeasuringTemperature, Readings
 from atleak.measurements.road_test import RoadTest
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """All that is known of a unit, with the inputs it follows from; reports and pages compute nothing more."""
+    """All that is known of a unit, with the inputs it follows from; reports and pages compute nothing more.
+
+    Attributes
+    ----------
+    readings
+        of the measuring sheet; None without one.
+    measured_at
+        temperature of gauge and parts; None without readings.
+    controller
+        the type of valve body, with the pump of this job.
+    fluid
+        in its state.
+    fluid_state_assumed
+        nobody said whether it is fresh or used, and fresh is taken.
+    limits
+        by which it is judged.
+    profile
+        by which it is computed.
+    mileage
+        of the vehicle [km]; None where nobody stated it.
+    model
+        the engine with the clearances as measured.
+    as_new
+        the engine with every land new.
+    as_unworn
+        the engine with every land as wide as its readings may have been when new.
+    lands
+        in the controller's order.
+    projections
+        at every condition that is judged, the stated one first.
+    new_projections
+        of the same unit new, at the same conditions and with the same fluid.
+    unworn_projections
+        of the unworn unit, likewise; growth is judged by it.
+    losses
+        which lands cost the line and every circuit how much pressure [Pa], at the same conditions.
+    road
+        leakage over the log; None without one, and where none can be computed over it.
+    log
+        what the log says by itself; None without one.
+    pressures
+        gauge readings of the standing vehicle, judged; None without any.
+    uncertainty
+        of flows, shares and totals; None without readings.
+    total_rules
+        of the total share at every condition that is judged, the stated one first.
+    pressure_rules
+        of reserve, circuits and permissible pressure at the same conditions.
+    pump
+        the pump, judged by its clearances.
+    pump_new
+        the diagnosis of the same sheet with the pump new; None where the pump is not measured.
+    complaint
+        the customer's, as the controller maps it to conditions and lands.
+    messages
+        what a reader of the result must know.
+    repairs
+        that the workshop chose to plan with; of other lands the cheapest is planned.
+    """
 
     readings: Readings | None
-    measured_at: MeasuringTemperature | None  # of gauge and parts; None without readings
+    measured_at: MeasuringTemperature | None
     controller: Controller
-    fluid: Fluid  # in its state
-    fluid_state_assumed: bool  # nobody said whether it is fresh or used, and fresh is taken
+    fluid: Fluid
+    fluid_state_assumed: bool
     limits: Limits
     profile: Profile
-    mileage: float | None  # [km]
-    model: LeakageModel = field(repr=False)  # the engine with the clearances as measured
-    as_new: LeakageModel = field(repr=False)  # and with every land new
-    as_unworn: LeakageModel = field(repr=False)  # and as wide as its readings may have been when new
-    lands: tuple[LandDiagnosis, ...]  # in the controller's order
-    projections: tuple[Projection, ...]  # at every condition that is judged, the stated one first
-    new_projections: tuple[Projection, ...]  # of the same unit new, at the same conditions and with the same fluid
-    unworn_projections: tuple[Projection, ...]  # of the unworn unit, likewise; growth is judged by it
-    losses: tuple[Losses, ...]  # of the line and every circuit, which lands cost it what, at the same conditions
-    road: RoadLeakage | None  # None without a log, and where no leakage can be computed over it
-    log: RoadFindings | None  # what the log says by itself; None without one
-    pressures: PressureCheck | None  # gauge readings of the standing vehicle; None without any
-    uncertainty: UnitUncertainty | None  # None without readings
-    total_rules: tuple[Rule, ...]  # of the total share at every condition that is judged, the stated one first
-    pressure_rules: tuple[Rule, ...]  # of reserve, circuits and permissible pressure at the same conditions
+    mileage: float | None
+    model: LeakageModel = field(repr=False)
+    as_new: LeakageModel = field(repr=False)
+    as_unworn: LeakageModel = field(repr=False)
+    lands: tuple[LandDiagnosis, ...]
+    projections: tuple[Projection, ...]
+    new_projections: tuple[Projection, ...]
+    unworn_projections: tuple[Projection, ...]
+    losses: tuple[Losses, ...]
+    road: RoadLeakage | None
+    log: RoadFindings | None
+    pressures: PressureCheck | None
+    uncertainty: UnitUncertainty | None
+    total_rules: tuple[Rule, ...]
+    pressure_rules: tuple[Rule, ...]
     pump: PumpDiagnosis
-    pump_new: Diagnosis | None = field(repr=False)  # of the same sheet with the pump new; None where it is not measured
-    complaint: Complaint | None  # of the customer, as the controller maps it to conditions and lands
+    pump_new: Diagnosis | None = field(repr=False)
+    complaint: Complaint | None
     messages: tuple[Message, ...]
-    repairs: tuple[Repair, ...] = ()  # that the workshop chose to plan with; of other lands the cheapest is planned
+    repairs: tuple[Repair, ...] = ()
 
     @property
     def projection(self) -> Projection:
@@ -101,7 +148,13 @@ class Diagnosis:
         return () if self.complaint is None else self.complained_of(self.complaint)
 
     def complained_of(self, complaint: Complaint) -> tuple[Projection, ...]:
-        """Return the projections at which a complaint that the valve body's file maps can show."""
+        """Return the projections at which a complaint can show.
+
+        Parameters
+        ----------
+        complaint
+            one of the controller's.
+        """
         return tuple(each for name in complaint.conditions for each in self.projections if each.condition.name == name)
 
     @property
@@ -135,28 +188,66 @@ class Diagnosis:
         return [each.condition for each in self.projections].index(projection.condition)
 
     def total_rule(self, projection: Projection) -> Rule:
-        """Return the rule of the total at the condition of one of the projections."""
+        """Return the rule of the total share at a condition.
+
+        Parameters
+        ----------
+        projection
+            one of `projections`, or of the new or unworn unit, at that condition; so below.
+        """
         return self.total_rules[self._place(projection)]
 
     def unworn_at(self, projection: Projection) -> Projection:
-        """Return the projection of the unit as it may have been when new at the condition of one of the projections."""
+        """Return the projection of the unit as it may have been when new.
+
+        Parameters
+        ----------
+        projection
+            at that condition.
+        """
         return self.unworn_projections[self._place(projection)]
 
     def new_at(self, projection: Projection) -> Projection:
-        """Return the projection of the same unit new at the condition of one of the projections."""
+        """Return the projection of the same unit new.
+
+        Parameters
+        ----------
+        projection
+            at that condition.
+        """
         return self.new_projections[self._place(projection)]
 
     def losses_at(self, projection: Projection) -> Losses:
-        """Return which lands cost the line and every circuit what at one of the conditions [Pa]."""
+        """Return which lands cost the line and every circuit how much pressure [Pa].
+
+        Parameters
+        ----------
+        projection
+            at that condition.
+        """
         return self.losses[self._place(projection)]
 
     def loss_by(self, land: LandDiagnosis, projection: Projection) -> float | None:
-        """Return what a land costs the circuit that loses most by it [Pa]; None where no pressure is solved."""
+        """Return what a land costs the circuit that loses most by it [Pa]; None where no pressure is solved.
+
+        Parameters
+        ----------
+        land
+            one of `lands`.
+        projection
+            at the condition.
+        """
         losses = self.losses_at(projection)
         return max((of_lands.get(land.key, 0.0) for of_lands in losses.values()), default=None)
 
     def within(self, rule: Rule) -> Verdict:
-        """Return what a rule says within its limits: nothing unmeasured is ok, nor a circuit of which a land is not."""
+        """Return what a rule says within its limits: nothing unmeasured is ok, nor a circuit of which a land is not.
+
+        Parameters
+        ----------
+        rule
+            one of the unit.
+        """
         if rule.condition is None:  # gauges and logs measured it
             return Verdict.OK
         lands = () if rule.circuit is None else self.lands_of(rule.circuit, rule.condition.gear)
@@ -164,23 +255,53 @@ class Diagnosis:
         return Verdict.OK if self.judged and whole else Verdict.NOT_MEASURED
 
     def lands_of(self, circuit: Circuit, gear: int) -> tuple[LandDiagnosis, ...]:
-        """Return the lands that leak from or into a circuit in a gear."""
+        """Return the lands that leak from or into a circuit in a gear.
+
+        Parameters
+        ----------
+        circuit
+            one of the controller's.
+        gear
+            the gear engaged.
+        """
         gaps = [gap for gap in self.controller.gaps if gear in gap.gears]
         keys = {gap.key for gap in gaps if circuit.id in (gap.high.section, gap.low.section)}
         return tuple(land for land in self.lands if land.key in keys)
 
     def verdict_on(self, rule: Rule | None) -> Verdict | None:
-        """Return the verdict of a rule of the unit; None without one, as of a circuit that is vented."""
+        """Return the verdict of a rule of the unit; None without one, as of a circuit that is vented.
+
+        Parameters
+        ----------
+        rule
+            one of the unit's, or None.
+        """
         if rule is None:
             return None
         return rule.verdict if rule.verdict.flagged else self.within(rule)
 
     def at(self, condition: OperatingPoint) -> Projection:
-        """Return the projection at one of the conditions that were judged."""
+        """Return the projection at one of the conditions that were judged.
+
+        Parameters
+        ----------
+        condition
+            equal to that of the projection.
+        """
         return next(each for each in self.projections if each.condition == condition)
 
     def over(self, road_test: RoadTest) -> RoadLeakage:
-        """Compute the leakage over a road test, or a part of one, with the same model.
+        """Compute the leakage over a road test with the same model.
+
+        Parameters
+        ----------
+        road_test
+            the road test, or a part of one.
+
+        Returns
+        -------
+        RoadLeakage
+            leakage [m³/s] and share at every sample.
 
         Raises
         ------
@@ -197,9 +318,14 @@ class Diagnosis:
         return temperature_classes(self.road, self.limits.total_share, self.as_unworn if self.judged else None)
 
     def band(self, projection: Projection) -> Band | None:
-        """Return the band that the total share of one of the projections has reached; None where nothing was measured.
+        """Return the band that the total share has reached; None where nothing was measured.
 
         The totals of a unit that nobody measured are those of a new one: what is not measured is never green.
+
+        Parameters
+        ----------
+        projection
+            at the condition.
         """
         return Band(self.total_rule(projection).level) if self.judged else None
 
@@ -278,12 +404,16 @@ class Diagnosis:
         return Representative(self.controller, self.fluid, states, uses_slip=self.model.uses_slip).bases(rules)
 
     def with_mileage(self, mileage: float | None) -> Diagnosis:
-        """Return the same at another mileage [km]: only when lands are to be replaced, and a message, follow from it.
+        """Return the same at another mileage: only when lands are to be replaced, and a message, follow from it.
 
-        None stands for the one that the sheet's head states. Whether a rate of wear is known is said once, before what
-        is said of the instruments.
+        Whether a rate of wear is known is said once, before what is said of the instruments.
+
+        Parameters
+        ----------
+        mileage
+            [km]; None for the one that the sheet's head states.
         """
-        mileage = _mileage(mileage, self.readings)
+        mileage = mileage_of(mileage, self.readings)
         if mileage == self.mileage:
             return self
         lands = tuple(
@@ -322,7 +452,13 @@ class Diagnosis:
         return tuple(each for each in own if cannot_be(each)) if self.judged else ()
 
     def decided(self, rule: Rule) -> RuleDecision | None:
-        """Return the decision on one of the unit's rules; None where it depends on readings that are not there."""
+        """Return the decision on one of the unit's rules; None where it depends on readings that are not there.
+
+        Parameters
+        ----------
+        rule
+            one of the unit's.
+        """
         shown = [*(self.pressures.decisions if self.pressures else ()), *(self.log.decisions if self.log else ())]
         shown += self.pump.decisions
         measured = next((each for each in shown if each.rule == rule), None)
@@ -346,11 +482,27 @@ class Diagnosis:
         return (*of_clearances, *self.gauge_rules, *self.log_rules)
 
     def pressure_rules_at(self, projection: Projection) -> tuple[Rule, ...]:
-        """Return the rules of reserve, circuits and permissible pressure at one of the conditions."""
+        """Return the rules of reserve, circuits and permissible pressure at a condition.
+
+        Parameters
+        ----------
+        projection
+            at that condition.
+        """
         return tuple(rule for rule in self.pressure_rules if rule.condition == projection.condition)
 
     def pressure_rule(self, projection: Projection, kind: RuleKind, circuit: Circuit | None = None) -> Rule | None:
-        """Return one of them, of a circuit that of its loss; None where that is not judged."""
+        """Return one of them; None where that is not judged.
+
+        Parameters
+        ----------
+        projection
+            at that condition.
+        kind
+            what the rule judges.
+        circuit
+            whose loss it judges; None for reserve and permissible pressure.
+        """
         rules = self.pressure_rules_at(projection)
         return next((rule for rule in rules if rule.kind is kind and rule.circuit == circuit), None)
 
@@ -412,180 +564,6 @@ class Diagnosis:
         return sum(land.state.status == "measured" for land in self.lands)
 
 
-@translates_refusals
-def diagnose(
-    controller: Controller,
-    fluid: Fluid,
-    limits: Limits,
-    *,
-    fluid_state: FluidState | None = None,
-    readings: Readings | None = None,
-    road_test: RoadTest | None = None,
-    pressures: PressureTable | None = None,
-    profile: Profile = WORKSHOP,
-    condition: OperatingPoint | None = None,
-    mileage: float | None = None,
-    measuring_temperature: float | None = None,
-    pump_clearances: PumpClearances = NO_CLEARANCES,
-    instruments: Instruments | None = None,
-    assumptions: Assumptions = DEFAULTS,
-    guard_factor: float = GUARD_FACTOR,
-    complaint: Complaint | None = None,
-) -> Diagnosis:
-    """Diagnose a unit from its readings and a road test: a verdict for every land and for the whole.
-
-    Parameters
-    ----------
-    controller, fluid, limits
-        from the catalogue or the workshop's own files.
-    fluid_state
-        whether the fluid in the transmission is fresh or used; as its data are unless given, and a message says so.
-    readings
-        those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
-    road_test, pressures
-        log, over which leakage is computed where it holds main pressure, and gauge readings of the standing vehicle.
-    condition
-        condition at which leakage is projected; the controller's first operating point unless given.
-    mileage
-        of the vehicle [km], as the sheet's head states it unless given.
-    measuring_temperature
-        that of gauge and parts when they were measured [°C]; as the sheet's head states it unless given, else 20 °C.
-    pump_clearances
-        those measured of this job's pump; else as the sheet's head states them, or as of a new pump.
-    instruments, assumptions
-        with which the readings were taken, and what else is uncertain; the catalogue's defaults unless given.
-    guard_factor
-        k of the guard band k·u around every limit; 1.645 leaves a risk of 5 %.
-    complaint
-        one of the controller's, which leads the result; it changes no number and no verdict.
-
-    Raises
-    ------
-    DomainError
-        a condition's temperature outside the fluid's data.
-    InputError
-        a fluid that its data describe as used, taken as fresh.
-    ReadingsError
-        a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
-    """
-    mileage = _mileage(mileage, readings)
-    measured_pump = pump_clearances if readings is None else pump_clearances.or_else(readings.pump)
-    described, controller = controller, controller.with_measured_pump(measured_pump)
-    pump_new = None
-    if readings is not None and controller.pump.as_new is not None and profile.pump_efficiency == "wilson":
-        pump_new = diagnose(
-            described,
-            fluid,
-            limits,
-            fluid_state=fluid_state,
-            readings=kept_with(readings, "pump", "new", partial(replace, readings, pump=NO_CLEARANCES)),
-            profile=profile,
-            condition=condition,
-            mileage=mileage,
-            measuring_temperature=measuring_temperature,
-            instruments=instruments,
-            assumptions=assumptions,
-            guard_factor=guard_factor,
-        )
-    if readings is not None:
-        controller = readings.own_lands.applied(controller)
-    condition = condition or controller.operating_points[0]
-    fluid_state_assumed = fluid_state is None and fluid.state == "fresh"
-    fluid = fluid if fluid_state is None else fluid.in_state(fluid_state)
-    measured_at = None if readings is None else readings.measured_at(measuring_temperature)
-    temperature = REFERENCE_TEMPERATURE if measured_at is None else measured_at.value
-    states = clearances(readings, controller, temperature=temperature, instruments=instruments)
-    unit = BesideNew.of(LeakageModel(controller, states, fluid, profile), states, condition)
-    road = diagnosed_road(road_test, unit.model, condition, limits, assumptions, guard_factor)
-    measured = [state.land.key for state in states if state.measured]
-    rules, uncertainty = _judged(unit, limits, road.leakage, pump_new, readings, instruments, assumptions, guard_factor)
-    better = pump_new.unit_rules if pump_new else ()
-    checked = (
-        None
-        if pressures is None
-        else check_pressures(
-            pressures,
-            unit.model,
-            limits,
-            projections=unit.now,
-            readings=readings,
-            instruments=instruments,
-            assumptions=assumptions,
-            guard_factor=guard_factor,
-        )
-    )
-    messages = [
-        *messages_of(unit, road, readings),
-        *limits.doubts,
-        *(checked.messages if checked else ()),
-        *road.messages,
-        *([fresh_assumed(fluid)] if fluid_state_assumed else ()),
-        *sheet_messages(readings, measured_at, uncertainty, road_test, mileage),
-    ]
-    return Diagnosis(
-        readings=readings,
-        measured_at=measured_at,
-        controller=controller,
-        fluid=fluid,
-        fluid_state_assumed=fluid_state_assumed,
-        limits=limits,
-        profile=profile,
-        mileage=mileage,
-        model=unit.model,
-        as_new=unit.as_new,
-        as_unworn=unit.as_unworn,
-        lands=tuple(diagnosed_land(state, unit.now, unit.new, rules, mileage, uncertainty) for state in states),
-        projections=unit.now,
-        new_projections=unit.new,
-        unworn_projections=unit.unworn,
-        losses=tuple(pressure_losses(unit.model, unit.as_new, each.condition, measured) for each in unit.now),
-        road=road.leakage,
-        log=road.log,
-        pressures=checked,
-        uncertainty=uncertainty,
-        total_rules=rules.totals,
-        pressure_rules=rules.pressures,
-        pump=diagnosed_pump(controller.pump, rules, better, assumptions.pump_clearance, guard_factor),
-        pump_new=pump_new,
-        complaint=complaint,
-        messages=tuple(dict.fromkeys(messages)),
-    )
-
-
-def _judged(
-    unit: BesideNew,
-    limits: Limits,
-    road: RoadLeakage | None,
-    pump_new: Diagnosis | None,
-    readings: Readings | None,
-    instruments: Instruments | None,
-    assumptions: Assumptions,
-    guard_factor: float,
-) -> tuple[UnitRules, UnitUncertainty | None]:
-    """Judge every rule of a unit; with readings by what is likely, and return how sure that is."""
-    rules = unit_rules(unit.states, unit.now, unit.unworn, limits, unit.model.controller.operating_points)
-    if readings is None:
-        return rules, None
-    model = unit.model
-    rests_on = model, limits, instruments, assumptions
-    uncertainty = assess(
-        model,
-        unit.states,
-        unit.now,
-        rules,
-        readings=readings,
-        instants={at: project(model, road.condition_at(at)) for at in road.instants} if road else {},
-        instruments=instruments,
-        assumptions=assumptions,
-        guard_factor=guard_factor,
-        # carried through for these readings before, where nothing but the conditions has changed since
-        cache=kept_with(readings, "spreads", rests_on, dict, most=1),
-    )
-    if pump_new is not None and pump_new.uncertainty is not None:  # a worn pump makes no land worn
-        uncertainty = uncertainty.with_lands_of(pump_new.uncertainty)
-    return uncertainty.judged(rules), uncertainty
-
-
-def _mileage(stated: float | None, readings: Readings | None) -> float | None:
+def mileage_of(stated: float | None, readings: Readings | None) -> float | None:
     """Return the mileage [km] that was stated, or else the one of the sheet's head."""
     return stated if stated is not None or readings is None else readings.identity.mileage

@@ -30,6 +30,7 @@ from atleak.diagnosis.uncertainty.sources import find_sources
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import LINE as LINE_SECTION
 from atleak.engine.projection import Projection, project
+from atleak.measurements.clearances import LandClearance
 from atleak.measurements.gauge_readings import (
     LINE_TAP,
     TOGETHER,
@@ -45,7 +46,7 @@ from atleak.measurements.gauge_readings import (
     tap_name,
     taps_of,
 )
-from atleak.measurements.readings import LandClearance, Readings
+from atleak.measurements.readings import Readings
 
 _SHOWN = 8  # cells named in a message
 _STEP = 5.0  # [K] to which a stated temperature is rounded where losses are drawn

@@ -27,7 +27,7 @@ from atleak.diagnosis.uncertainty.decision import decide_normal
 from atleak.diagnosis.uncertainty.sources import LandSources
 from atleak.engine.projection import Projection
 from atleak.equations.statistics import normal_quantile
-from atleak.measurements.readings import LandClearance
+from atleak.measurements.clearances import LandClearance
 
 MILEAGE_COVERAGE = 0.90  # of the intervals of rates and of mileages
 FARTHEST = 1.0e6  # [km] beyond which nobody foresees a repair: choice of this project

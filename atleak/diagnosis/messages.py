@@ -25,10 +25,11 @@ from atleak.diagnosis.road import RoadDiagnosis
 from atleak.diagnosis.rules import cannot_be
 from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.diagnosis.uncertainty.sources import LandSources
-from atleak.engine.leakage import narrow_gap_messages
+from atleak.engine.gap_messages import narrow_gap_messages
 from atleak.engine.profile import Profile
 from atleak.engine.projection import BesideNew, Projection
-from atleak.measurements.readings import LandClearance, MeasuringTemperature, Readings
+from atleak.measurements.clearances import LandClearance
+from atleak.measurements.readings import MeasuringTemperature, Readings
 from atleak.measurements.road_test import RoadTest
 
 # All choices of this project; benchmarks/common_shift.py says how often they are right.

@@ -14,7 +14,7 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.known_values import known_values
 from atleak.catalogue.limits import RuleKind
 from atleak.diagnosis.rules import Rule
-from atleak.measurements.readings import LandClearance
+from atleak.measurements.clearances import LandClearance
 
 
 class AssumedBasis(StrEnum):

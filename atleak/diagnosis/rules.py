@@ -20,7 +20,7 @@ from atleak.catalogue.repairs import LandKey
 from atleak.common.sentences import Name, Sentence
 from atleak.common.verdicts import Band, Verdict
 from atleak.engine.projection import Projection
-from atleak.measurements.readings import LandClearance
+from atleak.measurements.clearances import LandClearance
 
 _OWN_LIMIT_SOURCE = "the valve body's file"
 _MANUAL = "the pump's manual, as the valve body's file states it"

@@ -17,7 +17,7 @@ each gap and each sample would take a hundred times as long. It must give the sa
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
@@ -29,18 +29,13 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.section_pressures import SECTIONS
-from atleak.common.errors import Message, translates_refusals
-from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import PERCENT, UM, Quantity
+from atleak.common.errors import translates_refusals
 from atleak.engine import network as circuits
 from atleak.engine import restrictions
 from atleak.engine.profile import UNKNOWN, Profile
 from atleak.equations import clearance as clearance_equations
 from atleak.equations import gap as gap_equations
 from atleak.equations import pump as pump_equations
-
-#: Part of a gap's flow [-] from which on the entry loss is reported: choice of this project.
-ENTRY_LOSS_WORTH_SAYING = 0.1
 
 Moments = tuple[float, float]  # second [m²] and third [m³] central moment of a radial clearance
 
@@ -269,7 +264,16 @@ class _Factors(NamedTuple):
 class LeakageModel:
     """A controller with given clearances, a fluid and a profile, ready to be evaluated at any condition.
 
-    The profile's ``pump_draw`` says which gaps count as leakage: every gap, or those that end in the sump.
+    Attributes
+    ----------
+    controller
+        whose gaps leak.
+    clearances
+        of every land, as `atleak.clearances` gives them.
+    fluid
+        in its state.
+    profile
+        how to compute; its ``pump_draw`` says which gaps count as leakage: every gap, or those that end in the sump.
     """
 
     controller: Controller
@@ -307,17 +311,30 @@ class LeakageModel:
         )
 
     def gaps_in(self, gear: int) -> tuple[Gap, ...]:
-        """Return the gaps that see a pressure drop in a gear, in the order of `network` and `gaps`."""
+        """Return the gaps that see a pressure drop in a gear, in the order of `network` and `gaps`.
+
+        Parameters
+        ----------
+        gear
+            the gear engaged.
+        """
         return tuple(geometry.gap for geometry in self.geometries if gear in geometry.gap.gears)
 
     @translates_refusals
     def network(self, condition: OperatingPoint, temperature: Any = None) -> circuits.Network:
-        """Return the gaps, leaks and feeds of the condition's gear, with its fluid, as a network.
+        """Set up the gaps, leaks and feeds of the condition's gear, with its fluid, as a network.
 
         Parameters
         ----------
+        condition
+            the operating point.
         temperature
             [°C] in place of the condition's; an array gives a network of arrays.
+
+        Returns
+        -------
+        Network
+            ready to be balanced against the pressures of the sections.
 
         Raises
         ------
@@ -411,10 +428,17 @@ class LeakageModel:
 
         Parameters
         ----------
+        condition
+            the operating point.
         pressures
             [Pa] of every section and circuit; as the condition has them unless given.
         network
             that of the condition, where it is at hand.
+
+        Returns
+        -------
+        tuple of GapLeakage
+            in the order of `gaps_in`, with pressure drop [Pa] and leakage [m³/s].
 
         Raises
         ------
@@ -455,16 +479,45 @@ class LeakageModel:
         )
 
     def dynamic_viscosity(self, temperature: Any) -> Any:
-        """Return μ [Pa·s] by the profile's viscosity model; NaN outside the fluid's data."""
+        """Return μ [Pa·s] by the profile's viscosity model; NaN outside the fluid's data.
+
+        Parameters
+        ----------
+        temperature
+            [°C], a number or an array.
+        """
         return self.fluid.dynamic_viscosity(temperature, self.profile.viscosity)
 
     @translates_refusals
     def pump_capacity(self, engine_speed: Any, main_pressure: Any, temperature: Any) -> Any:
-        """Return what the pump delivers [m³/s] at an engine speed [1/s]; never below zero."""
+        """Compute what the pump delivers, never less than nothing.
+
+        Parameters
+        ----------
+        engine_speed
+            [1/s], a number or an array, as the others.
+        main_pressure
+            p_g [Pa].
+        temperature
+            [°C]; it and the pressure count only where the profile takes slip.
+
+        Returns
+        -------
+        float or array
+            Q [m³/s]; arrays broadcast.
+        """
         return self.pump.capacity(engine_speed, main_pressure, self._viscosity_for_slip(temperature))
 
     def pump_slip(self, main_pressure: Any, temperature: Any) -> Any:
-        """Return Wilson's slip flow [m³/s], which does not depend on speed."""
+        """Return Wilson's slip flow [m³/s], which does not depend on speed.
+
+        Parameters
+        ----------
+        main_pressure
+            p_g [Pa], a number or an array.
+        temperature
+            [°C], likewise.
+        """
         return self.pump.slip(main_pressure, self._viscosity_for_slip(temperature))
 
     @property
@@ -473,104 +526,19 @@ class LeakageModel:
         return self.pump.with_slip
 
     def minimum_speed(self, leakage: float, main_pressure: float, temperature: float) -> float:
-        """Return the lowest engine speed [1/s] at which the pump covers a leakage [m³/s] at that pressure."""
+        """Return the lowest engine speed at which the pump covers a leakage, n_min [1/s].
+
+        Parameters
+        ----------
+        leakage
+            [m³/s].
+        main_pressure
+            p_g that is to be held [Pa].
+        temperature
+            [°C].
+        """
         return float(self.pump.minimum_speed(leakage, main_pressure, self._viscosity_for_slip(temperature)))
 
     def _viscosity_for_slip(self, temperature: Any) -> Any:
         """Compute μ [Pa·s] only where there is slip to compute: over a log it takes longer than all the rest."""
         return self.dynamic_viscosity(temperature) if self.uses_slip else None
-
-
-# --- messages
-
-
-def gap_messages(law: GapLaw, gaps: Sequence[GapLeakage], condition: OperatingPoint) -> list[Message]:
-    """Report reversed drops, a large entry loss and turbulence at one condition."""
-    messages = []
-    reversed_ = [gap for gap in gaps if gap.pressure_drop < 0 and not gap.leaks_back]
-    if reversed_:
-        text = Sentence(
-            "{condition}: the pressure drop is negative and counts as no leakage at {lands}.",
-            condition=condition,
-            lands=_lands(reversed_),
-        )
-        messages.append(Message("warning", "reversed_pressure_drop", text))
-    messages += _entry_loss_messages(law, gaps, condition)
-    fast = [gap for gap in gaps if gap.reynolds_number > gap_equations.LAMINAR_REYNOLDS]
-    if fast:
-        text = Sentence(
-            "{condition}: Reynolds number over {limit:g}, the flow may not be laminar, at {lands}.",
-            condition=condition,
-            limit=gap_equations.LAMINAR_REYNOLDS,
-            lands=_lands(fast),
-        )
-        messages.append(Message("warning", "not_laminar", text))
-    return messages
-
-
-def narrow_gap_messages(gaps: Iterable[GapLeakage]) -> list[Message]:
-    """Report once how many lands have a gap so narrow that its walls' boundary layer partly closes it.
-
-    ``gaps`` are those of a unit at all its conditions.
-    """
-    clearances: dict[tuple[str, int], float] = {}  # the least of each land
-    for gap in gaps:
-        clearances[gap.gap.key] = min(gap.effective_clearance, clearances.get(gap.gap.key, np.inf))
-    regime = gap_equations.obliteration(np.array(list(clearances.values())))
-    narrow = np.count_nonzero(regime != "free")
-    if not narrow:
-        return []
-    narrowest = min(clearances, key=lambda key: clearances[key])
-    text = Sentence(
-        "{narrow} of {lands} lands that leak have gaps of {free:g} {free.unit} or less at operating temperature, which "
-        "the boundary layer partly closes: their leakage is an upper bound. The narrowest is {narrowest} with "
-        "{clearance} {clearance.unit}.",
-        narrow=int(narrow),
-        lands=len(clearances),
-        free=Quantity(gap_equations.FREE_CLEARANCE * UM, "clearance"),
-        narrowest=named_land(narrowest),
-        clearance=Quantity(clearances[narrowest] * UM, "clearance", 1),
-    )
-    return [Message("info", "partly_closed_gap", text)]
-
-
-def _entry_loss_messages(law: GapLaw, gaps: Sequence[GapLeakage], condition: OperatingPoint) -> list[Message]:
-    """Report how much of the flow by friction alone the entry loss takes, or would take, where that is much."""
-    if not gaps:
-        return []
-    drop, clearance, length = np.array(
-        [(gap.pressure_drop, gap.effective_clearance, gap.contact_length) for gap in gaps]
-    ).T
-    losses = law.entry_loss(drop, clearance, gaps[0].kinematic_viscosity, gaps[0].density, length)
-    taken: dict[Sentence, float] = {}
-    for gap, loss in zip(gaps, losses.tolist(), strict=True):
-        if loss > ENTRY_LOSS_WORTH_SAYING:
-            (land,) = _lands([gap])
-            taken[land] = max(loss, taken.get(land, 0.0))
-    if not taken:
-        return []
-    largest_first = sorted(taken.items(), key=lambda item: -item[1])
-    amounts = tuple(Sentence("{loss:.0f} % at {land}", loss=loss * PERCENT, land=land) for land, loss in largest_first)
-    if law.linear:
-        text = Sentence(
-            "{condition}: the entry loss is left out, so flows are too high. It would take off {amounts}.",
-            condition=condition,
-            amounts=amounts,
-        )
-        return [Message("warning", "entry_loss", text)]
-    text = Sentence(
-        "{condition}: of the flow by friction alone the entry loss takes off {amounts}.",
-        condition=condition,
-        amounts=amounts,
-    )
-    return [Message("info", "entry_loss", text)]
-
-
-def _lands(gaps: Iterable[GapLeakage]) -> list[Sentence]:
-    return sorted({named_land(gap.gap.key) for gap in gaps})
-
-
-def named_land(key: tuple[str, int]) -> Sentence:
-    """Name a land by component and number, as messages do: ``25 land 1``."""
-    component, land = key
-    return Sentence("{component} land {land}", component=component, land=land)

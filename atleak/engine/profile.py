@@ -21,6 +21,8 @@ class Profile:
 
     Attributes
     ----------
+    name
+        of the profile that it was made from.
     diameter
         ``spool``: the gap law with the spool's diameter, as the study prints. ``mean``: with spool diameter plus
         effective clearance, which agrees with the exact annulus to (c/r)²/60.
@@ -78,6 +80,11 @@ class Profile:
     def with_options(self, **options: Any) -> Profile:
         """Return this profile with some options set.
 
+        Parameters
+        ----------
+        **options
+            by the names of the attributes, values as they are or as text.
+
         Raises
         ------
         InputError
@@ -97,7 +104,19 @@ _SWITCH = {"true": "on", "false": "off", "1": "on", "0": "off"}  # other words f
 
 
 def find_profile(name: str, settings: dict[str, str] | None = None) -> Profile:
-    """Find a profile by name, with options given as text (``{"eccentricity": "0.5"}``).
+    """Find a profile by name.
+
+    Parameters
+    ----------
+    name
+        ``workshop`` or ``paper``.
+    settings
+        options as text, which replace the profile's own: ``{"eccentricity": "0.5"}``.
+
+    Returns
+    -------
+    Profile
+        with those options.
 
     Raises
     ------

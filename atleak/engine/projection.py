@@ -16,12 +16,13 @@ from atleak.common.errors import InputError, Message, one_of, translates_refusal
 from atleak.common.sentences import Name, Sentence
 from atleak.common.unit_systems import KPA, PERCENT, Quantity
 from atleak.engine.balance import Balance
-from atleak.engine.leakage import GapLeakage, LeakageModel, gap_messages
+from atleak.engine.gap_messages import gap_messages
+from atleak.engine.leakage import GapLeakage, LeakageModel
 from atleak.engine.network import Network
 from atleak.engine.operation import SURELY_LESS, Held, Operation, consumed
 from atleak.engine.restrictions import leaks_both_ways
 from atleak.equations.clearance import worn_clearance
-from atleak.measurements.readings import LandClearance
+from atleak.measurements.clearances import LandClearance
 
 
 @dataclass(frozen=True)

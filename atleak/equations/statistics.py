@@ -79,6 +79,16 @@ def normal_quantile(probability: ArrayLike) -> Any:
 def rectangular(half_width: ArrayLike) -> Any:
     """Compute the standard uncertainty of a value known to lie within ± a half width, ``a/√3``.
 
+    Parameters
+    ----------
+    half_width : float or array
+        a, in any unit.
+
+    Returns
+    -------
+    float or array
+        u, in the same unit.
+
     Raises
     ------
     DomainError
@@ -194,9 +204,14 @@ def probability_over(value: ArrayLike, limit: ArrayLike, standard_uncertainty: A
     value : float or array
         y, as measured.
     limit : float or array
-        T.
+        T, in the unit of y.
     standard_uncertainty : float or array
-        u. Where it is zero the probability is 0 up to the limit and 1 above.
+        u, likewise. Where it is zero the probability is 0 up to the limit and 1 above.
+
+    Returns
+    -------
+    float or array
+        0 to 1.
 
     Raises
     ------
@@ -224,10 +239,26 @@ def probability_over(value: ArrayLike, limit: ArrayLike, standard_uncertainty: A
 def guard_band(standard_uncertainty: ArrayLike, factor: float = 1.645) -> Any:
     """Compute the distance to keep from a limit, ``k u``; 1.645 leaves a one-sided risk of 5 %.
 
+    Parameters
+    ----------
+    standard_uncertainty : float or array
+        u, in any unit.
+    factor : float
+        k.
+
+    Returns
+    -------
+    float or array
+        in the unit of u.
+
     Raises
     ------
     DomainError
         Negative uncertainty or factor.
+
+    References
+    ----------
+    JCGM 106:2012, 8.3, and ILAC-G8:09/2019.
 
     Examples
     --------

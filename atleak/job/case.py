@@ -36,7 +36,8 @@ from atleak.common.cache import kept_with
 from atleak.common.damage import DAMAGE, reason_in_short
 from atleak.common.errors import AtleakError, InputError, Message, Place, RoadTestError, reason_of
 from atleak.common.sentences import Sentence
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR, LandSources
 from atleak.diagnosis.uncertainty.sources import sources_of_sheet
 from atleak.engine.profile import PROFILES, Profile, find_profile

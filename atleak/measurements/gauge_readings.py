@@ -75,12 +75,28 @@ class GaugeReading:
 
 @dataclass(frozen=True)
 class PressureTable:
-    """All gauge readings of one table; a cell that is not among them was not measured."""
+    """All gauge readings of one table; a cell that is not among them was not measured.
+
+    Attributes
+    ----------
+    file
+        its name.
+    sha256
+        of its bytes.
+    sheet
+        the workbook's sheet; None for text files.
+    units
+        in which the pressures were written.
+    readings
+        in the table's order.
+    messages
+        what was assumed.
+    """
 
     file: str
     sha256: str
-    sheet: str | None  # None for text files
-    units: tuple[str, ...]  # in which they were written
+    sheet: str | None
+    units: tuple[str, ...]
     readings: tuple[GaugeReading, ...]
     messages: tuple[Message, ...] = ()
 
@@ -91,10 +107,18 @@ class PressureTable:
         return tuple(sorted(taps, key=lambda tap: tap != LINE_TAP))
 
     def line_beside(self, reading: GaugeReading) -> GaugeReading | None:
-        """Return the line's reading in the same range and state that belongs to one of a tap; None without any.
+        """Find the line's reading that belongs to one of a tap, in the same range and state.
 
-        It is the nearest in time, and none where that is more than `TOGETHER` away; or the one of the same or nearest
-        repeat; or the last, where neither is stated.
+        Parameters
+        ----------
+        reading
+            that of the tap.
+
+        Returns
+        -------
+        GaugeReading or None
+            the nearest in time, and none where that is more than `TOGETHER` away; or the one of the same or nearest
+            repeat; or the last, where neither is stated.
         """
         lines = self.at(replace(reading.cell, tap=LINE_TAP))
         timed = [line for line in lines if line.time is not None]
@@ -107,7 +131,13 @@ class PressureTable:
         return lines[-1] if lines else None
 
     def at(self, cell: GaugeCell) -> tuple[GaugeReading, ...]:
-        """Return the readings of one cell in the order in which they were taken; none where it was not measured."""
+        """Return the readings of one cell in the order in which they were taken; none where it was not measured.
+
+        Parameters
+        ----------
+        cell
+            range, state of the engine and tap.
+        """
         readings = (reading for reading in self.readings if reading.cell == cell)
         return tuple(sorted(readings, key=lambda reading: reading.repeat))
 

@@ -133,15 +133,40 @@ class Segment:
 class RoadTest:
     """A road test as the engine takes it.
 
-    ``time`` is a common base [s], ascending: the stamps of the log's rows (of its channels, where each has its
-    own). A log whose clock jumps back goes on behind the stretch before it, as a segment of its own. `values` puts a
-    channel on that base by holding its last own sample, never across a segment's end, never for longer than
-    three of the channel's usual intervals; before the first sample there is NaN. Nothing is interpolated.
+    `values` puts a channel on the common base by holding its last own sample, never across a segment's end, never for
+    longer than three of the channel's usual intervals; before the first sample there is NaN. Nothing is interpolated.
 
-    ``refused`` says of a quantity that the log lacks why the column that bears its name was not taken.
-
-    ``rows`` counts the data rows of the file, ``duration`` [s] is from the first stamp to the last, each
-    stretch between backward jumps for itself.
+    Attributes
+    ----------
+    file
+        the log's name.
+    sha256
+        of its bytes.
+    rows
+        data rows of the file.
+    duration
+        from the first stamp to the last [s], of each stretch between backward jumps for itself.
+    time
+        common base [s], ascending, shape ``(samples,)``: the stamps of the log's rows (of its channels, where each has
+        its own). A log whose clock jumps back goes on behind the stretch before it, as a segment of its own.
+    channels
+        by quantity.
+    segments
+        stretches without a gap or a backward jump.
+    messages
+        what was assumed, and what is suspect.
+    format
+        of the file, as ``csv`` or ``mdf``.
+    encoding
+        of a text.
+    delimiter
+        of a text, between its columns.
+    decimal
+        of a text, the decimal sign.
+    refused
+        of quantities that the log lacks: why the column that bears the name was not taken.
+    date
+        of the first sample, where the log states it beyond doubt.
     """
 
     file: str
@@ -157,7 +182,7 @@ class RoadTest:
     delimiter: str | None = None
     decimal: str | None = None
     refused: Mapping[str, Sentence] = field(default_factory=dict)
-    date: dt.date | None = None  # of the first sample, where the log states it beyond doubt
+    date: dt.date | None = None
     _held: dict[str, np.ndarray] = field(default_factory=dict, repr=False)
 
     @property
@@ -166,7 +191,12 @@ class RoadTest:
         return ("time", *self.channels)
 
     def channel(self, quantity: str) -> Channel | None:
-        """Return the channel of a quantity with its own stamps, or None when the log has none.
+        """Return the channel of a quantity with its own stamps; None when the log has none.
+
+        Parameters
+        ----------
+        quantity
+            one of `QUANTITIES`.
 
         Raises
         ------
@@ -177,14 +207,29 @@ class RoadTest:
         return self.channels.get(quantity)
 
     def kind(self, quantity: str) -> ChannelKind | None:
-        """Return whether a pressure is measured, commanded or unknown; None when the log has none."""
+        """Return whether a pressure is measured, commanded or unknown; None when the log has none.
+
+        Parameters
+        ----------
+        quantity
+            one of `QUANTITIES`.
+        """
         channel = self.channel(quantity)
         return channel.kind if channel else None
 
     def values(self, quantity: str) -> np.ndarray | None:
-        """Return a channel on the common base: shape ``(len(time),)``, SI, NaN where not sampled or suspect.
+        """Put a channel on the common base.
 
-        Returns None when the log does not hold the quantity. The array is shared: do not write into it.
+        Parameters
+        ----------
+        quantity
+            one of `QUANTITIES`.
+
+        Returns
+        -------
+        array or None
+            shape ``(len(time),)``, SI, NaN where not sampled or suspect; None when the log does not hold the quantity.
+            The array is shared: do not write into it.
 
         Raises
         ------
@@ -208,7 +253,13 @@ class RoadTest:
         return hold(channel.time, channel.good, self.time, self.segments)
 
     def window(self, start: float, stop: float) -> RoadTest:
-        """Return the part with ``start <= time <= stop`` [s]; ``rows`` then counts the base's stamps inside."""
+        """Return a part; its ``rows`` count the base's stamps inside.
+
+        Parameters
+        ----------
+        start, stop
+            its first and last stamp [s], both inside.
+        """
         inside = (self.time >= start) & (self.time <= stop)
         time = self.time[inside]
         channels = {}

@@ -27,8 +27,9 @@ from atleak.common.errors import InputError, Place, ReadingsError
 from atleak.common.sentences import Sentence
 from atleak.common.unit_systems import MM
 from atleak.common.units import unit, unit_names
+from atleak.measurements.clearances import LandClearance, clearances, far_from_nominal
 from atleak.measurements.measuring_plan import PLAN_PARTS, CellKey, Plan, PlanCell
-from atleak.measurements.readings import TYPED_MARK, LandClearance, Reading, Readings, clearances, far_from_nominal
+from atleak.measurements.readings import TYPED_MARK, Reading, Readings
 from atleak.readers.cells.sheet_file import csv_bytes, csv_rows
 from atleak.readers.sheets.plausibility import contradictions, off_by_factor
 from atleak.readers.sheets.words import diameter, is_blank

@@ -23,8 +23,8 @@ from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project
+from atleak.measurements.clearances import clearances
 from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, GaugeReading, PressureTable
-from atleak.measurements.readings import clearances
 
 Gauges = Literal["each reading", "each tap", "one"]  # what errs alike
 WORN = 0.2  # of the lands

@@ -20,7 +20,8 @@ from atleak.catalogue.controller_tables import NewOrigin
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.instruments import Instruments, load_instrument
 from atleak.catalogue.limits import Limits, load_limits
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
 from simulated.flows import Circumstances, TrueFlows, true_flows
 from simulated.gauges import Reader

@@ -19,7 +19,7 @@ from atleak.diagnosis.uncertainty import DEFAULTS, UnitUncertainty, assess
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import UNKNOWN, WORKSHOP
 from atleak.engine.projection import project, project_unworn
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from simulated.flows import Circumstances, TrueFlows, true_flows
 from simulated.gauges import Reader
 from simulated.pairs import Pair, random_forms

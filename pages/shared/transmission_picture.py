@@ -9,7 +9,8 @@ from atleak.catalogue.controller_file import written_toml
 from atleak.catalogue.workbook.draft import Checked
 from atleak.catalogue.workbook.subjects import sketch
 from atleak.common.errors import AtleakError
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.report.charts.drawing import controller_svg
 from atleak.report.charts.flows import flow_diagram, flow_svg
 from atleak.report.sheets.controller_workbook import SPOOL_PICTURE

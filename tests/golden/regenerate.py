@@ -13,7 +13,7 @@ from typing import Any
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.limits import load_limits
-from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.profile import PROFILES
 from atleak.readers.logs import read_road_test
 from atleak.readers.sheets.measuring_sheet import read_readings

@@ -12,7 +12,7 @@ import openpyxl
 import pytest
 
 from atleak.catalogue.controller_file import load_controller
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from atleak.readers.sheets.measuring_sheet import read_readings
 
 HEADINGS = (

@@ -18,7 +18,8 @@ from atleak.diagnosis.uncertainty import Assumptions, UnitUncertainty, assess
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project, project_unworn
-from atleak.measurements.readings import Reading, Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Reading, Readings
 
 UM = 1e-6
 ASSUMED = Assumptions(

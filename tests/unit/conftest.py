@@ -21,7 +21,8 @@ from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.limits import Limits, load_limits
 from atleak.common.errors import Place
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.profile import PROFILES
 from atleak.measurements.readings import Reading, Readings
 from atleak.measurements.road_test import Channel, RoadTest, Segment

@@ -18,7 +18,8 @@ from atleak.catalogue.pump import NO_CLEARANCES
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import Message
 from atleak.common.sentences import Name, Sentence
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.road_findings import RoadFindings
 from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR, LandUncertainty

@@ -33,7 +33,8 @@ from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.uncertainty.assumptions import DEFAULTS
 from atleak.diagnosis.uncertainty.sources import LandSources, find_sources
-from atleak.measurements.readings import Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Readings
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import land_rules
 from atleak.engine.projection import project, repaired, with_even_clearance
-from atleak.measurements.readings import LandClearance
+from atleak.measurements.clearances import LandClearance
 
 
 @dataclass(frozen=True)

@@ -143,6 +143,16 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     Where the controller's file names repairs, a land is mended by one that leaves it within its limits of clearance,
     wear and share, with the clearance that this leaves; where none does, or none is named, it is made as new. Which
     of them, and which lands within their limits, `choose` says for `Goal.EVERY_LIMIT`: the cheapest, or the fewest.
+
+    Parameters
+    ----------
+    diagnosis
+        as `atleak.diagnose` gives it.
+
+    Returns
+    -------
+    RepairPlan
+        steps in their order, what each brings, and what stays past its limits.
     """
     choice = choose(diagnosis)
     jobs = in_order(choice)

@@ -15,7 +15,7 @@ from atleak.analysis.repair.totals import LandChoice, RepairableUnit
 from atleak.catalogue.repairs import LandKey
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.projection import repaired
-from atleak.measurements.readings import LandClearance
+from atleak.measurements.clearances import LandClearance
 
 # ISO 4217:2015, list one: minor units where they are not two.
 _NONE = ("BIF", "CLP", "DJF", "GNF", "ISK", "JPY", "KMF", "KRW", "PYG", "RWF", "UGX", "VND", "VUV", "XAF", "XOF", "XPF")

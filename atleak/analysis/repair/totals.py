@@ -19,7 +19,7 @@ from atleak.diagnosis.rules import Rule, permissible_low
 from atleak.engine.operation import LINE, WORTH_NAMING, LandStates, Repaired
 from atleak.engine.projection import Projection
 from atleak.equations.statistics import normal_quantile
-from atleak.measurements.readings import LandClearance
+from atleak.measurements.clearances import LandClearance
 
 LandChoice = Mapping[LandKey, int]  # the state of each land by its number; as measured where it is not named
 

@@ -26,7 +26,7 @@ from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import with_wear
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.engine.series import leakage_series
-from atleak.measurements.readings import LandClearance, clearances
+from atleak.measurements.clearances import LandClearance, clearances
 from atleak.measurements.road_test import Channel, RoadTest
 
 FRESH_FLUID = "hipol_atf_iid"

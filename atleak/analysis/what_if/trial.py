@@ -20,9 +20,10 @@ from atleak.common.errors import DomainError, InputError, Message, unknown
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.rules import Rule, unit_rules
-from atleak.engine.leakage import Clearance, LeakageModel, narrow_gap_messages
+from atleak.engine.gap_messages import narrow_gap_messages
+from atleak.engine.leakage import Clearance, LeakageModel
 from atleak.engine.projection import Projection, project, project_unworn, stated_condition
-from atleak.measurements.readings import LandClearance
+from atleak.measurements.clearances import LandClearance
 
 
 @dataclass(frozen=True)

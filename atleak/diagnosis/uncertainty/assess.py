@@ -37,10 +37,12 @@ from atleak.diagnosis.uncertainty.results import (
 )
 from atleak.diagnosis.uncertainty.sources import PARTS, LandSources, RepeatSpread, find_sources
 from atleak.engine.extremes import Instant
-from atleak.engine.leakage import LeakageModel, named_land
+from atleak.engine.gap_messages import named_land
+from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import Projection
 from atleak.equations.statistics import normal_quantile
-from atleak.measurements.readings import LandClearance, Readings
+from atleak.measurements.clearances import LandClearance
+from atleak.measurements.readings import Readings
 
 COVERAGE = 0.95
 _OPEN = 0.49  # at most so likely is it that a land which has not surely grown draws too much because of its wear

@@ -24,15 +24,14 @@ from atleak.equations.statistics import (
     pooled_standard_deviation,
     rectangular,
 )
-from atleak.measurements.readings import (
+from atleak.measurements.clearances import (
     REPEAT_TOLERANCE,
     LandClearance,
-    Reading,
-    Readings,
     clearances,
     independent_repeats,
     repeats_that_count,
 )
+from atleak.measurements.readings import Reading, Readings
 
 PARTS: tuple[Part, ...] = ("spool", "sleeve")
 OF_A_DIAMETER = 0.5  # part of a diameter's error that the radial clearance c_r = (D − d)/2 takes
@@ -252,7 +251,7 @@ def find_sources(
     Parameters
     ----------
     states
-        as from `atleak.measurements.readings.clearances`.
+        as from `atleak.measurements.clearances.clearances`.
     readings
         the measuring sheet from which the clearances come.
     """

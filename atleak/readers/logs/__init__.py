@@ -40,19 +40,26 @@ def read_road_test(
     Parameters
     ----------
     source
-        A path, or the file's bytes (then ``name`` names it in messages). Delimited text in any usual encoding, xlsx,
-        Parquet, MDF4, or a gz of one of them; the content decides, not the extension.
+        a path, or the file's bytes. Delimited text in any usual encoding, xlsx, Parquet, MDF4, or a gz of one of them;
+        the content decides, not the extension.
+    name
+        what to call the file in messages; the path's own name by default.
     mapping
-        Quantity → column, by header text or ``column 3``; `NOT_LOGGED` where no column holds it.
+        quantity → column, by header text or ``column 3``; `NOT_LOGGED` where no column holds it.
     units
-        Quantity → unit, where the file does not state it or states it wrongly.
+        quantity → unit, where the file does not state it or states it wrongly.
     constants
-        Quantity → value in SI [°C for temperatures] for a channel the log does not hold. For ``time``, the seconds from
+        quantity → value in SI [°C for temperatures] for a channel the log does not hold. For ``time``, the seconds from
         row to row of a log without a clock.
     every
-        Of how many rows, or of how many samples of a channel with its own clock, one is read.
+        of how many rows, or of how many samples of a channel with its own clock, one is read.
     remembered
-        A file of mappings chosen earlier (see `remember` and `default_path`); None: none are consulted.
+        a file of mappings chosen earlier (see `remember` and `default_path`); None: none are consulted.
+
+    Returns
+    -------
+    RoadTest
+        in SI, with its suspect samples marked.
 
     Raises
     ------

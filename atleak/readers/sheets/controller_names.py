@@ -16,7 +16,7 @@ from atleak.common.errors import ReadingsError, nearest_name
 from atleak.common.sentences import Name, Sentence
 from atleak.common.units import Unit, unit
 from atleak.common.wording import languages, own_table
-from atleak.measurements.readings import NOMINAL_TOLERANCE
+from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.readers.cells.sheet import Cell
 from atleak.readers.sheets.words import numbers_in, plain, plane_names, text_of
 

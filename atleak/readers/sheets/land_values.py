@@ -19,8 +19,8 @@ from atleak.common.sentences import Name, Sentence
 from atleak.common.unit_systems import MM as TO_MM
 from atleak.common.unit_systems import UM, Quantity
 from atleak.common.units import Unit, find_unit
+from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.measurements.own_lands import LENGTHS_MEASURED, REPAIR_FITTED, FittedRepair, OwnLands, OwnLength
-from atleak.measurements.readings import NOMINAL_TOLERANCE
 from atleak.readers.cells.sheet import Cell
 from atleak.readers.sheets.column_headings import HeadedColumn
 from atleak.readers.sheets.columns import find_columns

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from atleak.common.errors import Message, MessageLevel, Place, ReadingsError
 from atleak.common.sentences import Sentence, all_of, any_of, counted
 from atleak.common.units import Unit, find_unit
-from atleak.measurements.readings import REPEAT_TOLERANCE
+from atleak.measurements.clearances import REPEAT_TOLERANCE
 from atleak.readers.cells.sheet import Sheet
 from atleak.readers.sheets.column_headings import Role, unit_of_heading
 from atleak.readers.sheets.controller_names import (

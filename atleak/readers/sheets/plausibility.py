@@ -16,14 +16,8 @@ from atleak.common.sentences import Sentence, all_of
 from atleak.common.unit_systems import MM as TO_MM
 from atleak.common.unit_systems import UM, Quantity
 from atleak.common.units import find_unit, unit, unit_names
-from atleak.measurements.readings import (
-    NOMINAL_TOLERANCE,
-    REPEAT_TOLERANCE,
-    LandClearance,
-    Reading,
-    Readings,
-    clearances,
-)
+from atleak.measurements.clearances import NOMINAL_TOLERANCE, REPEAT_TOLERANCE, LandClearance, clearances
+from atleak.measurements.readings import Reading, Readings
 from atleak.readers.sheets.controller_names import MILLIMETRE
 
 _CLEARANCE_LIMIT = 0.5e-3  # [m] radial; a pair further apart than this is a slip of the pen: choice of this project

@@ -52,7 +52,15 @@ def to_json(record: Any) -> str:
 def diagnosis_record(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the record of a diagnosis, in the form ``atleak diagnose --json`` writes.
 
-    It is made once and kept with the diagnosis: not to be changed.
+    Parameters
+    ----------
+    diagnosis
+        as `atleak.diagnose` gives it.
+
+    Returns
+    -------
+    dict
+        made once and kept with the diagnosis: not to be changed.
     """
     return kept_with(diagnosis, "record", "", lambda: _record(diagnosis), most=1)
 

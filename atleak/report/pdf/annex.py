@@ -16,7 +16,8 @@ from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import DECISIONS, LandUncertainty, RuleDecision, UnitUncertainty
 from atleak.diagnosis.uncertainty.results import MOST_BUDGETS, BudgetLine, budget_lines, combined
 from atleak.equations.statistics import normal_cdf, normal_quantile
-from atleak.measurements.readings import LandClearance, Reading
+from atleak.measurements.clearances import LandClearance
+from atleak.measurements.readings import Reading
 from atleak.report.pdf.blocks import Block, joined, listed, named_facts, text
 from atleak.report.pdf.printed_names import PrintedPart
 from atleak.report.tables.names import component_words, has_number, land_number

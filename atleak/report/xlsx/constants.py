@@ -25,7 +25,7 @@ from atleak.engine.leakage import GapLaw
 from atleak.engine.profile import UNKNOWN
 from atleak.equations.fluid import ABSOLUTE_ZERO, ASTM_D341_SHIFT, STUDY_DENSITY, STUDY_VISCOSITY
 from atleak.equations.gap import ECCENTRIC_GAIN, ENTRY_AND_EXIT_LOSS, FULLY_ECCENTRIC, MEAN_ECCENTRIC
-from atleak.measurements.readings import REPEAT_TOLERANCE
+from atleak.measurements.clearances import REPEAT_TOLERANCE
 from atleak.report.xlsx import live_sheet as names
 from atleak.report.xlsx.book import NO_DELIVERY, ReportBook
 from atleak.report.xlsx.live_sheet import (

@@ -24,7 +24,8 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.uncertainty.sources import PARTS
-from atleak.measurements.readings import REPEAT_TOLERANCE, Reading, Station, independent_repeats, repeats_that_count
+from atleak.measurements.clearances import REPEAT_TOLERANCE, Station, independent_repeats, repeats_that_count
+from atleak.measurements.readings import Reading
 from atleak.report.xlsx.book import ReportBook, cell_span
 from atleak.report.xlsx.live_sheet import (
     CHANGEABLE,

@@ -22,11 +22,12 @@ from atleak.catalogue.limits import LimitsFile, load_limits
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.common.errors import CatalogueError
-from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PROFILES
 from atleak.engine.projection import Projection, project
-from atleak.measurements.readings import Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Readings
 
 Edited = Callable[..., Path]
 

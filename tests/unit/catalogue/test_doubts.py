@@ -16,7 +16,7 @@ from atleak.catalogue.fluid import FluidFile, checked_fluid, load_fluid
 from atleak.catalogue.instruments import checked_instrument, load_instrument
 from atleak.catalogue.limits import LimitsFile, checked_limits, load_limits
 from atleak.common.errors import CatalogueError
-from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.examination import diagnose
 
 LOAD: Mapping[str, Callable[[str], Any]] = {
     "controllers": load_controller, "fluids": load_fluid, "limits": load_limits, "instruments": load_instrument,

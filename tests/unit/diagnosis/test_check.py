@@ -16,7 +16,8 @@ from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import languages, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.gauge_check import CheckedReading
 from atleak.diagnosis.gauge_patterns import Pattern
 from atleak.diagnosis.uncertainty import DEFAULTS
@@ -24,8 +25,8 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project
 from atleak.job.case import Case, SourceFile
+from atleak.measurements.clearances import clearances
 from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, GaugeReading, PressureTable
-from atleak.measurements.readings import clearances
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.tables.gauges import gauge_record, gauge_table, pattern_text

@@ -18,7 +18,8 @@ from atleak.catalogue.limits import Limits, load_limits
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.errors import DomainError
 from atleak.common.verdicts import Verdict
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.engine.leakage import LeakageModel

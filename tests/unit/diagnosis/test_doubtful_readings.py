@@ -13,10 +13,12 @@ from atleak.catalogue.instruments import load_instruments
 from atleak.catalogue.limits import Limits
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import languages, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.diagnosis.uncertainty.sources import find_sources
-from atleak.measurements.readings import Reading, Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Reading, Readings
 from atleak.report.tables.names import land_number
 from atleak.report.tables.sentences import readings_in_doubt
 

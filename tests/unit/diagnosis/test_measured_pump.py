@@ -23,12 +23,14 @@ from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances, PumpGaps
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.engine.projection import project
 from atleak.equations import pump as equations
-from atleak.measurements.readings import Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Readings
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.json.diagnosis import diagnosis_record, to_json
 from atleak.report.pdf import write_pdf

@@ -16,7 +16,8 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.section_pressures import Pressure
 from atleak.common.verdicts import Band, Verdict
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.rules import Rule
 from atleak.engine.profile import PAPER
 from atleak.engine.projection import project, repaired

@@ -16,12 +16,14 @@ from atleak.catalogue.controller_tables import NewOrigin
 from atleak.catalogue.fluid import Fluid, fluids, load_fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.verdicts import Band, Verdict
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.rules import Rule, unit_rules
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PROFILES, Profile
 from atleak.engine.projection import project, project_unworn
-from atleak.measurements.readings import Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Readings
 
 Build = Callable[..., Readings]
 UM = 1e-6

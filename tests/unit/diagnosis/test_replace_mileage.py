@@ -13,7 +13,8 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.land import NO_RATE
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.measurements.readings import Readings, SheetIdentity

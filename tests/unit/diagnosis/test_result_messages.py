@@ -26,8 +26,8 @@ from atleak.engine.road_leakage import evaluate_road_test
 from atleak.equations._domain import positive, within
 from atleak.equations.fluid import astm_d341
 from atleak.equations.pump import face_slip
+from atleak.measurements.clearances import clearances
 from atleak.measurements.gauge_readings import Engine, GaugeCell
-from atleak.measurements.readings import clearances
 from atleak.measurements.road_test import RoadTest
 from atleak.report.tables.sentences import rule_name
 

@@ -14,7 +14,8 @@ from atleak.catalogue.controller_file import controllers, load_controller
 from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind
 from atleak.common.unit_systems import KPA, RPM
 from atleak.common.verdicts import Verdict
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.next_checks import next_checks
 from atleak.diagnosis.road_findings import RoadFindings, road_findings
 from atleak.diagnosis.uncertainty import DEFAULTS

@@ -17,11 +17,13 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.instruments import load_instruments
 from atleak.catalogue.limits import Limits
 from atleak.common.errors import Message
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.messages import CommonShift, common_shift
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.diagnosis.uncertainty.sources import find_sources
-from atleak.measurements.readings import Reading, Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Reading, Readings
 from atleak.measurements.road_test import RoadTest
 
 UM = 1e-6

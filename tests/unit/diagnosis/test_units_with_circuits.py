@@ -15,12 +15,13 @@ from atleak.catalogue.fluid import Fluid, fluids, load_fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.verdicts import Verdict
-from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.rules import Rule, UnitRules, unit_rules
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PROFILES
 from atleak.engine.projection import Projection, project, project_unworn
-from atleak.measurements.readings import Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Readings
 from atleak.readers.sheets.measuring_sheet import read_readings
 
 Build = Callable[..., Readings]

@@ -18,7 +18,8 @@ from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind, Steps
 from atleak.catalogue.section_pressures import Pressure
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import languages, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty.decision import decide_rule
 from atleak.measurements.readings import Reading, Readings

@@ -11,7 +11,7 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.unit_systems import KPA
 from atleak.common.verdicts import Verdict
-from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.examination import diagnose
 from atleak.readers.logs import read_road_test
 from tests.unit.docs.pages import ROOT, text_of
 

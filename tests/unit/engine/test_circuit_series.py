@@ -17,7 +17,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import project
 from atleak.engine.series import LeakageSeries, leakage_series
-from atleak.measurements.readings import LandClearance, clearances
+from atleak.measurements.clearances import LandClearance, clearances
 
 ON = WORKSHOP.with_options(entry_loss="on")
 LOSSLESS = WORKSHOP.with_options(entry_loss="off")

@@ -27,7 +27,7 @@ from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.engine.restrictions import GapBranch
 from atleak.equations import gap as gap_equations
 from atleak.equations import orifice as orifice_equations
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 
 
 def _referee() -> ModuleType:

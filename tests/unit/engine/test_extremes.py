@@ -17,7 +17,7 @@ from atleak.engine.extremes import SUSTAINED_SECONDS, Extremes, running_median, 
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from atleak.measurements.road_test import RoadTest, Segment
 from atleak.readers.logs import read_road_test
 from atleak.readers.sheets.measuring_sheet import read_readings

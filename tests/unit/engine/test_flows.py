@@ -12,7 +12,8 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.flows import FlowKind, FlowPlace, Flows, flows_at
 from atleak.engine.profile import PAPER
 from atleak.engine.projection import Projection, project

@@ -15,9 +15,10 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.section_pressures import PressureRelation
 from atleak.common.errors import DomainError
-from atleak.engine.leakage import GapLaw, LeakageModel, gap_messages, narrow_gap_messages
+from atleak.engine.gap_messages import gap_messages, narrow_gap_messages
+from atleak.engine.leakage import GapLaw, LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
-from atleak.measurements.readings import LandClearance, Station, clearances
+from atleak.measurements.clearances import LandClearance, Station, clearances
 from tests.unit.equations import referees
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from atleak.catalogue.controller_file import load_controller
 from atleak.diagnosis import road as module
-from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.projection import stated_condition
 
 

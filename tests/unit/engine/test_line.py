@@ -22,7 +22,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import Held, Operation, held_pressure, sections_held, with_new
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import project
-from atleak.measurements.readings import LandClearance, clearances
+from atleak.measurements.clearances import LandClearance, clearances
 from tests.unit.conftest import two_of
 from tests.unit.engine.test_flows import ENDS, into
 

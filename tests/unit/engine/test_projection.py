@@ -17,7 +17,8 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import Projection, project, repaired, stated_condition, with_wear
-from atleak.measurements.readings import Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Readings
 
 
 def test_nothing_stated_is_the_first_operating_point(four_speed: Controller) -> None:

@@ -21,7 +21,7 @@ from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import model_unworn
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
 from atleak.engine.road_pressure import temperature_classes
-from atleak.measurements.readings import LandClearance, clearances
+from atleak.measurements.clearances import LandClearance, clearances
 from atleak.measurements.road_test import RoadTest, Segment
 from atleak.readers.sheets.measuring_sheet import read_readings
 

@@ -16,7 +16,7 @@ from atleak.common.errors import RoadTestError
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from atleak.measurements.road_test import RoadTest
 
 LogOf = Callable[..., RoadTest]

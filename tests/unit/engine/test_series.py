@@ -18,7 +18,7 @@ from atleak.engine.log_gaps import ENTRY_LOSS_LEFT_OUT
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.series import leakage_series
 from atleak.equations import gap as gap_equations
-from atleak.measurements.readings import LandClearance, Station, clearances
+from atleak.measurements.clearances import LandClearance, Station, clearances
 from tests.unit.conftest import two_of
 from tests.unit.equations import referees
 

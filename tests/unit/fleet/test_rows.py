@@ -14,7 +14,8 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.errors import InputError
 from atleak.common.verdicts import BANDS, Verdict
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.fleet.columns import DATA_SETS, ERROR_KINDS, HASH, Rows, columns_of
 from atleak.fleet.rows import error_rows, rows_of_result
 from atleak.job.result import result_record

@@ -20,7 +20,8 @@ from atleak.catalogue.limits import Limits
 from atleak.catalogue.repairs import Repair
 from atleak.common.errors import InputError
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
 from atleak.measurements.job_card import Job

@@ -21,7 +21,8 @@ from atleak.catalogue.limits import load_limits
 from atleak.catalogue.pump import PumpClearances
 from atleak.common.errors import InputError
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import stated_condition

@@ -19,7 +19,8 @@ from atleak.catalogue.limits import Limits
 from atleak.catalogue.repairs import Repair
 from atleak.common.errors import ReadingsError
 from atleak.common.verdicts import Verdict
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.measurements.own_lands import FittedRepair, OwnLands, OwnLength
 from atleak.measurements.readings import Reading
 from atleak.readers.sheets.measuring_sheet import read_readings

@@ -15,7 +15,8 @@ from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.instruments import load_instruments
 from atleak.catalogue.limits import load_limits
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.engine.profile import PROFILES
 from atleak.engine.projection import stated_condition

@@ -622,7 +622,8 @@ def test_moving_the_cursors_diagnoses_and_reads_nothing_again(app: AppTest, monk
     def again(*_: object, **__: object) -> None:
         raise AssertionError("the whole job is worked on again")
 
-    for worked in ("job.case.diagnose", "diagnosis.diagnosis.assess", "job.case.understand", "job.case.read_readings"):
+    works = "job.case.diagnose", "diagnosis.examination.assess", "job.case.understand", "job.case.read_readings"
+    for worked in works:
         monkeypatch.setattr(f"atleak.{worked}", again)
     for reading in ("understand", "read_readings"):
         monkeypatch.setattr(f"pages.shared.cases.{reading}", again)

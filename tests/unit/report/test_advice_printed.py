@@ -9,7 +9,8 @@ import pytest
 from atleak.catalogue.limits import LimitOrigin, Steps
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import languages, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.measurements.job_card import Job
 from atleak.report.pdf.printed_names import PrintedNames
 

@@ -17,7 +17,8 @@ from atleak.analysis.pressures import pressures_at
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.unit_systems import UM
 from atleak.common.wording import languages, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty.results import MOST_BUDGETS
 from atleak.equations.statistics import normal_cdf
 from atleak.measurements.job_card import Job

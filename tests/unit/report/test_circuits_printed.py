@@ -19,7 +19,8 @@ from atleak.catalogue.limits import Limits, RuleKind
 from atleak.common.style import find_paper
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import begun, languages, signed, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.rules import Rule
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.measurements.job_card import Job

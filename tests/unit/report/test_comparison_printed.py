@@ -12,7 +12,7 @@ import pytest
 
 from atleak.analysis.comparison import Comparison, compare
 from atleak.common.wording import languages, wording
-from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.examination import diagnose
 from atleak.measurements.job_card import Job
 from atleak.report.charts.comparison_figures import total_chart
 from atleak.report.charts.paper import drawn_on_paper

@@ -15,7 +15,8 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.section_pressures import Pressure
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import languages, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.job.case import Case, SourceFile
 from atleak.measurements.job_card import Job

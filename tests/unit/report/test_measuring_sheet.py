@@ -17,6 +17,7 @@ from PIL import Image
 
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import ReadingsError
+from atleak.measurements.clearances import clearances
 from atleak.measurements.gauge_readings import (
     LINE_TAP,
     Engine,
@@ -27,7 +28,7 @@ from atleak.measurements.gauge_readings import (
     taps_of,
 )
 from atleak.measurements.job_card import Job, Vehicle
-from atleak.measurements.readings import Reading, clearances
+from atleak.measurements.readings import Reading
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.sheets.lands_sheet import LANDS
 from atleak.report.sheets.measuring_head import code_text, fields_of

@@ -23,7 +23,7 @@ from atleak.catalogue.fluid import load_fluid
 from atleak.common.errors import InputError
 from atleak.common.style import look_of
 from atleak.common.wording import languages, own_texts, wording
-from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.land import Crossing
 from atleak.diagnosis.uncertainty import Assumptions
 from atleak.engine.profile import PAPER, WORKSHOP

@@ -11,7 +11,8 @@ import pytest
 
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import signed
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.job.case import Case, SourceFile
 from atleak.report.xlsx import write_workbook
 

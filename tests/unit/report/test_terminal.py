@@ -15,7 +15,8 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.printable import PrintableStream
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.report.terminal import TerminalConsole, print_diagnosis, print_records
 from tests.unit.conftest import with_clearances
 

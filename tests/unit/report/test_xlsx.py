@@ -15,7 +15,7 @@ from atleak.analysis.repair.plan import plan_repairs
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import InputError
 from atleak.common.wording import signed, wording
-from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.measurements.job_card import Job
 from atleak.report.tables.lands import condition_matrix

@@ -14,7 +14,8 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.controller_tables import NewOrigin
 from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty.results import MOST_BUDGETS, combined, effective_degrees, every_line
 from atleak.diagnosis.uncertainty.sources import OF_A_DIAMETER, SLOPES
 from atleak.measurements.readings import Readings

@@ -20,7 +20,8 @@ from atleak.catalogue.instruments import instruments
 from atleak.catalogue.limits import load_limits
 from atleak.common.style import INPUT
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.constants import fluid_formulas

@@ -18,7 +18,8 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, Steps, load_limits
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import signed, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.profile import WORKSHOP
 from atleak.measurements.readings import Readings
 from atleak.readers.sheets.measuring_sheet import read_readings

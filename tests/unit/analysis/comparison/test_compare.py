@@ -16,7 +16,8 @@ from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.limits import Limits
 from atleak.catalogue.pump import PumpClearances
 from atleak.common.errors import InputError
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.diagnosis.uncertainty.draws import Cube, Draws, deviates_of_factors, one_sided_fraction
 from atleak.diagnosis.uncertainty.paired import PairedVisit, _drawn_lands

@@ -13,7 +13,8 @@ from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.catalogue.repairs import LandKey
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.diagnosis.uncertainty.sources import find_sources
-from atleak.measurements.readings import Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Readings
 
 VisitAt = Callable[..., Visit]
 

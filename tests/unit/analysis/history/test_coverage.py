@@ -15,11 +15,13 @@ from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.catalogue.limits import Limits
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.diagnosis.uncertainty.sources import find_sources
 from atleak.engine.projection import project
-from atleak.measurements.readings import Reading, Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Reading, Readings
 
 UM = 1e-6
 

@@ -16,7 +16,8 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.verdicts import Band
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.projection import project, repaired
 from atleak.measurements.readings import Reading, Readings
 from tests.unit.conftest import two_of

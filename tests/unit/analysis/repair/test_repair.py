@@ -17,7 +17,8 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, load_limits
 from atleak.common.verdicts import Band
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project, repaired, stated_condition
 from atleak.measurements.readings import Readings

@@ -22,7 +22,8 @@ from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.repairs import Goal, LandKey, Repair
 from atleak.common.verdicts import Band
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.rules import unit_rules
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project

@@ -19,7 +19,8 @@ from atleak.catalogue.limits import Limits, load_limits
 from atleak.catalogue.repairs import Repair
 from atleak.common.errors import InputError
 from atleak.common.wording import begun, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project, stated_condition
 from atleak.job.case import Case, SourceFile

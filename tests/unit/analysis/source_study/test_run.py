@@ -29,7 +29,7 @@ from atleak.catalogue.controller import Controller
 from atleak.common.errors import RoadTestError
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.equations.gap import annular_flow
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from atleak.measurements.road_test import RoadTest
 from atleak.readers.logs import read_road_test
 from atleak.report.json.diagnosis import to_json

@@ -15,7 +15,8 @@ from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.common.errors import DomainError, InputError
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.projection import project
 from atleak.measurements.readings import Readings
 from atleak.report.tables.what_if import tried_circuit_table, tried_words

@@ -18,7 +18,8 @@ from atleak.diagnosis.uncertainty import NOTHING_ELSE, Assumptions, UnitUncertai
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import Projection, project, project_unworn
-from atleak.measurements.readings import LandClearance, Reading, Readings, clearances
+from atleak.measurements.clearances import LandClearance, clearances
+from atleak.measurements.readings import Reading, Readings
 
 
 def an_instrument(**changed: Any) -> Instrument:

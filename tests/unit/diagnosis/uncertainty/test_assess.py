@@ -22,7 +22,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.engine.projection import project, project_unworn
 from atleak.equations import statistics as equations
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from atleak.report.tables.clearances import budget_rows
 from tests.unit.diagnosis.uncertainty.conftest import a_sheet, new_at, two_instruments
 from tests.unit.equations import referees

@@ -12,7 +12,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.uncertainty import Assumptions
 from atleak.diagnosis.uncertainty.results import BudgetLine, budget_lines, combined, effective_degrees, every_line
 from atleak.diagnosis.uncertainty.sources import LandSources, find_sources
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 
 
 def sources_of(worn: Diagnosis, spool: str, sleeve: str, assumptions: Assumptions) -> tuple[LandSources, ...]:

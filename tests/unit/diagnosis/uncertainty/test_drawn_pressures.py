@@ -16,7 +16,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import sections_held
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 
 
 def test_in_every_draw_the_line_falls_as_far_as_small_steps_say(three_circuits: Controller, hipol: Fluid) -> None:

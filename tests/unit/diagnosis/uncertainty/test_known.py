@@ -10,7 +10,8 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS, propagation
 from atleak.engine.projection import stated_condition
 from atleak.measurements.readings import Readings

@@ -19,7 +19,7 @@ from atleak.diagnosis.uncertainty.propagation import DRAWS as DRAWS_FOR_USERS
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project, project_unworn
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from atleak.readers.sheets.measuring_sheet import read_readings
 
 BITS = 10

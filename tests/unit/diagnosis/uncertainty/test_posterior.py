@@ -16,7 +16,7 @@ from atleak.diagnosis.uncertainty.sources import find_sources
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 
 DRAWS = 2048
 CLUTCH = "clutch_a"

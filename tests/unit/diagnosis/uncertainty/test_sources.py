@@ -11,7 +11,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.diagnosis.uncertainty import NOTHING_ELSE, Assumptions
 from atleak.diagnosis.uncertainty.sources import LandSources, RepeatSpread, find_sources
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from tests.unit.diagnosis.uncertainty.conftest import a_sheet, an_instrument, two_instruments
 
 UM = 1e-6

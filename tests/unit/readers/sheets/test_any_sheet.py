@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.common.errors import ReadingsError
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.sheets.measuring_sheet import write_readings
 

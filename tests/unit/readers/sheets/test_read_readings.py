@@ -13,7 +13,7 @@ import pytest
 import xlsxwriter
 
 from atleak.common.errors import ReadingsError
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from atleak.readers.sheets.measuring_sheet import read_readings
 
 TABLE_1 = (

@@ -9,7 +9,8 @@ import pytest
 
 from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.common.errors import Place, ReadingsError
-from atleak.measurements.readings import LandClearance, Reading, Readings, clearances, independent_repeats
+from atleak.measurements.clearances import LandClearance, clearances, independent_repeats
+from atleak.measurements.readings import Reading, Readings
 
 UM = 1e-6
 

@@ -11,7 +11,7 @@ import pytest
 import xlsxwriter
 
 from atleak.common.errors import InputError, ReadingsError
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from atleak.readers.sheets.measuring_sheet import ReadingsRefused, read_readings
 
 PLACED = ("component", "part", "plane", "x1 [mm]", "x2 [mm]")

@@ -11,7 +11,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.words import PART_WORDS
 from atleak.common.errors import ReadingsError
 from atleak.common.wording import wording
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from atleak.readers.sheets.column_headings import read_heading
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.sheets.table import EXPECTED_SHEET

@@ -8,7 +8,7 @@ import openpyxl
 import pytest
 
 from atleak.common.errors import ReadingsError
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.sheets.measuring_sheet import SHEET, UNWORN_END, write_template
 

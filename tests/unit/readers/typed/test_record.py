@@ -8,7 +8,8 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.measurements.measuring_plan import PlanCell
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.typed_sheet import Typed, judge, written_sheet

@@ -13,7 +13,8 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.unit_systems import DM3_MIN, PERCENT
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.projection import stated_condition
 from atleak.measurements.readings import Readings
 from atleak.report.charts import land_figures as figures

@@ -15,7 +15,8 @@ from atleak.common.style import LOOKS
 from atleak.common.unit_systems import DM3_MIN, KPA, RPM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.report.charts.condition_figures import pump_speed_chart
 from atleak.report.charts.screen import drawn as drawn_on_screen
 from atleak.report.tables.pressures import pressure_chart

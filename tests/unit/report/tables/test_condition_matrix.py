@@ -15,7 +15,8 @@ from atleak.catalogue.controller_file import controllers, load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.common.verdicts import Verdict
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.profile import PAPER, PROFILES, WORKSHOP, Profile
 from atleak.measurements.readings import Readings
 from atleak.report.json.diagnosis import diagnosis_record, to_json

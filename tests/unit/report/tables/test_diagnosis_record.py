@@ -17,7 +17,8 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, load_limits
 from atleak.common.errors import Message, Place
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.engine.projection import stated_condition
 from atleak.measurements.readings import Readings

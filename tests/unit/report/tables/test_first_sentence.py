@@ -12,7 +12,8 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import languages, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.measurements.readings import Readings
 from atleak.report.tables.first_sentence import first_sentence, shown_verdict
 

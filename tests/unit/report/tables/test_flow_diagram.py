@@ -18,7 +18,8 @@ from atleak.catalogue.limits import Limits
 from atleak.common.style import LOOKS
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import languages, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.flows import FlowKind
 from atleak.measurements.readings import Readings
 from atleak.report.charts.flows import FlowDiagram, flow_diagram, flow_svg, flow_table, flow_words

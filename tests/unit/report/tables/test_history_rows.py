@@ -14,7 +14,8 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import signed, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.measurements.readings import Readings
 from atleak.report.charts import history_figures as figures
 from atleak.report.tables.history import soonest_first, total_table, wear_table

@@ -9,11 +9,13 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import project
-from atleak.measurements.readings import Readings, clearances
+from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Readings
 from atleak.report.tables.names import concentric_factors, position_band, positions
 
 DiagnoseLand = Callable[[float, Profile], Diagnosis]

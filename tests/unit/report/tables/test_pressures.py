@@ -15,7 +15,8 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import languages, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.engine.profile import PAPER
 from atleak.measurements.readings import Readings
 from atleak.report.tables.sentences import (

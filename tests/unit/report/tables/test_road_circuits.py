@@ -12,7 +12,7 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import diagnose
+from atleak.diagnosis.examination import diagnose
 from atleak.readers.logs import read_road_test
 from atleak.report.tables.road_record import road_record
 from atleak.report.tables.road_test import circuit_table

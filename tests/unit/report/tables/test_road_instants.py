@@ -15,7 +15,8 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.wording import wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.measurements.readings import Readings
 from atleak.measurements.road_test import RoadTest
 from atleak.report.json.diagnosis import diagnosis_record, to_json

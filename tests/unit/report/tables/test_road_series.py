@@ -12,7 +12,7 @@ from atleak.catalogue.fluid import Fluid
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.road_leakage import evaluate_road_test
-from atleak.measurements.readings import clearances
+from atleak.measurements.clearances import clearances
 from atleak.measurements.road_test import RoadTest
 from atleak.report.tables.road_test import road_series
 

@@ -18,7 +18,8 @@ from atleak.catalogue.limits import Limits
 from atleak.common.sentences import Sentence
 from atleak.common.unit_systems import RPM
 from atleak.common.wording import languages, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.measurements.events import AccelerationTest, Event
 from atleak.measurements.job_card import Job
 from atleak.measurements.road_test import RoadTest

@@ -15,7 +15,8 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.wording import languages, wording
-from atleak.diagnosis.diagnosis import Diagnosis, diagnose
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.land import Crossing, LandDiagnosis
 from atleak.report.json.diagnosis import diagnosis_record, to_json
 from atleak.report.tables.sentences import readings_in_doubt, replace_at, wear_words

@@ -1,0 +1,230 @@
+"""Examine a unit: readings, road test and gauge readings become a diagnosis."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller
+from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
+from atleak.catalogue.instruments import Instruments
+from atleak.catalogue.limits import Limits
+from atleak.catalogue.operating_point import OperatingPoint
+from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
+from atleak.catalogue.repairs import Complaint
+from atleak.common.cache import kept_with
+from atleak.common.errors import translates_refusals
+from atleak.diagnosis.diagnosis import Diagnosis, mileage_of
+from atleak.diagnosis.gauge_check import check_pressures
+from atleak.diagnosis.land import (
+    diagnosed_land,
+    diagnosed_pump,
+)
+from atleak.diagnosis.messages import messages_of, sheet_messages
+from atleak.diagnosis.road import diagnosed_road
+from atleak.diagnosis.rules import UnitRules, unit_rules
+from atleak.diagnosis.uncertainty import (
+    DEFAULTS,
+    GUARD_FACTOR,
+    Assumptions,
+    UnitUncertainty,
+    assess,
+)
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.operation import pressure_losses
+from atleak.engine.profile import WORKSHOP, Profile
+from atleak.engine.projection import BesideNew, project
+from atleak.engine.road_leakage import RoadLeakage
+from atleak.measurements.clearances import clearances
+from atleak.measurements.gauge_readings import PressureTable
+from atleak.measurements.readings import Readings
+from atleak.measurements.road_test import RoadTest
+
+
+@translates_refusals
+def diagnose(
+    controller: Controller,
+    fluid: Fluid,
+    limits: Limits,
+    *,
+    fluid_state: FluidState | None = None,
+    readings: Readings | None = None,
+    road_test: RoadTest | None = None,
+    pressures: PressureTable | None = None,
+    profile: Profile = WORKSHOP,
+    condition: OperatingPoint | None = None,
+    mileage: float | None = None,
+    measuring_temperature: float | None = None,
+    pump_clearances: PumpClearances = NO_CLEARANCES,
+    instruments: Instruments | None = None,
+    assumptions: Assumptions = DEFAULTS,
+    guard_factor: float = GUARD_FACTOR,
+    complaint: Complaint | None = None,
+) -> Diagnosis:
+    """Diagnose a unit from its readings and a road test: a verdict for every land and for the whole.
+
+    Parameters
+    ----------
+    controller
+        the type of valve body, from the catalogue or the workshop's own file, as fluid and limits are.
+    fluid
+        the fluid in the transmission.
+    limits
+        by which the unit is judged.
+    fluid_state
+        whether the fluid in the transmission is fresh or used; as its data are unless given, and a message says so.
+    readings
+        those of the measuring sheet; without them every land is at its mounting clearance and ``not_measured``.
+    road_test
+        log, over which leakage is computed where it holds main pressure.
+    pressures
+        gauge readings of the standing vehicle.
+    profile
+        how the engine computes.
+    condition
+        condition at which leakage is projected; the controller's first operating point unless given.
+    mileage
+        of the vehicle [km], as the sheet's head states it unless given.
+    measuring_temperature
+        that of gauge and parts when they were measured [°C]; as the sheet's head states it unless given, else 20 °C.
+    pump_clearances
+        those measured of this job's pump; else as the sheet's head states them, or as of a new pump.
+    instruments
+        with which the readings were taken; the catalogue's defaults unless given.
+    assumptions
+        what else is uncertain; the catalogue's defaults unless given.
+    guard_factor
+        k of the guard band k·u around every limit; 1.645 leaves a risk of 5 %.
+    complaint
+        one of the controller's, which leads the result; it changes no number and no verdict.
+
+    Returns
+    -------
+    Diagnosis
+        with its inputs.
+
+    Raises
+    ------
+    DomainError
+        a condition's temperature outside the fluid's data.
+    InputError
+        a fluid that its data describe as used, taken as fresh.
+    ReadingsError
+        a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
+    """
+    mileage = mileage_of(mileage, readings)
+    measured_pump = pump_clearances if readings is None else pump_clearances.or_else(readings.pump)
+    described, controller = controller, controller.with_measured_pump(measured_pump)
+    pump_new = None
+    if readings is not None and controller.pump.as_new is not None and profile.pump_efficiency == "wilson":
+        pump_new = diagnose(
+            described,
+            fluid,
+            limits,
+            fluid_state=fluid_state,
+            readings=kept_with(readings, "pump", "new", partial(replace, readings, pump=NO_CLEARANCES)),
+            profile=profile,
+            condition=condition,
+            mileage=mileage,
+            measuring_temperature=measuring_temperature,
+            instruments=instruments,
+            assumptions=assumptions,
+            guard_factor=guard_factor,
+        )
+    if readings is not None:
+        controller = readings.own_lands.applied(controller)
+    condition = condition or controller.operating_points[0]
+    fluid_state_assumed = fluid_state is None and fluid.state == "fresh"
+    fluid = fluid if fluid_state is None else fluid.in_state(fluid_state)
+    measured_at = None if readings is None else readings.measured_at(measuring_temperature)
+    temperature = REFERENCE_TEMPERATURE if measured_at is None else measured_at.value
+    states = clearances(readings, controller, temperature=temperature, instruments=instruments)
+    unit = BesideNew.of(LeakageModel(controller, states, fluid, profile), states, condition)
+    road = diagnosed_road(road_test, unit.model, condition, limits, assumptions, guard_factor)
+    measured = [state.land.key for state in states if state.measured]
+    rules, uncertainty = _judged(unit, limits, road.leakage, pump_new, readings, instruments, assumptions, guard_factor)
+    better = pump_new.unit_rules if pump_new else ()
+    checked = (
+        None
+        if pressures is None
+        else check_pressures(
+            pressures,
+            unit.model,
+            limits,
+            projections=unit.now,
+            readings=readings,
+            instruments=instruments,
+            assumptions=assumptions,
+            guard_factor=guard_factor,
+        )
+    )
+    messages = [
+        *messages_of(unit, road, readings),
+        *limits.doubts,
+        *(checked.messages if checked else ()),
+        *road.messages,
+        *([fresh_assumed(fluid)] if fluid_state_assumed else ()),
+        *sheet_messages(readings, measured_at, uncertainty, road_test, mileage),
+    ]
+    return Diagnosis(
+        readings=readings,
+        measured_at=measured_at,
+        controller=controller,
+        fluid=fluid,
+        fluid_state_assumed=fluid_state_assumed,
+        limits=limits,
+        profile=profile,
+        mileage=mileage,
+        model=unit.model,
+        as_new=unit.as_new,
+        as_unworn=unit.as_unworn,
+        lands=tuple(diagnosed_land(state, unit.now, unit.new, rules, mileage, uncertainty) for state in states),
+        projections=unit.now,
+        new_projections=unit.new,
+        unworn_projections=unit.unworn,
+        losses=tuple(pressure_losses(unit.model, unit.as_new, each.condition, measured) for each in unit.now),
+        road=road.leakage,
+        log=road.log,
+        pressures=checked,
+        uncertainty=uncertainty,
+        total_rules=rules.totals,
+        pressure_rules=rules.pressures,
+        pump=diagnosed_pump(controller.pump, rules, better, assumptions.pump_clearance, guard_factor),
+        pump_new=pump_new,
+        complaint=complaint,
+        messages=tuple(dict.fromkeys(messages)),
+    )
+
+
+def _judged(
+    unit: BesideNew,
+    limits: Limits,
+    road: RoadLeakage | None,
+    pump_new: Diagnosis | None,
+    readings: Readings | None,
+    instruments: Instruments | None,
+    assumptions: Assumptions,
+    guard_factor: float,
+) -> tuple[UnitRules, UnitUncertainty | None]:
+    """Judge every rule of a unit; with readings by what is likely, and return how sure that is."""
+    rules = unit_rules(unit.states, unit.now, unit.unworn, limits, unit.model.controller.operating_points)
+    if readings is None:
+        return rules, None
+    model = unit.model
+    rests_on = model, limits, instruments, assumptions
+    uncertainty = assess(
+        model,
+        unit.states,
+        unit.now,
+        rules,
+        readings=readings,
+        instants={at: project(model, road.condition_at(at)) for at in road.instants} if road else {},
+        instruments=instruments,
+        assumptions=assumptions,
+        guard_factor=guard_factor,
+        # carried through for these readings before, where nothing but the conditions has changed since
+        cache=kept_with(readings, "spreads", rests_on, dict, most=1),
+    )
+    if pump_new is not None and pump_new.uncertainty is not None:  # a worn pump makes no land worn
+        uncertainty = uncertainty.with_lands_of(pump_new.uncertainty)
+    return uncertainty.judged(rules), uncertainty
