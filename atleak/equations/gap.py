@@ -224,7 +224,14 @@ def entry_loss_terms(
 
     Parameters
     ----------
-    diameter, clearance, kinematic_viscosity, density, contact_length : float or array
+    diameter, clearance : float or array
+        of the gap [m]; the clearance is radial.
+    kinematic_viscosity : float or array
+        [m²/s].
+    density : float or array
+        [kg/m³].
+    contact_length : float or array
+        [m].
     loss_coefficient, eccentricity_factor : float or array, optional
         as those of `entry_loss_flow`.
 

@@ -1,0 +1,67 @@
+"""Every public name describes what it takes: those of `atleak.__all__`, with their methods, and the equations."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import inspect
+import pkgutil
+import re
+from collections.abc import Callable, Iterator
+
+import atleak
+from atleak import equations
+
+
+def entries(docstring: str | None, heading: str) -> list[str]:
+    """The names that a section of a docstring describes: its lines that are not indented, up to their types."""
+    text = inspect.cleandoc(docstring or "")
+    section = re.search(rf"^{heading}\n-+\n(.*?)(?=^\w[^\n]*\n--+$|\Z)", text, re.MULTILINE | re.DOTALL)
+    lines = re.findall(r"^([*\w][^:\n]*?)(?: :.*)?\n +\S", section[1], re.MULTILINE) if section else []
+    return [name.strip("* ") for line in lines for name in line.split(",")]
+
+
+def faults(taken: list[str], described: list[str]) -> list[str]:
+    missing = [f"{name}: not described" for name in taken if name not in described]
+    return missing + [f"{name}: described, and not there" for name in described if name not in taken]
+
+
+def public_functions() -> Iterator[tuple[str, Callable]]:
+    """Every function and method that the package wrote itself, by its name."""
+    rooms = [each.name for each in pkgutil.iter_modules(equations.__path__) if not each.name.startswith("_")]
+    places = [importlib.import_module(f"atleak.equations.{room}") for room in rooms]
+    values = [getattr(atleak, name) for name in atleak.__all__ if name != "PROFILES"]
+    for place in (*places, *values):
+        home = place.__name__ if inspect.ismodule(place) else place.__module__
+        members = [("", place)] if inspect.isfunction(place) else inspect.getmembers(place, callable)
+        for name, member in members:
+            function = inspect.unwrap(getattr(member, "__func__", member))
+            if inspect.isfunction(function) and function.__module__ == home and not name.startswith("_"):
+                yield f"{function.__module__}.{function.__qualname__}", function
+
+
+def test_functions_describe_their_parameters() -> None:
+    wrong = {}
+    for name, function in public_functions():
+        taken = [each for each in inspect.signature(function).parameters if each not in ("self", "cls")]
+        wrong[name] = faults(taken, entries(function.__doc__, "Parameters"))
+    assert len(wrong) > 90
+    assert {name: each for name, each in wrong.items() if each} == {}
+
+
+def test_classes_describe_their_fields() -> None:
+    wrong = {}
+    for kind in (getattr(atleak, name) for name in atleak.__all__):
+        if isinstance(kind, type) and dataclasses.is_dataclass(kind):
+            described = [name for base in kind.__mro__ for name in entries(base.__doc__, "Attributes")]
+            fields = [field.name for field in dataclasses.fields(kind) if not field.name.startswith("_")]
+            wrong[kind.__name__] = faults(fields, described)
+    assert len(wrong) == 9
+    assert {name: each for name, each in wrong.items() if each} == {}
+
+
+def test_a_parameter_without_a_description_is_noticed() -> None:
+    text = "It.\n\nParameters\n----------\na, b : float\n    two.\n**more\n    all.\n\nReturns\n-------\nint"
+    described = entries(text, "Parameters")
+    assert described == ["a", "b", "more"]
+    assert faults(["a", "c"], ["a", "b"]) == ["c: not described", "b: described, and not there"]
