@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from atleak.analysis.source_study.article import compare_points
+from atleak.analysis.source_study import compare_points
 from atleak.common.errors import AtleakError
 from atleak.report.charts import study_figures as figures
 from atleak.report.json.diagnosis import to_json

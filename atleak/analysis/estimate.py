@@ -13,19 +13,9 @@ from functools import cached_property
 from typing import Any, Protocol
 
 from atleak.analysis.record_doubts import covered
-from atleak.analysis.repair.plan import (
-    Choice,
-    Gain,
-    Move,
-    MoveKey,
-    OfferedRepairs,
-    Prices,
-    StatedPrice,
-    choose,
-    gain_of,
-    in_order,
-)
-from atleak.analysis.repair.prices import amount, product
+from atleak.analysis.repair.choice import Choice, Gain, OfferedRepairs, choose, gain_of
+from atleak.analysis.repair.options import Move, MoveKey, Prices, StatedPrice, amount, product
+from atleak.analysis.repair.plan import in_order
 from atleak.analysis.repair.totals import RepairableUnit, Total
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.repairs import Goal, LandKey

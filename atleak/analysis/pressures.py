@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from atleak.analysis.repair.plan import Total
+from atleak.analysis.repair.totals import Total
 from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.limits import Level, RuleKind
 from atleak.catalogue.repairs import LandKey

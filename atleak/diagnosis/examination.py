@@ -16,20 +16,11 @@ from atleak.common.cache import kept_with
 from atleak.common.errors import translates_refusals
 from atleak.diagnosis.diagnosis import Diagnosis, mileage_of
 from atleak.diagnosis.gauge_check import check_pressures
-from atleak.diagnosis.land import (
-    diagnosed_land,
-    diagnosed_pump,
-)
+from atleak.diagnosis.land import diagnosed_land, diagnosed_pump
 from atleak.diagnosis.messages import messages_of, sheet_messages
 from atleak.diagnosis.road import diagnosed_road
 from atleak.diagnosis.rules import UnitRules, unit_rules
-from atleak.diagnosis.uncertainty import (
-    DEFAULTS,
-    GUARD_FACTOR,
-    Assumptions,
-    UnitUncertainty,
-    assess,
-)
+from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR, Assumptions, UnitUncertainty, assess
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import pressure_losses
 from atleak.engine.profile import WORKSHOP, Profile

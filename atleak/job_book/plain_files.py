@@ -29,7 +29,9 @@ from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.logs import understand
 from atleak.readers.logs.timeline import gap_limit
 from atleak.readers.sheets.measuring_sheet import read_readings
-from atleak.report.sheets.measuring_sheet import FIELDS, PUMP_SIDE, PUMP_TIP, write_readings
+from atleak.report.sheets.measuring_columns import PUMP_SIDE, PUMP_TIP
+from atleak.report.sheets.measuring_head import FIELDS
+from atleak.report.sheets.measuring_sheet import write_readings
 
 _DIGITS = 12  # significant ones: more than a logger writes and fewer than a float's last, which conversion may change
 _SAME = 1e-9  # relative difference of values that are the same

@@ -12,7 +12,8 @@ import streamlit as st
 
 from atleak.analysis.estimate import Estimate, Line, estimate, with_line
 from atleak.analysis.record_doubts import decision_faults
-from atleak.analysis.repair.plan import Choice, Prices, choose
+from atleak.analysis.repair.choice import Choice, choose
+from atleak.analysis.repair.options import Prices
 from atleak.catalogue.repairs import Goal
 from atleak.catalogue.written_numbers import HOURS, LABOUR_RATE, PRICE, TAX
 from atleak.common.wording import Wording

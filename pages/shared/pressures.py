@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import streamlit as st
 
 from atleak.analysis.pressures import lowest_first, pressures_at
-from atleak.analysis.repair.plan import Total
+from atleak.analysis.repair.totals import Total
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.charts.condition_figures import pump_speed_chart
 from atleak.report.charts.flows import flow_diagram, flow_svg, flow_table

@@ -8,7 +8,9 @@ from functools import partial
 import streamlit as st
 
 from atleak.analysis.estimate import decided_repairs, prices_of, with_repairs
-from atleak.analysis.repair.plan import Basis, MoveKey, OfferedRepair, OfferedRepairs, Total, choose, ticked
+from atleak.analysis.repair.choice import Basis, OfferedRepair, OfferedRepairs, choose, ticked
+from atleak.analysis.repair.options import MoveKey
+from atleak.analysis.repair.totals import Total
 from atleak.catalogue.repairs import Goal
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis

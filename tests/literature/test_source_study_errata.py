@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from atleak.analysis.source_study import VariantResult, run_variants
-from atleak.analysis.source_study.article import ERRATA
+from atleak.analysis.source_study import ERRATA, VariantResult, run_variants
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.engine.profile import PAPER

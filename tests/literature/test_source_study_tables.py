@@ -13,8 +13,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from atleak.analysis.source_study import VARIANTS, VariantResult, gear_at_most_leakage, run_variants
-from atleak.analysis.source_study.article import ComparedPoint, compare_points
+from atleak.analysis.source_study import (
+    VARIANTS,
+    ComparedPoint,
+    VariantResult,
+    compare_points,
+    gear_at_most_leakage,
+    run_variants,
+)
 from atleak.catalogue.controller import Controller
 from atleak.readers.logs import read_road_test
 

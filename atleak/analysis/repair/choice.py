@@ -10,8 +10,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from atleak.analysis.repair.options import Options
-from atleak.analysis.repair.prices import Move, MoveKey, Moves, Prices, decimals, together
+from atleak.analysis.repair.options import Move, MoveKey, Moves, Options, Prices, decimals, together
 from atleak.analysis.repair.search import ROUNDS, Search, Target
 from atleak.analysis.repair.totals import LandChoice, RepairableUnit, RepairedAt, Total
 from atleak.catalogue.repairs import Goal, LandKey

@@ -1,11 +1,16 @@
-"""How lands can be mended by what the controller's file names, what that leaves of each, and what it costs."""
+"""List how lands can be mended by what the controller's file names, what that leaves of each, and what it costs.
+
+Amounts are rounded as people write them: to the currency's smallest unit, half of it upwards.
+"""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from decimal import ROUND_HALF_UP, Decimal
 
+from atleak.analysis.repair.totals import LandChoice, RepairableUnit
 from atleak.catalogue.repairs import LandKey, Repair
 from atleak.common.verdicts import Verdict, worst
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -13,6 +18,11 @@ from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import land_rules
 from atleak.engine.projection import project, repaired, with_even_clearance
 from atleak.measurements.clearances import LandClearance
+
+# ISO 4217:2015, list one: minor units where they are not two.
+_NONE = ("BIF", "CLP", "DJF", "GNF", "ISK", "JPY", "KMF", "KRW", "PYG", "RWF", "UGX", "VND", "VUV", "XAF", "XOF", "XPF")
+_THREE = ("BHD", "IQD", "JOD", "KWD", "LYD", "OMR", "TND")
+MoveKey = str | LandKey  # the id of a repair of the file, or the land that is made as new without one
 
 
 @dataclass(frozen=True)
@@ -118,3 +128,206 @@ def _within_limits(states: Iterable[LandClearance], diagnosis: Diagnosis) -> fro
     at = [(project(model, now.condition), diagnosis.unworn_at(now)) for now in delivering]
     rules = {key: land_rules(state, at, diagnosis.limits) for key, state in by_key.items()}
     return frozenset(key for key, judged in rules.items() if worst(rule.verdict for rule in judged) is Verdict.OK)
+
+
+def decimals(currency: str) -> int:
+    """Return how many decimals an amount of a currency has; two where nothing else is known.
+
+    >>> decimals("EUR"), decimals("jpy"), decimals("KWD"), decimals("")
+    (2, 0, 3, 2)
+    """
+    code = currency.strip().upper()
+    return 0 if code in _NONE else 3 if code in _THREE else 2
+
+
+def amount(value: float | Decimal, currency: str) -> Decimal:
+    """Return an amount in the smallest units of its currency, half a unit rounded up, away from zero.
+
+    A number counts as the decimal number that it is written as: 1.005 is one and five thousandths.
+
+    >>> amount(1.005, "EUR"), amount(2.675, "PLN"), amount(0.5, "JPY"), amount(12.0, "EUR")
+    (Decimal('1.01'), Decimal('2.68'), Decimal('1'), Decimal('12.00'))
+    """
+    exact = value if isinstance(value, Decimal) else Decimal(repr(float(value)))
+    return exact.quantize(Decimal(1).scaleb(-decimals(currency)), ROUND_HALF_UP)
+
+
+def product(first: float, second: float, currency: str) -> Decimal:
+    """Return hours × rate, or the like, as an amount; the factors count as the decimal numbers they are written as.
+
+    >>> product(1.15, 3.5, "EUR")
+    Decimal('4.03')
+    """
+    return amount(Decimal(repr(float(first))) * Decimal(repr(float(second))), currency)
+
+
+@dataclass(frozen=True)
+class Move:
+    """One repair that can be chosen: an option of the valve body's file, or a land made as new without one."""
+
+    option: Option | None
+    lands: tuple[LandKey, ...]  # whose clearance it changes
+    treats: frozenset[LandKey]  # of which it counts as the repair
+
+    @property
+    def key(self) -> MoveKey:
+        """Return what names it."""
+        return self.lands[0] if self.option is None else self.option.repair.id
+
+
+@dataclass(frozen=True)
+class StatedPrice:
+    """What the workshop typed of one repair; None where it typed nothing."""
+
+    price: float | None = None
+    hours: float | None = None
+
+
+@dataclass(frozen=True)
+class Prices:
+    """What repairs cost: part and hours × labour rate, as the file states them or as the workshop typed them."""
+
+    labour_rate: float | None = None  # per hour; None: hours are not counted
+    currency: str = ""  # of the labour rate and of what was typed; none where nobody said
+    typed: Mapping[MoveKey, StatedPrice] = field(default_factory=dict)
+
+    def price(self, move: Move) -> float | None:
+        """Return the price of the part; None where it is unknown, or in another currency than that of the estimate."""
+        typed = self.typed.get(move.key, StatedPrice()).price
+        if typed is not None or move.option is None:
+            return typed
+        other = self.currency and move.option.repair.currency != self.currency
+        return None if other else move.option.repair.price
+
+    def hours(self, move: Move) -> float | None:
+        """Return the hours of work; None where they are unknown."""
+        typed = self.typed.get(move.key, StatedPrice()).hours
+        return typed if typed is not None or move.option is None else move.option.repair.hours
+
+    def currency_of(self, move: Move) -> str:
+        """Return the currency in which the price of a repair is."""
+        return self.currency or (move.option.repair.currency if move.option is not None else None) or ""
+
+    def cost(self, move: Move) -> Decimal | None:
+        """Return part and work together, each rounded as in an estimate; None where either is unknown."""
+        price, hours, currency = self.price(move), self.hours(move), self.currency_of(move)
+        if price is None or (self.labour_rate is not None and hours is None):
+            return None
+        work = Decimal(0) if self.labour_rate is None else product(hours or 0.0, self.labour_rate, currency)
+        return amount(price, currency) + work
+
+
+class Moves:
+    """The repairs that are offered for some lands of a unit, in the order of lands and of the file.
+
+    A land for which the workshop chose a repair has that one alone. Any other has every option of the file that leaves
+    it within its limits, or is made as new where there is none. An option without a price is not offered
+    where others, with a price, do what it does.
+
+    Parameters
+    ----------
+    kept
+        ids of repairs that are taken for their lands, whatever else the file names.
+    as_new
+        whether every land can be made as new, options or not.
+    """
+
+    def __init__(
+        self,
+        options: Options,
+        lands: Iterable[LandDiagnosis],
+        prices: Prices,
+        *,
+        kept: Iterable[str] = (),
+        as_new: bool = False,
+    ) -> None:
+        lands, kept = list(lands), set(kept)
+        self.options, self.prices = options, prices
+        self.wanted = {land.key: self._wanted(land.key, kept) for land in lands}
+        offered = {land.key: self._offered(land, as_new=as_new) for land in lands}
+        self.of_land: dict[LandKey, tuple[Move, ...]] = {}
+        treats: dict[str, set[LandKey]] = defaultdict(set)
+        for key, choices in offered.items():
+            for each in filter(None, choices):
+                treats[each.repair.id].add(key)
+        made: dict[MoveKey, Move] = {}
+        for key, choices in offered.items():
+            mine = []
+            for option in choices:
+                if option is None:
+                    move = Move(None, (key,), frozenset({key}))
+                else:
+                    move = Move(option, option.lands, frozenset(treats[option.repair.id]))
+                mine.append(made.setdefault(move.key, move))
+            self.of_land[key] = tuple(mine)
+        self.all = tuple(made.values())
+        self.states: dict[LandKey, list[LandClearance]] = defaultdict(list)
+        self._numbers: dict[tuple[MoveKey, LandKey], int] = {}
+        measured = {land.key: land.state for land in lands}
+        for move in self.all:
+            for key in move.lands:
+                (new,) = repaired([measured[key]], [key]) if move.option is None else (move.option.states[key],)
+                self.states[key].append(new)
+                self._numbers[move.key, key] = len(self.states[key])
+
+    @property
+    def currencies(self) -> tuple[str, ...]:
+        """Return the currencies in which prices of the offered repairs are known; those of two are not compared."""
+        priced = (move for move in self.all if self.prices.price(move) is not None)
+        return tuple(dict.fromkeys(map(self.prices.currency_of, priced)))
+
+    def _wanted(self, key: LandKey, kept: set[str]) -> Option | None:
+        chosen = next((option for option in self.options.of(key) if option.repair.id in kept), None)
+        return self.options.wanted(key) or chosen
+
+    def _offered(self, land: LandDiagnosis, *, as_new: bool) -> list[Option | None]:
+        key, wanted = land.key, self.wanted[land.key]
+        if wanted is not None:
+            return [wanted]
+        able: list[Option | None] = []
+        for option in self.options.of(key):
+            others = (self.wanted.get(each) for each in option.lands)
+            if option.mends(key) and all(other in (None, option) for other in others):
+                able.append(option)
+        priced = [option for option in able if option is not None and self._priced(option)]
+        able = [each for each in able if each in priced or not self._replaceable(each, priced)]
+        tighter = land.state.land.new_clearance < land.state.radial_clearance
+        if as_new or (not able and (tighter or land.verdict.flagged)):
+            able.append(None)
+        return able
+
+    def _priced(self, option: Option) -> bool:
+        return self.prices.cost(Move(option, option.lands, frozenset())) is not None
+
+    def _replaceable(self, option: Option | None, priced: Iterable[Option]) -> bool:
+        """Tell whether what an option without a price mends is mended by others that have one."""
+        if option is None:
+            return False
+        everywhere = {key for each in self.options.all if self._priced(each) for key in each.mending}
+        return any(priced) and option.mending <= everywhere
+
+    def unit(self) -> RepairableUnit:
+        """Return the unit with each land in every state that one of these repairs leaves it in."""
+        return RepairableUnit(self.options.diagnosis, self.states)
+
+    def state_after(self, move: Move, key: LandKey) -> int:
+        """Return the number of the state in which a repair leaves a land."""
+        return self._numbers[move.key, key]
+
+    def choice(self, chosen: Iterable[Move]) -> LandChoice:
+        """Return the state of every land after some repairs; one that is made as new is so whatever else changes it."""
+        states: dict[LandKey, int] = {}
+        for move in sorted(chosen, key=lambda move: move.option is None):
+            states |= {key: self.state_after(move, key) for key in move.lands}
+        return states
+
+
+def together(moves: Iterable[Move]) -> list[Move]:
+    """Return as many repairs as go together, those of most lands first: no land is changed by two options."""
+    chosen: list[Move] = []
+    changed: set[LandKey] = set()
+    for move in sorted(moves, key=lambda move: -len(move.treats)):
+        if move.option is None or not changed & set(move.lands):
+            chosen.append(move)
+            changed.update(move.lands if move.option is not None else ())
+    return chosen

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from atleak.analysis.repair.choice import Basis, Choice, Gain, OfferedRepair, OfferedRepairs, choose, gain_of, ticked
-from atleak.analysis.repair.options import Cost, Option, cost_of
-from atleak.analysis.repair.prices import Move, MoveKey, Prices, StatedPrice
+from atleak.analysis.repair.options import Cost, Move, MoveKey, Option, Prices, StatedPrice, cost_of
 from atleak.analysis.repair.totals import RepairedAt, Total
 from atleak.catalogue.repairs import LandKey
 from atleak.common.verdicts import Band

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from atleak.analysis.repair.prices import Move, Moves, together
+from atleak.analysis.repair.options import Move, Moves, together
 from atleak.analysis.repair.totals import NEARLY, JudgedTotal, LandChoice, RepairableUnit
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey

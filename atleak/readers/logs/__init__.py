@@ -16,7 +16,14 @@ from atleak.readers.logs.columns import Ambiguous
 from atleak.readers.logs.importer import understand
 from atleak.readers.logs.log_columns import LogColumn, log_columns
 from atleak.readers.logs.parquet_log import head_of_parquet
-from atleak.readers.logs.remembered_columns import NOT_LOGGED, default_path, forget_columns, recall, remember, signature
+from atleak.readers.logs.remembered_columns import (
+    NOT_LOGGED,
+    default_path,
+    forget_columns,
+    recall,
+    remember,
+    signature,
+)
 from atleak.readers.logs.understood import FORMATS, Understood, describe, tidy_csv
 
 __all__ = [

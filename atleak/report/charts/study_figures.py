@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from atleak.analysis.gauge_study import ACCEPTED, MARGINAL, GaugeStudy
-from atleak.analysis.source_study.variants import CURVES_WEAR, TemperatureCurve, VariantResult
+from atleak.analysis.source_study import CURVES_WEAR, TemperatureCurve, VariantResult
 from atleak.common.style import AS_NEW, CURVES, SCREEN, Look, look_of
 from atleak.common.thinning import thinned
 from atleak.common.unit_systems import DM3_MIN, PERCENT, UM

@@ -6,7 +6,8 @@ import json
 import math
 from typing import Any
 
-from atleak.analysis.repair.plan import RepairPlan, RepairStep, Total, plan_repairs
+from atleak.analysis.repair.plan import RepairPlan, RepairStep, plan_repairs
+from atleak.analysis.repair.totals import Total
 from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.common.cache import kept_with
 from atleak.common.unit_systems import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, UM

@@ -10,8 +10,8 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
+from atleak.analysis.changes import SIDES
 from atleak.analysis.comparison import Comparison, LandComparison
-from atleak.analysis.comparison.results import SIDES
 from atleak.common.style import DEFAULT_PAPER, find_paper
 from atleak.common.unit_systems import KPA, UM
 from atleak.common.verdicts import Verdict

@@ -15,7 +15,7 @@ from typing import Any
 from atleak.analysis.estimate import Line
 from atleak.analysis.pressures import lowest_first, pressures_at
 from atleak.analysis.record_doubts import needless_work
-from atleak.analysis.repair.plan import Total
+from atleak.analysis.repair.totals import Total
 from atleak.common.unit_systems import KPA, PERCENT
 from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import begun, isolated

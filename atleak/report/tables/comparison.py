@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from atleak.analysis.changes import SIDES, ChoiceName
 from atleak.analysis.comparison import (
     Change,
     Comparison,
@@ -21,7 +22,6 @@ from atleak.analysis.comparison import (
     LandComparison,
     LogComparison,
 )
-from atleak.analysis.comparison.results import SIDES, ChoiceName
 from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, UM
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -10,7 +10,7 @@ from decimal import Decimal
 
 from atleak.analysis.estimate import CARRIED_OUT, Estimate, Line, Sum
 from atleak.analysis.record_doubts import undecided, without_reason
-from atleak.analysis.repair.prices import decimals
+from atleak.analysis.repair.options import decimals
 from atleak.catalogue.controller import Controller
 from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis

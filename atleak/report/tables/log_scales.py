@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from atleak.analysis.formulas.evaluation import Dimension
+from atleak.analysis.formulas import Dimension
 from atleak.common.units import Unit, unit
 from atleak.common.wording import Wording
 from atleak.measurements.road_test import RoadTest

@@ -12,19 +12,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from atleak.analysis.repair.plan import (
-    Basis,
-    Cost,
-    MoveKey,
-    OfferedRepair,
-    OfferedRepairs,
-    Option,
-    Remainder,
-    RepairedAt,
-    RepairPlan,
-    RepairStep,
-    Total,
-)
+from atleak.analysis.repair.choice import Basis, OfferedRepair, OfferedRepairs
+from atleak.analysis.repair.options import Cost, MoveKey, Option
+from atleak.analysis.repair.plan import Remainder, RepairPlan, RepairStep
+from atleak.analysis.repair.totals import RepairedAt, Total
 from atleak.catalogue.entries import Evidence
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey, Repair

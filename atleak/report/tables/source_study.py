@@ -7,8 +7,16 @@ from decimal import Decimal
 from functools import partial
 from typing import Any
 
-from atleak.analysis.source_study import VARIANTS, OptionRow, VariantResult, gear_at_most_leakage, reaches_digits
-from atleak.analysis.source_study.article import ERRATA, ComparedPoint, Erratum
+from atleak.analysis.source_study import (
+    ERRATA,
+    VARIANTS,
+    ComparedPoint,
+    Erratum,
+    OptionRow,
+    VariantResult,
+    gear_at_most_leakage,
+    reaches_digits,
+)
 from atleak.catalogue.controller import Controller
 from atleak.common.errors import Message
 from atleak.common.unit_systems import DM3_MIN, G_CM3, MM2_S, PERCENT

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from enum import Enum
 
 from atleak.analysis.pressures import HeldPressure, lowest_first, pressures_at
-from atleak.analysis.repair.plan import Choice, RepairedAt
+from atleak.analysis.repair.choice import Choice
+from atleak.analysis.repair.totals import RepairedAt
 from atleak.catalogue.controller import Gap
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import Complaint, LandKey

@@ -17,7 +17,8 @@ from atleak.common.unit_systems import UM
 from atleak.common.wording import wording
 from atleak.diagnosis.provisional import AssumedBasis
 from atleak.measurements.readings import Reading
-from atleak.report.sheets.measuring_sheet import SHEET, UNWORN_END, write_readings
+from atleak.report.sheets.measuring_columns import SHEET, UNWORN_END
+from atleak.report.sheets.measuring_sheet import write_readings
 
 Run = Callable[..., tuple[int, str, str]]
 PAGE = Path(__file__).parents[3] / "docs" / "tutorials" / "my-first-transmission.md"

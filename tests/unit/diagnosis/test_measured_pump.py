@@ -34,7 +34,8 @@ from atleak.measurements.readings import Readings
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.json.diagnosis import diagnosis_record, to_json
 from atleak.report.pdf import write_pdf
-from atleak.report.sheets.measuring_sheet import PUMP_SIDE, PUMP_TIP, SHEET, write_readings, write_template
+from atleak.report.sheets.measuring_columns import PUMP_SIDE, PUMP_TIP, SHEET
+from atleak.report.sheets.measuring_sheet import write_readings, write_template
 from atleak.report.tables.first_sentence import first_sentence, pump_sentence
 from atleak.report.tables.sentences import counted_in_speed, shares_add_up
 from atleak.report.terminal import print_diagnosis

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from atleak.analysis.repair.plan import OfferedRepairs
+from atleak.analysis.repair.choice import OfferedRepairs
 from atleak.common.verdicts import Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from tests.unit.docs.pages import text_of

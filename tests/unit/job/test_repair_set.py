@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from atleak.analysis.estimate import decided_repairs, estimate, prices_of, with_repairs
-from atleak.analysis.repair.plan import Basis, OfferedRepairs, choose, ticked
+from atleak.analysis.repair.choice import Basis, OfferedRepairs, choose, ticked
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits

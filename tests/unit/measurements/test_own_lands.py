@@ -26,7 +26,8 @@ from atleak.measurements.readings import Reading
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.sheets.lands_sheet import LANDS
-from atleak.report.sheets.measuring_sheet import SHEET, write_readings, write_template
+from atleak.report.sheets.measuring_columns import SHEET
+from atleak.report.sheets.measuring_sheet import write_readings, write_template
 from atleak.report.sheets.paging import HEADER
 from atleak.report.tables.lands import condition_matrix
 from atleak.report.terminal import print_diagnosis

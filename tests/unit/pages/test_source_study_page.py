@@ -6,9 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from atleak.analysis.source_study import VARIANTS
-from atleak.analysis.source_study.article import ERRATA, STATED_POINTS
-from atleak.analysis.source_study.variants import OPTION_STEPS
+from atleak.analysis.source_study import ERRATA, OPTION_STEPS, STATED_POINTS, VARIANTS
 from atleak.common.wording import wording
 from atleak.job.case import SourceFile
 

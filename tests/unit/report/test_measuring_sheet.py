@@ -31,8 +31,9 @@ from atleak.measurements.job_card import Job, Vehicle
 from atleak.measurements.readings import Reading
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.sheets.lands_sheet import LANDS
+from atleak.report.sheets.measuring_columns import SHEET
 from atleak.report.sheets.measuring_head import code_text, fields_of
-from atleak.report.sheets.measuring_sheet import MEASURING_INSTRUCTIONS, SHEET, write_readings, write_template
+from atleak.report.sheets.measuring_sheet import MEASURING_INSTRUCTIONS, write_readings, write_template
 from atleak.report.sheets.pressure_sheet import PRESSURES_TITLE
 
 HEADER = 7  # row of the headings as a spreadsheet counts

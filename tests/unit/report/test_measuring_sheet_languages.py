@@ -18,8 +18,9 @@ from atleak.measurements.job_card import Job, Transmission, Vehicle
 from atleak.measurements.own_lands import OwnLands, OwnLength
 from atleak.measurements.readings import Reading, Readings
 from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.report.sheets.measuring_columns import SHEET, UNWORN_END
 from atleak.report.sheets.measuring_head import fields_of
-from atleak.report.sheets.measuring_sheet import SHEET, UNWORN_END, write_readings, write_template
+from atleak.report.sheets.measuring_sheet import write_readings, write_template
 
 READERS = [(language, units) for language in languages() for units in ("metric", "us")]
 UM = 1e-6

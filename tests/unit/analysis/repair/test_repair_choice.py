@@ -14,7 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from atleak.analysis.estimate import Estimate
-from atleak.analysis.repair.plan import Basis, Choice, Move, Prices, StatedPrice, choose
+from atleak.analysis.repair.choice import Basis, Choice, choose
+from atleak.analysis.repair.options import Move, Prices, StatedPrice
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid

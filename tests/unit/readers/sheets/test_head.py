@@ -10,7 +10,8 @@ import pytest
 
 from atleak.common.errors import ReadingsError
 from atleak.readers.sheets.measuring_sheet import read_readings
-from atleak.report.sheets.measuring_sheet import SHEET, write_readings, write_template
+from atleak.report.sheets.measuring_columns import SHEET
+from atleak.report.sheets.measuring_sheet import write_readings, write_template
 
 TABLE = "Valve;Land;Part;Diameter [mm]\naccumulator;1;spool;17.998\naccumulator;1;sleeve;18.036"
 

@@ -10,7 +10,8 @@ import pytest
 from atleak.common.errors import ReadingsError
 from atleak.measurements.clearances import clearances
 from atleak.readers.sheets.measuring_sheet import read_readings
-from atleak.report.sheets.measuring_sheet import SHEET, UNWORN_END, write_template
+from atleak.report.sheets.measuring_columns import SHEET, UNWORN_END
+from atleak.report.sheets.measuring_sheet import write_template
 
 HEADINGS = "Valve;Part;Plane;Direction;Diameter [mm];Remark"
 WORN = ["tcc_regulator;spool;1;0;10.999;", "tcc_regulator;sleeve;1;0;11.060;"]

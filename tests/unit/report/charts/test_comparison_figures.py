@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from atleak.analysis.changes import LogComparison, match_events
 from atleak.analysis.comparison import compare
-from atleak.analysis.comparison.results import LogComparison, match_events
 from atleak.common.wording import wording
 from atleak.diagnosis.road_findings import RoadFindings
 from atleak.measurements.events import Event

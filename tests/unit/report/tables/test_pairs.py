@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from atleak.analysis.repair.plan import OfferedRepairs
+from atleak.analysis.repair.choice import OfferedRepairs
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.style import LOOKS
 from atleak.common.unit_systems import PERCENT, UM

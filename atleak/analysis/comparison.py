@@ -1,6 +1,7 @@
-"""Compare two diagnoses of one unit: lands, totals, pressures and logs, and what changed beyond its uncertainty.
+"""Compare two diagnoses of one unit: before and after a repair, or two visits.
 
-What stands on one side only, and what else than the unit differs, is said in messages.
+`compare` is the one function to call; the other names are the types of its result. It says of lands, totals, pressures
+and logs what changed beyond its uncertainty.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from atleak.analysis.comparison.results import (
+from atleak.analysis.changes import (
     SIDES,
     Change,
     ChoiceName,
@@ -16,7 +17,9 @@ from atleak.analysis.comparison.results import (
     Comparison,
     ConditionComparison,
     DifferingChoice,
+    EventPair,
     LandComparison,
+    LogComparison,
     Side,
     change_between,
     clearance_change,
@@ -33,7 +36,38 @@ from atleak.diagnosis.uncertainty.assess import COVERAGE
 from atleak.diagnosis.uncertainty.paired import ChangeSpread, PairedVisit, changes
 from atleak.engine.projection import Projection
 
+__all__ = [
+    "Change",
+    "CircuitComparison",
+    "Comparison",
+    "ConditionComparison",
+    "DifferingChoice",
+    "EventPair",
+    "LandComparison",
+    "LogComparison",
+    "compare",
+]
+
 _NAMED = 12  # lands that a message lists
+_JUDGED_ONLY: dict[Side, Sentence] = {
+    "before": Sentence("Judged before only, as the job after has no such operating point: {conditions}"),
+    "after": Sentence("Judged after only, as the job before has no such operating point: {conditions}"),
+}
+_DESCRIBED_ONLY: dict[Side, Sentence] = {
+    "before": Sentence("Only the valve body's file of the job before has these lands: {lands}"),
+    "after": Sentence("Only the valve body's file of the job after has these lands: {lands}"),
+}
+_MEASURED_ONLY: dict[Side, Sentence] = {
+    "before": Sentence("Measured before and not after: {lands}. {counts}"),
+    "after": Sentence("Measured after and not before: {lands}. {counts}"),
+}
+_CHOICES: dict[ChoiceName, Sentence] = {
+    "fluid": Sentence("fluid"),
+    "limits": Sentence("limits"),
+    "profile": Sentence("profile"),
+    "condition": Sentence("condition"),
+    "assumptions": Sentence("assumptions"),
+}
 
 
 def remarks(found: Comparison) -> Iterator[Message]:
@@ -68,32 +102,9 @@ def remarks(found: Comparison) -> Iterator[Message]:
     yield from _missing_logs(found)
 
 
-_JUDGED_ONLY: dict[Side, Sentence] = {
-    "before": Sentence("Judged before only, as the job after has no such operating point: {conditions}"),
-    "after": Sentence("Judged after only, as the job before has no such operating point: {conditions}"),
-}
-_DESCRIBED_ONLY: dict[Side, Sentence] = {
-    "before": Sentence("Only the valve body's file of the job before has these lands: {lands}"),
-    "after": Sentence("Only the valve body's file of the job after has these lands: {lands}"),
-}
-_MEASURED_ONLY: dict[Side, Sentence] = {
-    "before": Sentence("Measured before and not after: {lands}. {counts}"),
-    "after": Sentence("Measured after and not before: {lands}. {counts}"),
-}
-
-
 def _differing(choice: DifferingChoice) -> Sentence:
     name = _CHOICES[choice.name]
     return Sentence("{choice}: {before} before, {after} after", choice=name, before=choice.before, after=choice.after)
-
-
-_CHOICES: dict[ChoiceName, Sentence] = {
-    "fluid": Sentence("fluid"),
-    "limits": Sentence("limits"),
-    "profile": Sentence("profile"),
-    "condition": Sentence("condition"),
-    "assumptions": Sentence("assumptions"),
-}
 
 
 def _missing_lands(found: Comparison) -> Iterator[Message]:
@@ -182,7 +193,7 @@ def compare(before: Diagnosis, after: Diagnosis) -> Comparison:
     -----
     A change of a clearance has a standard uncertainty of √(u² before + u² after), and is significant beyond 1.96 times
     that: 95 % coverage. Nothing that was measured is taken as common to both visits, neither gauge nor setting ring nor
-    part, because no sheet says what they share; see `atleak.analysis.comparison.results.clearance_change`. Changes of
+    part, because no sheet says what they share; see `atleak.analysis.changes.clearance_change`. Changes of
     totals and pressures are drawn for both visits together (`atleak.diagnosis.uncertainty.paired`): at one and the same
     stated fluid, temperature, pressure and pump, so that they are the unit's. Each change is judged by itself: of forty
     lands that stayed as they were, two may be called changed by chance.

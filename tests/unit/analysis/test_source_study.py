@@ -17,6 +17,7 @@ from atleak.analysis.source_study import (
     VARIANTS,
     VariantResult,
     compare_options,
+    compare_points,
     gear_at_most_leakage,
     reaches_digits,
     run_variants,
@@ -24,7 +25,6 @@ from atleak.analysis.source_study import (
     variant_fluid,
     variant_road_test,
 )
-from atleak.analysis.source_study.article import compare_points
 from atleak.catalogue.controller import Controller
 from atleak.common.errors import RoadTestError
 from atleak.engine.profile import PAPER, WORKSHOP

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from atleak.analysis.formulas import formula_channel
-from atleak.analysis.formulas.evaluation import kind_in_words
+from atleak.analysis.formulas import formula_channel, kind_in_words
 from atleak.common.errors import FormulaError
 from atleak.common.wording import wording
 from atleak.measurements.road_test import Channel, RoadTest, Segment

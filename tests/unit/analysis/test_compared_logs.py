@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from atleak.analysis.comparison.results import MARGIN, LogComparison, match_events
+from atleak.analysis.changes import MARGIN, LogComparison, match_events
 from atleak.diagnosis.road_findings import RoadFindings
 from atleak.measurements.events import Event
 
