@@ -275,9 +275,11 @@ def _likely_headers(sheet: Sheet, first: int, is_component: Callable[[str], bool
     """Yield what can only be headings, one row of them or several, that begin in a row."""
     if not _may_hold_headings(sheet, first) or _names_component(sheet, first, is_component):
         return
-    decimals, texts = _holds_decimals(sheet, first), [cell for cell in sheet.rows[first] if isinstance(cell, str)]
-    if decimals and sum(read_heading(text) is not None for text in texts) < 3:
-        return
+    decimals = _holds_decimals(sheet, first)
+    if decimals:
+        texts = [cell for cell in sheet.rows[first] if isinstance(cell, str) and not _has_decimals(cell)]
+        if len(texts) < 3 or sum(read_heading(text) is not None for text in texts) < 3:
+            return
     for header in _headers_at(sheet, first):
         last = header.last
         if last > first and (decimals or _names_component(sheet, last, is_component) or _holds_decimals(sheet, last)):
