@@ -33,16 +33,12 @@ from atleak.measurements.road_test import RoadTest
 
 @dataclass(frozen=True)
 class Change:
-    """A number before and after, in SI or as a fraction, and the 95 % interval of their difference.
+    """A number before and after, and their difference."""
 
-    ``interval`` is None where one side has no interval of its own. ``standard_uncertainty`` is that of the difference,
-    where it is normal.
-    """
-
-    before: float
-    after: float
-    interval: Interval | None
-    standard_uncertainty: float | None = None
+    before: float  # SI or a fraction
+    after: float  # likewise
+    interval: Interval | None  # 95 % of the difference; None where one side has no interval of its own
+    standard_uncertainty: float | None = None  # of the difference, where it is normal
 
     @property
     def value(self) -> float:
@@ -106,9 +102,9 @@ ChoiceName = Literal["fluid", "limits", "profile", "condition", "assumptions"]
 class DifferingChoice:
     """One choice in which two jobs differ, in English words."""
 
-    name: ChoiceName
-    before: Sentence
-    after: Sentence
+    name: ChoiceName  # what was chosen
+    before: Sentence  # by the job before
+    after: Sentence  # by the job after
 
 
 def differing_choices(before: Diagnosis, after: Diagnosis) -> tuple[DifferingChoice, ...]:
@@ -210,14 +206,11 @@ _What = tuple[str, int | None, int | None]
 
 @dataclass(frozen=True)
 class EventPair:
-    """An event of one log and its like in the other: the same kind, for shifts the same gears, in the same place.
+    """An event of one log and its like in the other: the same kind, for shifts the same gears, in the same place."""
 
-    ``order`` counts from 1 among the events of the same kind and gears. One of the sides may have no such event.
-    """
-
-    order: int
-    before: Event | None
-    after: Event | None
+    order: int  # from 1, among the events of the same kind and gears
+    before: Event | None  # None: no such event
+    after: Event | None  # None: no such event
 
     @property
     def event(self) -> Event:
@@ -241,8 +234,8 @@ class EventPair:
 class LogComparison:
     """Two road tests and their events, matched."""
 
-    before: RoadFindings
-    after: RoadFindings
+    before: RoadFindings  # the earlier log
+    after: RoadFindings  # the later log
     pairs: tuple[EventPair, ...]  # by the time of the log before; what only the log after holds comes last
 
     @property
@@ -299,9 +292,9 @@ SIDES: tuple[Side, Side] = ("before", "after")
 class LandComparison:
     """One land at both visits; None on the side whose valve body's file has no such land."""
 
-    key: LandKey
-    before: LandDiagnosis | None
-    after: LandDiagnosis | None
+    key: LandKey  # component and land
+    before: LandDiagnosis | None  # as measured before
+    after: LandDiagnosis | None  # as measured after
     change: Change | None  # of its radial clearance [m]; None unless measured at both visits
 
     @property
@@ -344,8 +337,8 @@ class CircuitComparison:
     """One circuit at one condition; a change is that of the pressure it holds [Pa]."""
 
     circuit: Circuit
-    before: CircuitState
-    after: CircuitState
+    before: CircuitState  # pressure held before
+    after: CircuitState  # pressure held after
     change: Change | None  # None where it is vented on one of the sides
 
 
@@ -387,14 +380,14 @@ class ConditionComparison:
 class Comparison:
     """Two diagnoses of one unit side by side, with what changed between them."""
 
-    before: Diagnosis
-    after: Diagnosis
+    before: Diagnosis  # the earlier one
+    after: Diagnosis  # the later one
     alike: Diagnosis  # the unit after, by the choices of the job before; ``after`` itself where none differs
-    differing: tuple[DifferingChoice, ...]
+    differing: tuple[DifferingChoice, ...]  # choices in which they differ, which may explain a change
     lands: tuple[LandComparison, ...]  # in the order of the controller of the job after
     conditions: tuple[ConditionComparison, ...]  # those of the job before, then those that only the other one has
     logs: LogComparison | None  # None where one of the jobs has no road test
-    messages: tuple[Message, ...]
+    messages: tuple[Message, ...]  # what a reader must know of it
 
     @property
     def flagged(self) -> tuple[LandComparison, ...]:

@@ -34,10 +34,10 @@ class AnovaRow:
     """One source of variation: sum of squares [m²], degrees of freedom, F and its probability by chance."""
 
     source: str  # part, operator, interaction, repeatability or total
-    squares: float
-    freedom: int
-    f: float | None = None
-    probability: float | None = None
+    squares: float  # [m²] sum of squares
+    freedom: int  # degrees of freedom
+    f: float | None = None  # ratio of mean squares; None where there is none to compare with
+    probability: float | None = None  # of an F as large by chance
 
     @property
     def mean_square(self) -> float:
@@ -79,13 +79,13 @@ class Component:
 class GaugeStudy:
     """The result of a study; variances in m², fractions of one."""
 
-    readings: StudyReadings
-    alpha: float
+    readings: StudyReadings  # as they were read
+    alpha: float  # probability under which an interaction counts
     tolerance: float | None  # [m] width between the two limits of the part, where there is one
     table: tuple[AnovaRow, ...]  # with the interaction
     pooled: bool  # whether the interaction was added to repeatability
-    components: tuple[Component, ...]
-    messages: tuple[Message, ...] = ()
+    components: tuple[Component, ...]  # of the variance, in the order of the report
+    messages: tuple[Message, ...] = ()  # what a reader must know of it
 
     def of(self, name: str) -> Component:
         """Return a component by its name."""

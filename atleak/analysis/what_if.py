@@ -213,7 +213,7 @@ class WhatIf:
 class Tried:
     """The unit as it is tried, and the job beside it."""
 
-    settings: WhatIf
+    settings: WhatIf  # what is tried
     projection: Projection  # as it is tried
     job: Projection  # of the job, at the condition from which this departs
     total: Rule  # of the total share as it is tried
@@ -314,7 +314,7 @@ _MOST = {Axis.WEAR: 3.0, Axis.GROWTH: 1.0}  # wear that a map shows at least: li
 class Border:
     """Where a level begins on a map, at each of its temperatures."""
 
-    level: Level
+    level: Level  # that begins there
     value: np.ndarray  # fraction of the pump's flow, or [Pa]; shape (temperatures,), NaN where nothing is known
 
 
@@ -322,7 +322,7 @@ class Border:
 class Map:
     """A unit over temperature and wear; arrays of shape (wears, temperatures), NaN outside the fluid's data."""
 
-    axis: Axis
+    axis: Axis  # what runs along it
     temperatures: np.ndarray  # [°C]
     wears: np.ndarray  # factor on the measured wear, or further growth as a fraction
     share: np.ndarray  # of the pump's flow; infinite where the pump delivers nothing

@@ -23,9 +23,9 @@ from atleak.common.sentences import Sentence
 class Following:
     """A set pressure that follows another: ratio times it, plus an offset [Pa]."""
 
-    section: str
-    ratio: float
-    offset: float
+    section: str  # section or circuit that it follows
+    ratio: float  # times the pressure followed
+    offset: float  # [Pa] added to it
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class SetPressure:
     gears: Mapping[int, float] | None = None  # [Pa]
     currents: tuple[tuple[float, ...], tuple[float, ...]] | None = None  # [A] rising, [Pa]
     duties: tuple[tuple[float, ...], tuple[float, ...]] | None = None  # [-] rising, of the lock-up solenoid; [Pa]
-    following: Following | None = None
+    following: Following | None = None  # the pressure that it follows
 
     def at(self, point: OperatingPoint) -> float | None:
         """Return the set pressure at an operating point [Pa]; None where it follows another circuit.
@@ -73,48 +73,48 @@ class Feed:
 
     source: str  # a section or circuit
     diameter: float  # [m]
-    discharge_coefficient: float
+    discharge_coefficient: float  # C_d, a fraction
 
 
 @dataclass(frozen=True)
 class Circuit:
     """A section of its own: its feeds, and the pressure that a regulator holds it down to."""
 
-    id: str
-    name: str
+    id: str  # by which gaps and feeds name it
+    name: str  # what people see
     gears: frozenset[int]  # in the others it is vented and its feeds are shut
-    feeds: tuple[Feed, ...]
-    set_pressure: SetPressure | None
-    source: str
+    feeds: tuple[Feed, ...]  # orifices through which it is supplied
+    set_pressure: SetPressure | None  # what its regulator holds it down to; None without one
+    source: str  # who states this
 
 
 @dataclass(frozen=True)
 class Leak:
     """A leak beside the lands (rings, O-rings, check balls), known from one measured or stated point."""
 
-    id: str
-    name: str
-    high: Pressure
-    low: Pressure
-    law: Literal["laminar", "orifice"]
+    id: str  # by which results name it
+    name: str  # what people see
+    high: Pressure  # pressure before it
+    low: Pressure  # pressure behind it
+    law: Literal["laminar", "orifice"]  # how its flow goes with the pressure drop
     flow: float  # [m³/s]
     pressure_drop: float  # [Pa] at which it flows
     viscosity: float | None  # [Pa·s] at which a laminar one flows
     density: float  # [kg/m³] at which one through an orifice flows
-    gears: frozenset[int]
-    into_sump: bool
-    source: str
+    gears: frozenset[int]  # in which it leaks
+    into_sump: bool  # ends in the sump, not in another section
+    source: str  # who states this
 
 
 @dataclass(frozen=True)
 class Consumer:
     """What takes its flow from the pump: converter and cooler, lubrication, the fill of a clutch."""
 
-    id: str
-    name: str
+    id: str  # by which results name it
+    name: str  # what people see
     flow: float | Mapping[str, float]  # [m³/s], for all operating points or for each by name
     after_line: bool  # supplied with what the line's regulator leaves over: it starves first
-    source: str
+    source: str  # who states this
     law: Literal["orifice", "constant"] = "orifice"  # of one before the line's regulator
     pressure: float | None = None  # [Pa] of the line, at which an orifice takes its flow; None: the required one
 
@@ -133,11 +133,11 @@ class Consumer:
 class PermissiblePressure:
     """Between which pressures main pressure must lie in one state: in gears, and in ranges of the selector lever."""
 
-    gears: frozenset[int]
-    state: StandingState
+    gears: frozenset[int]  # in which it holds
+    state: StandingState  # of the engine
     low: float | None  # [Pa]
     high: float | None  # [Pa]
-    source: str
+    source: str  # who states this
     published: bool = True  # else representative
     ranges: frozenset[SelectorRange] = frozenset()  # for gauge readings of a standing vehicle
 

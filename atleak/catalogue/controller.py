@@ -30,27 +30,23 @@ REFERENCE_TEMPERATURE = 20.0  # °C, at which clearances are measured
 
 @dataclass(frozen=True)
 class Land:
-    """One cylindrical section of a spool or piston in its sleeve.
+    """One cylindrical section of a spool or piston in its sleeve."""
 
-    The mounting clearance, radial and in m, is a number or the range (low, high) in which new pairs lie. Its tolerance
-    is the half width that holds 95 % of the pairs of the unit's type; without one a number is this pair's own.
-    """
-
-    component: str
-    land: int
-    planes: tuple[str, ...]
-    part: PartKind
+    component: str  # its number
+    land: int  # counted from 1 along the spool
+    planes: tuple[str, ...]  # in which it is measured
+    part: PartKind  # what moves in the bore, or closes it
     nominal_diameter: float  # [m] of the spool or piston
     contact_length: float  # [m]
-    mounting_clearance: float | tuple[float, float]
-    body_material: str
-    spool_material: str
+    mounting_clearance: float | tuple[float, float]  # [m] radial: a number, or the range in which new pairs lie
+    body_material: str  # of the sleeve
+    spool_material: str  # of the spool
     body_expansion: float  # [1/K]
     spool_expansion: float  # [1/K]
     clearance_limit: float | None  # [m] radial, the workshop's own
     representative: tuple[str, ...]  # which of its values are representative
-    mounting_tolerance: float | None = None
-    new_origin: NewOrigin = NewOrigin.PAIR
+    mounting_tolerance: float | None = None  # [m] half width that holds 95 % of the type's pairs; None: a pair's own
+    new_origin: NewOrigin = NewOrigin.PAIR  # what the mounting clearance is known from
     learned_from_units: int | None = None  # of whose measuring sheets the mounting clearance was made
     position: float | None = None  # [m] of its near edge from the end of the spool that the drawing shows left
     seal: Seal | None = None  # the ring on it, which alone it leaks past
@@ -61,6 +57,7 @@ class Land:
 
     @property
     def key(self) -> tuple[str, int]:
+        """Return component and land."""
         return self.component, self.land
 
     @property
@@ -171,21 +168,23 @@ class Land:
 class Gap:
     """A land seen as a leak path from one pressure to another in given gears."""
 
-    component: str
-    land: int
-    section: str
-    high: Pressure
-    low: Pressure
-    gears: frozenset[int]
+    component: str  # its number
+    land: int  # counted from 1 along the spool
+    section: str  # or circuit, whose fluid it loses
+    high: Pressure  # pressure before it
+    low: Pressure  # pressure behind it
+    gears: frozenset[int]  # in which it sees a pressure drop
     into_sump: bool  # ends in the sump, not in another section
-    evidence: Evidence | None
+    evidence: Evidence | None  # who says where it leaks; None where nobody does
 
     @property
     def key(self) -> tuple[str, int]:
+        """Return component and land."""
         return self.component, self.land
 
     @property
     def published(self) -> bool:
+        """Return whether a publication says where it leaks."""
         return self.evidence is Evidence.PUBLISHED
 
 

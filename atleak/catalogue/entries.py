@@ -116,14 +116,15 @@ class Entry(Strict):
 
 @dataclass(frozen=True)
 class Origin:
-    """The file that a catalogue object came from; ``own`` where it was chosen from the user's own catalogue."""
+    """The file that a catalogue object came from."""
 
-    path: Path
-    sha256: str
-    own: bool = False
+    path: Path  # of the file
+    sha256: str  # of its bytes
+    own: bool = False  # whether it was chosen from the user's own catalogue
 
     @property
     def file(self) -> str:
+        """Return the file's name."""
         return self.path.name
 
 
@@ -159,8 +160,8 @@ _Loaded = TypeVar("_Loaded")
 class ListedEntry(Generic[_Loaded]):
     """The entries of one kind, by id, and what is wrong with each own file that cannot be used."""
 
-    entries: dict[str, _Loaded]
-    faults: tuple[CatalogueError, ...]
+    entries: dict[str, _Loaded]  # by id
+    faults: tuple[CatalogueError, ...]  # of own files that cannot be used, one for each
 
 
 @dataclass(frozen=True)

@@ -34,14 +34,14 @@ class Instrument(Headed):
     scale, or of the masters it is set with: away from 20 °C a part is compared with those.
     """
 
-    measures: tuple[Part, ...]
+    measures: tuple[Part, ...]  # the parts that it can measure
     resolution: float  # [m] the step between two possible readings
     calibration: float  # [m] standard uncertainty
     common_part: float  # of the variance, 0 … 1
     repeatability: float | None  # [m] standard deviation of one reading
     alike_inside_and_outside: bool  # its common error is one and the same in a bore and on a spool
-    representative: tuple[str, ...]
-    origin: Origin | None = None
+    representative: tuple[str, ...]  # which of its values are representative
+    origin: Origin | None = None  # the file
     expansion: float = STEEL_EXPANSION  # [1/K]
     doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)  # values that are possible and unusual
 
@@ -60,10 +60,11 @@ class Instrument(Headed):
 class Instruments:
     """The instruments that measured the two parts of a pair."""
 
-    spool: Instrument
-    sleeve: Instrument
+    spool: Instrument  # that measured spools
+    sleeve: Instrument  # that measured bores
 
     def of(self, part: Part) -> Instrument:
+        """Return the instrument of a part."""
         return self.spool if part == "spool" else self.sleeve
 
     @property

@@ -112,10 +112,10 @@ class Steps:
     the least.
     """
 
-    levels: tuple[tuple[Level, float], ...]
-    origin: LimitOrigin
-    source: str
-    at_least: Mapping[Level, float] = field(default_factory=dict)
+    levels: tuple[tuple[Level, float], ...]  # each with its limit, rising; of a reserve falling
+    origin: LimitOrigin  # who stands behind them
+    source: str  # where they are stated
+    at_least: Mapping[Level, float] = field(default_factory=dict)  # [m] least growth of the clearance, beside the wear
     growth: Mapping[Level, tuple[float, float]] = field(default_factory=dict)  # level → growth, added
     fall: float | None = None  # fraction; None where the limits rise
 

@@ -17,8 +17,8 @@ from atleak.equations import pump as equations
 class PumpClearances:
     """The side clearance, which is the whole axial play, and the tip clearance of a pump [m]; None where not known."""
 
-    side: float | None = None
-    tip: float | None = None
+    side: float | None = None  # the whole axial play
+    tip: float | None = None  # between tip and crescent, housing or other tip
 
     @classmethod
     def of_um(cls, side: float | None, tip: float | None) -> PumpClearances:
@@ -88,12 +88,12 @@ class Pump:
     """The pump on the engine's shaft, as it is in this job: as its file has a new one, unless it was measured."""
 
     displacement: float  # [m³/rev] of the full stroke
-    volumetric_efficiency: float
+    volumetric_efficiency: float  # η_v, a fraction
     slip_coefficient: float | None  # Wilson's C_s, of all but `tips`; None where nothing gives one
-    representative: tuple[str, ...]
-    kind: PumpKind | None = None
+    representative: tuple[str, ...]  # which of its values are representative
+    kind: PumpKind | None = None  # how it is built; None where the file is silent
     held_at_demand: bool = False  # the stroke falls to what is taken
-    gaps: PumpGaps = PumpGaps(None, None)
+    gaps: PumpGaps = PumpGaps(None, None)  # that its slip is computed from
     tips: tuple[tuple[float, float], ...] = ()  # sign and clearance [m]: slip over tips that C_s lacks, or holds
     clearances: PumpClearances = NO_CLEARANCES  # when new
     limits: PumpClearances = NO_CLEARANCES  # the most that the manual allows

@@ -88,21 +88,21 @@ class RepairTable(Strict):
 class Repair:
     """One way to repair a component, or some of its lands."""
 
-    id: str
-    component: str
-    lands: frozenset[int]
-    kind: RepairKind
-    name: str
-    source: str
-    part_number: str | None = None
+    id: str  # by which choices name it
+    component: str  # its number
+    lands: frozenset[int]  # that it changes
+    kind: RepairKind  # what is done
+    name: str  # what people see
+    source: str  # who states this
+    part_number: str | None = None  # of the part that is fitted
     price: float | None = None  # of the part, in its currency
-    currency: str | None = None
+    currency: str | None = None  # of the price, as EUR
     hours: float | None = None  # of work
-    tool: str | None = None
+    tool: str | None = None  # that it takes
     nominal_diameter: float | None = None  # [m] of the land afterwards; None: as before
     mounting_clearance: float | tuple[float, float] | None = None  # [m] radial afterwards; None: as of new parts
     mounting_tolerance: float | None = None  # [m]
-    evidence: Evidence | None = None
+    evidence: Evidence | None = None  # who says what it leaves
 
     @property
     def label(self) -> str:
@@ -175,11 +175,11 @@ class ComplaintTable(Strict):
 class Complaint:
     """What a customer says, and where the leakage behind it shows."""
 
-    id: str
-    label: str
+    id: str  # by which a job names it
+    label: str  # in the customer's words
     conditions: tuple[str, ...]  # names of operating points
     lands: tuple[LandKey, ...]  # that can explain it; none where every land that leaks in those conditions can
-    source: str
+    source: str  # who states where it shows
 
     @property
     def record(self) -> dict[str, str | list[str]]:

@@ -115,20 +115,15 @@ KeySteps = tuple[str | int, ...]
 
 @dataclass(frozen=True)
 class Place:
-    """Where in the user's material something stands; any part may be unknown.
+    """Where in the user's material something stands; any part may be unknown."""
 
-    ``row`` counts from 1 as a spreadsheet does, ``column`` is the column's letter or heading.
-    ``table`` and ``key`` serve for TOML files; ``steps`` lead to the same place through the file's tables as data, list
-    entries counted from 0.
-    """
-
-    file: str | None = None
-    sheet: str | None = None
-    row: int | None = None
-    column: str | None = None
-    table: str | None = None
-    key: str | None = None
-    steps: KeySteps = field(default=(), compare=False)
+    file: str | None = None  # its name
+    sheet: str | None = None  # of a workbook
+    row: int | None = None  # counted from 1, as a spreadsheet does
+    column: str | None = None  # its letter or heading
+    table: str | None = None  # of a TOML file
+    key: str | None = None  # of a TOML file
+    steps: KeySteps = field(default=(), compare=False)  # through the file's tables as data, list entries counted from 0
 
     @property
     def parts(self) -> dict[str, Any]:
@@ -324,10 +319,10 @@ MessageLevel = Literal["info", "warning"]
 class Message:
     """What a result has to say besides its numbers: ``code`` for programs, ``text`` for people."""
 
-    level: MessageLevel
-    code: str
-    text: Sentence
-    place: Place | None = None
+    level: MessageLevel  # how much it matters
+    code: str  # for programs
+    text: Sentence  # for people
+    place: Place | None = None  # what it speaks of in the user's material
 
 
 def nearest_name(name: str, names: Iterable[str]) -> str | None:

@@ -65,9 +65,9 @@ class Quantity(NamedTuple):
     many digits it takes there.
     """
 
-    value: float
-    kind: str
-    digits: int = 0
+    value: float  # in the unit of atleak's records
+    kind: str  # of quantity, as ``clearance``
+    digits: int = 0  # decimal places in the unit of the records
 
     def __format__(self, specification: str) -> str:
         """Write the value in the unit of atleak's records, without naming it; no line breaks between its thousands."""

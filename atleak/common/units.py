@@ -25,9 +25,9 @@ HHMMSS = "HHMMSS"  # a clock's digits: 100059.5 is 10:00:59.5. No factor makes s
 class Unit:
     """A unit: ``si = value · factor + offset``."""
 
-    name: str
-    factor: float
-    offset: float = 0.0
+    name: str  # as people write it
+    factor: float  # SI for one of it
+    offset: float = 0.0  # SI at its zero
 
     @property
     def said(self) -> str:

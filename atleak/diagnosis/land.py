@@ -46,7 +46,7 @@ class Crossing:
     value: float  # infinite where the limit is never reached
     low: float
     high: float  # infinite where the limit may never be reached
-    present: float
+    present: float  # the vehicle's mileage now, before which none of them lies
 
     @property
     def foreseeable(self) -> bool:
@@ -260,21 +260,22 @@ def without_rate(lands: Iterable[LandUncertainty], mileage: float | None) -> Mes
 class LandDiagnosis:
     """One land's clearance, its leakage at the stated condition, its verdict and how sure that is."""
 
-    state: LandClearance
+    state: LandClearance  # its clearance
     wear: float | None  # (c_r − c_m)/c_m; None where not measured
     effective_clearance: float  # [m] at the stated condition
     leakage: float  # [m³/s] at the stated condition, through every gap of the land
     drawn_from_pump: float  # [m³/s] the part of the leakage that counts in the total
     share: float  # what it draws / pump capacity at the stated condition
     excess_share: float  # what it draws above the same land at its mounting clearance, where that costs most
-    verdict: Verdict
-    rules: tuple[Rule, ...]
+    verdict: Verdict  # the worst of its rules
+    rules: tuple[Rule, ...]  # by which it is judged
     replace_mileage: Crossing | None  # None where one visit cannot tell it, and where it has been passed
     uncertainty: LandUncertainty | None  # None where nothing was measured
-    messages: tuple[Message, ...]
+    messages: tuple[Message, ...]  # what a reader must know of it
 
     @property
     def key(self) -> LandKey:
+        """Return component and land."""
         return self.state.land.key
 
     @property

@@ -31,9 +31,9 @@ _EVERYWHERE = Sentence("")
 class Rule:
     """One limited quantity of one land or of the unit: ``value`` in SI or as a fraction, with its limits."""
 
-    kind: RuleKind
+    kind: RuleKind  # what is limited
     condition: OperatingPoint | None  # of a share; None where the rule holds everywhere
-    value: float
+    value: float  # SI or a fraction
     steps: Steps  # with the limits that apply to this land or unit at this condition
     new: float | None = None  # the same of the same land or unit as it may have been when new; None for wear, clearance
     circuit: Circuit | None = None  # whose pressure it is
@@ -134,7 +134,7 @@ _IDS = {  # of those whose name in records is not that of the kind
 class UnitRules:
     """The rules of every measured land, and those of the whole unit at every condition."""
 
-    lands: Mapping[LandKey, tuple[Rule, ...]]
+    lands: Mapping[LandKey, tuple[Rule, ...]]  # by component and land
     totals: tuple[Rule, ...]  # in the order of the conditions
     pressures: tuple[Rule, ...]  # reserves, circuits and permissible pressures, in the order of the conditions
     limits: Limits  # the set that was applied

@@ -32,7 +32,7 @@ class Instant:
     time: float  # [s]
     leakage: float  # [m³/s]
     pump_capacity: float | None  # [m³/s], None where no engine speed was logged
-    share: float | None
+    share: float | None  # leakage / pump capacity; None where the pump delivers nothing
     sample: int  # of the log: the instant itself or, of a median, the sample that comes nearest to it
 
 
@@ -61,7 +61,7 @@ class Extremes:
     time: np.ndarray  # [s]
     leakage: np.ndarray  # [m³/s]
     pump_capacity: np.ndarray | None  # [m³/s]
-    segments: Sequence[Segment]
+    segments: Sequence[Segment]  # stretches of the log without a gap
     window: float  # [s] of the running median
 
     @cached_property

@@ -67,7 +67,7 @@ class Clearance(Protocol):
 class GapLeakage:
     """One gap at one condition: every factor of its gap law, and the flow."""
 
-    gap: Gap
+    gap: Gap  # as the controller's file describes it
     pressure_drop: float  # [Pa], with its sign: a negative one leaks nothing, or backwards
     leaks_back: bool  # whether it leaks where the drop is negative: between two live sections, one of them solved
     diameter: float  # [m], the one in the gap law
@@ -78,8 +78,8 @@ class GapLeakage:
     leakage: float  # [m³/s], with the spool where the profile takes it to lie
     concentric_leakage: float  # [m³/s], with the spool concentric
     touching_leakage: float  # [m³/s], with the spool touching its bore
-    drawn_from_pump: bool
-    reynolds_number: float
+    drawn_from_pump: bool  # counts as leakage
+    reynolds_number: float  # over 1000 the flow may not be laminar
 
 
 # --- a gap
@@ -89,13 +89,13 @@ class GapLeakage:
 class GapGeometry:
     """A gap with the clearance of its land: the part of its flow that neither pressure nor fluid changes."""
 
-    gap: Gap
+    gap: Gap  # as the controller's file describes it
     spool_diameter: float  # [m]
     contact_length: float  # [m]
     radial_clearance: float  # [m], cold, the mean
-    form_moments: Moments
+    form_moments: Moments  # central moments of its clearance
     thermal_rate: float  # [m/K]
-    drawn_from_pump: bool
+    drawn_from_pump: bool  # counts as leakage
 
     def effective_clearance(self, temperature: Any) -> Any:
         """Return the mean radial clearance [m] at a temperature [°C]: zero where the spool binds."""

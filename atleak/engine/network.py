@@ -37,8 +37,8 @@ SHARP = 1e-3  # [Pa] down to which a leak through a hole is turbulent: no pressu
 class Network:
     """A valve body in one gear: its circuits and every branch between its pressures."""
 
-    controller: Controller
-    point: OperatingPoint
+    controller: Controller  # whose circuits they are
+    point: OperatingPoint  # operating point, with the gear
     lands: tuple[Branch[GapBranch], ...]  # the gaps
     leaks: tuple[Branch[Restriction], ...]  # rings and check balls
     feeds: tuple[Branch[Orifice], ...]  # each into the circuit that it feeds; only of circuits that are not vented

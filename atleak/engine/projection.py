@@ -29,7 +29,7 @@ from atleak.measurements.clearances import LandClearance
 class CircuitState:
     """The pressure that a circuit holds at one condition, with the line pressure that holds there."""
 
-    circuit: Circuit
+    circuit: Circuit  # as the controller's file describes it
     pressure: float  # [Pa]
     set_pressure: float | None  # [Pa] of its regulator; None without one
     feed: float  # [m³/s] what it takes through its feeds
@@ -41,19 +41,19 @@ class CircuitState:
 class LeakFlow:
     """The flow of a leak beside the lands (rings, check balls) at one condition, at the required line pressure."""
 
-    leak: Leak
+    leak: Leak  # as the controller's file describes it
     flow: float  # [m³/s], negative where it leaks backwards
     leaks_back: bool  # whether it can
-    drawn_from_pump: bool
+    drawn_from_pump: bool  # counts as leakage
 
 
 @dataclass(frozen=True)
 class Projection:
     """Leakage and pump flow at one stated condition."""
 
-    condition: OperatingPoint
+    condition: OperatingPoint  # as stated
     pressures: dict[str, float]  # [Pa] by section
-    gaps: tuple[GapLeakage, ...]
+    gaps: tuple[GapLeakage, ...]  # that see a pressure drop in its gear
     leakage: float  # [m³/s] drawn from the pump, as the profile counts it
     concentric_leakage: float  # [m³/s] the same with every spool concentric
     touching_leakage: float  # [m³/s] the same with every spool touching its bore
@@ -68,7 +68,7 @@ class Projection:
     starved: float  # [m³/s] by which consumers behind the line's regulator get less than they take
     circuits: tuple[CircuitState, ...]  # in the order of the controller's file
     permissible: PermissiblePressure | None  # of main pressure in this gear and state
-    messages: tuple[Message, ...]
+    messages: tuple[Message, ...]  # what a reader must know of it
 
     @property
     def other_leakage(self) -> float:

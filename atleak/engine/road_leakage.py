@@ -249,7 +249,7 @@ class CircuitRange:
     sample: int  # of the lowest
     time: float  # [s] of it
     samples: int  # that count
-    circuit: Circuit
+    circuit: Circuit  # as the controller's file describes it
     main_pressure: float  # [Pa] measured where it is lowest
 
 
@@ -257,7 +257,7 @@ class CircuitRange:
 class RoadLeakage:
     """Leakage over a road test; arrays have shape (samples,) and are NaN where a channel was not usable."""
 
-    road_test: RoadTest
+    road_test: RoadTest  # over which it was computed
     assumed: OperatingPoint  # from which comes what the log does not hold
     time: np.ndarray  # [s]
     leakage: np.ndarray  # [m³/s]
@@ -265,12 +265,12 @@ class RoadLeakage:
     circuits: dict[str, np.ndarray]  # [Pa] the pressure that each holds at the measured line pressure, 0 where vented
     circuit_ranges: dict[str, CircuitRange]  # of those that the log applies
     pump_capacity: np.ndarray | None  # [m³/s]
-    gears: tuple[int, ...]
+    gears: tuple[int, ...]  # for which it was computed
     section_shares: dict[str, float | None]  # of the volume leaked
     extremes: Extremes  # without the moments after a start of the engine
     start: Extremes | None  # of those moments; None where the log has none
     lower_bound: bool  # whether hotter samples were left out, so that the true largest leakage may be larger
-    messages: tuple[Message, ...]
+    messages: tuple[Message, ...]  # what a reader must know of it
 
     @property
     def share(self) -> np.ndarray | None:

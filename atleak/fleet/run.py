@@ -51,7 +51,7 @@ class Finished:
     errors: Mapping[ErrorKind, int]  # kind of error → how many units of this run
     before: int  # units that had their result, or their error, before this run
     twice: int  # units that are the same as another one, to the last byte
-    seconds: float
+    seconds: float  # [s] that it took
 
     @property
     def evaluated(self) -> int:

@@ -31,10 +31,10 @@ REPORT_KINDS: dict[str, SealedKind] = {"pdf": "PDF", "xlsx": "report workbook", 
 class Reported:
     """The outcome for one job: the files written, or why there are none."""
 
-    source: Path
-    written: tuple[Path, ...] = ()
-    verdict: Verdict | None = None
-    error: AtleakError | None = None
+    source: Path  # the job file
+    written: tuple[Path, ...] = ()  # reports, in the order of their formats
+    verdict: Verdict | None = None  # None where there is none
+    error: AtleakError | None = None  # why nothing was written
     result_by: str = ""  # the version of atleak by which the job file's result was made
     differs: tuple[Sentence, ...] = ()  # from that result
     doubts: tuple[Message, ...] = ()  # about the record

@@ -66,9 +66,9 @@ def plain_name(name: str) -> str:
 class SourceFile:
     """A file of a job: its name and its bytes, or the path from which they are read when they are needed."""
 
-    name: str
-    data: bytes | None = field(default=None, repr=False)
-    path: Path | None = field(default=None, repr=False)
+    name: str  # as messages call it
+    data: bytes | None = field(default=None, repr=False)  # its bytes
+    path: Path | None = field(default=None, repr=False)  # from which they are read
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", plain_name(self.name))

@@ -156,11 +156,11 @@ class Choices(_Strict):
 class JobParts:
     """A job with its result, taken apart: what its job file holds, and what the job book keeps."""
 
-    choices: Choices
+    choices: Choices  # the content of ``job.json``
     sources: Mapping[str, SourceFile]  # by slot: the workshop's own files, then those of the catalogue
-    pictures: Mapping[str, bytes]
-    case: Case
-    diagnosis: Diagnosis
+    pictures: Mapping[str, bytes]  # by name
+    case: Case  # its files and choices
+    diagnosis: Diagnosis  # the result
 
     @cached_property
     def result(self) -> dict[str, Any]:
@@ -246,11 +246,11 @@ class OfBook(_Strict):
 class JobFile:
     """A job that was kept: the record, the case to diagnose anew, and the result as it was when it was kept."""
 
-    job: Job
-    case: Case
-    result: dict[str, Any]
+    job: Job  # the record
+    case: Case  # its files and choices
+    result: dict[str, Any]  # as JSON has it
     name: str = "job file"  # for messages
-    of_book: OfBook = field(default_factory=OfBook)
+    of_book: OfBook = field(default_factory=OfBook)  # what the job book adds
 
     @property
     def result_by(self) -> str:

@@ -67,30 +67,30 @@ LAND_COLUMNS = [column.name for column in lands.c if column.name not in ("id", "
 class Saved:
     """What was saved: under which id, and as which version of it."""
 
-    id: str
-    version: int
+    id: str  # of the job
+    version: int  # counted from 1, one more at each save
 
 
 @dataclass(frozen=True)
 class JobRow:
     """A job as the book lists it."""
 
-    id: str
-    number: str
+    id: str  # of the job
+    number: str  # of the workshop
     vin: str
-    plate: str
-    serial: str
-    customer: str
-    date: dt.date | None
-    controller: str
-    verdict: str
-    mileage_km: float | None
-    unit: int
-    visit: int
-    made_on: dt.date | None
-    changed_at: dt.datetime
-    archived_at: dt.datetime | None
-    sample: bool
+    plate: str  # registration of the vehicle
+    serial: str  # of the transmission
+    customer: str  # name
+    date: dt.date | None  # of the job
+    controller: str  # id of the type
+    verdict: str  # of the unit
+    mileage_km: float | None  # of the vehicle
+    unit: int  # the unit's id
+    visit: int  # the visit's id
+    made_on: dt.date | None  # when it was first saved
+    changed_at: dt.datetime  # when it was last saved
+    archived_at: dt.datetime | None  # None: not archived
+    sample: bool  # made of the sample data
 
     @property
     def in_words(self) -> Sentence:
@@ -103,20 +103,20 @@ class JobRow:
 class StoredJob:
     """A job as the book holds it: the content of ``job.json``, files by slot, pictures by name, the last result."""
 
-    id: str
-    version: int
+    id: str  # of the job
+    version: int  # counted from 1, one more at each save
     date: dt.date | None  # as the record states it
-    made_at: dt.datetime
+    made_at: dt.datetime  # when it was first saved
     made_on: dt.date | None  # that day in the workshop
-    changed_at: dt.datetime
-    archived_at: dt.datetime | None
-    sample: bool
-    unit: int
+    changed_at: dt.datetime  # when it was last saved
+    archived_at: dt.datetime | None  # None: not archived
+    sample: bool  # made of the sample data
+    unit: int  # the unit's id
     name: Sentence  # for messages
-    choices: bytes
-    sources: Mapping[str, bytes]
-    pictures: Mapping[str, bytes]
-    result: dict[str, Any]
+    choices: bytes  # the content of ``job.json``
+    sources: Mapping[str, bytes]  # files by slot
+    pictures: Mapping[str, bytes]  # by name
+    result: dict[str, Any]  # the last one, as JSON has it
     result_by: str  # version of atleak that gave the result
 
     @cached_property

@@ -40,7 +40,7 @@ NOMINAL_TOLERANCE = 0.5e-3  # [m] a diameter further than this from the nominal 
 class Station:
     """One plane and direction of a land with both diameters; what was not measured there is the part's mean."""
 
-    plane: str
+    plane: str  # letter or number of the plane
     direction: float | None  # [°]
     spool_diameter: float  # [m]
     sleeve_diameter: float  # [m]
@@ -55,8 +55,8 @@ class Station:
 class Disagreement:
     """Repeats of one place that are further apart than `REPEAT_TOLERANCE`, and those of them that count."""
 
-    repeats: tuple[Reading, ...]
-    counted: tuple[Reading, ...]
+    repeats: tuple[Reading, ...]  # all of the place
+    counted: tuple[Reading, ...]  # of which its mean is made
 
     @property
     def agreed(self) -> bool:
@@ -73,34 +73,32 @@ class Disagreement:
 class LandClearance:
     """The clearance of one land at 20 °C, and the readings it rests on.
 
-    ``spool_diameter``, ``sleeve_diameter`` and ``radial_clearance`` are means [m] over repeats, then directions, then
-    planes. A part that was not measured has its nominal diameter, and ``status`` says so; a land that was not measured
-    at all has its mounting clearance. Ovality [m] is the largest difference between the directions of one plane, taper
-    [m] the difference between the planes, spread of repeats [m] the largest difference between *independent* repeats:
-    each is None where the readings cannot tell. ``…_repeats`` is the smallest number of independent repeats of any
-    plane and direction.
+    Means are over repeats, then directions, then planes. A part that was not measured has its nominal diameter, a land
+    that was not measured at all its mounting clearance. Ovality is the largest difference between the directions of one
+    plane, taper that between the planes, spread of repeats that between *independent* repeats: each is None where the
+    readings cannot tell.
     """
 
-    land: Land
-    status: Status
-    spool_diameter: float
-    sleeve_diameter: float
-    radial_clearance: float
+    land: Land  # as the controller's file describes it
+    status: Status  # which of its parts were measured
+    spool_diameter: float  # [m] mean, or nominal
+    sleeve_diameter: float  # [m] mean, or nominal
+    radial_clearance: float  # [m] mean, or the mounting clearance
     min_clearance: float  # over planes and directions
-    max_clearance: float
+    max_clearance: float  # [m] likewise
     worst_direction: float | None  # [°], of the largest clearance; None where there is no direction to compare
-    stations: tuple[Station, ...]
-    spool_ovality: float | None
-    sleeve_ovality: float | None
-    spool_taper: float | None
-    sleeve_taper: float | None
-    spool_repeat_spread: float | None
-    sleeve_repeat_spread: float | None
-    spool_readings: int
-    sleeve_readings: int
-    spool_repeats: int
-    sleeve_repeats: int
-    messages: tuple[Message, ...] = ()
+    stations: tuple[Station, ...]  # every plane and direction measured
+    spool_ovality: float | None  # [m]
+    sleeve_ovality: float | None  # [m]
+    spool_taper: float | None  # [m]
+    sleeve_taper: float | None  # [m]
+    spool_repeat_spread: float | None  # [m]
+    sleeve_repeat_spread: float | None  # [m]
+    spool_readings: int  # how many
+    sleeve_readings: int  # how many
+    spool_repeats: int  # independent ones, the fewest of any plane and direction
+    sleeve_repeats: int  # likewise
+    messages: tuple[Message, ...] = ()  # what a reader must know of it
     doubts: tuple[Disagreement, ...] = ()  # places whose repeats are too far apart to be averaged
 
     @property

@@ -53,8 +53,8 @@ _AT_FAST_IDLE = "its low limit at idle, for a pump that turns faster at the same
 class GaugeCell:
     """One place of the table: a range of the selector lever, what the engine does, and where the gauge sits."""
 
-    range: SelectorRange
-    engine: Engine
+    range: SelectorRange  # of the selector lever
+    engine: Engine  # what the engine does
     tap: str = LINE_TAP  # or the id of a circuit
 
 
@@ -62,7 +62,7 @@ class GaugeCell:
 class GaugeReading:
     """One pressure as a gauge showed it."""
 
-    cell: GaugeCell
+    cell: GaugeCell  # where it was read
     pressure: float  # [Pa]
     repeat: int = 1  # counts the readings of one cell in the order in which they were taken
     round: float | None = None  # the repeat or time as the table states it: one for all taps that were read together

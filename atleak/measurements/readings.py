@@ -21,7 +21,7 @@ class SheetIdentity:
 
     job: str = ""  # number of the job
     vehicle: str = ""  # in the words of whoever wrote it
-    vin: str = ""
+    vin: str = ""  # of the vehicle
     serial: str = ""  # of the transmission
     technician: str = ""  # who measured
     instruments: tuple[str, ...] = ()  # where the head names two, that for spools and then that for bores
@@ -39,21 +39,16 @@ TYPED_MARK = "atleak: readings typed in"  # the first cell of a sheet that was: 
 
 @dataclass(frozen=True)
 class Reading:
-    """One measured diameter.
+    """One measured diameter."""
 
-    ``direction`` is the angle of the measured diameter around the axis, 0 ≤ direction < 180 [°], None where the sheet
-    does not say. ``coordinates`` are the two positions [m] whose distance is the diameter, where the sheet gives them.
-    ``repeat`` counts from 1 within one part, plane and direction.
-    """
-
-    component: str
-    part: Part
-    plane: str
-    direction: float | None
-    repeat: int
+    component: str  # its number
+    part: Part  # spool or sleeve
+    plane: str  # letter or number of the plane
+    direction: float | None  # [°] angle around the axis, 0 to 180; None where the sheet does not say
+    repeat: int  # counted from 1 within one part, plane and direction
     diameter: float  # [m]
     place: Place = Place()  # noqa: RUF009  frozen, so safe to share
-    coordinates: tuple[float, float] | None = None  # [m]
+    coordinates: tuple[float, float] | None = None  # [m] the two positions whose distance is the diameter
 
     @property
     def station(self) -> tuple[str, Part, str, float | None]:
@@ -151,7 +146,7 @@ class MeasuringTemperature:
     """The temperature that gauge and parts had when they were measured, and who states it."""
 
     value: float  # [°C]
-    origin: Literal["job", "sheet", "assumed"]
+    origin: Literal["job", "sheet", "assumed"]  # who states it
 
     @property
     def assumed(self) -> bool:

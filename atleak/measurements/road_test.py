@@ -88,7 +88,7 @@ class Channel:
         The channel's true rate: independent samples per second, breaks not counted. [1/s]
     """
 
-    quantity: str
+    quantity: str  # one of `QUANTITIES`
     time: np.ndarray
     values: np.ndarray
     suspect: np.ndarray
@@ -113,15 +113,12 @@ class Channel:
 
 @dataclass(frozen=True)
 class Segment:
-    """A stretch in which time runs on without a gap or a backward jump.
+    """A stretch in which time runs on without a gap or a backward jump."""
 
-    ``start_row`` and ``rows`` count on the road test's ``time``; ``start`` and ``duration`` are in s.
-    """
-
-    start_row: int
-    rows: int
-    start: float
-    duration: float
+    start_row: int  # on the road test's ``time``
+    rows: int  # likewise
+    start: float  # [s]
+    duration: float  # [s]
 
     @property
     def stop(self) -> float:

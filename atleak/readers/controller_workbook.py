@@ -356,7 +356,7 @@ class DescribedController:
     """A valve body that a workbook describes."""
 
     data: dict[str, Any]  # the tables, as a TOML file of the same content gives them
-    controller: Controller
+    controller: Controller  # as its file would give it
     units: Units  # in which the workbook's numbers are written
     notes: tuple[Sentence, ...]  # what was taken for granted and what was not read, in sentences
 

@@ -33,7 +33,7 @@ from atleak.diagnosis.uncertainty.sources import MEASURING_TEMPERATURE_SOURCE
 class Visit:
     """One stay of a unit in the workshop: its mileage, and its lands as they were measured."""
 
-    date: dt.date
+    date: dt.date  # of the measurement
     mileage: float | None  # [km]
     controller: str  # id of the valve body
     lands: tuple[LandSources, ...]  # none where nothing was measured
@@ -93,7 +93,7 @@ class Visits:
 
     visits: tuple[Visit, ...]  # of one valve body
     turned_back: frozenset[int]  # of the visits: those at which the mileage is less than at the one before
-    messages: tuple[Message, ...]
+    messages: tuple[Message, ...]  # what is to be known about them
 
     @property
     def present(self) -> float | None:
@@ -196,7 +196,7 @@ class Point:
     visit: int | None  # its number among those of the unit; None: the mounting clearance
     mileage: float  # [km]
     clearance: float  # [m]
-    factors: Factors
+    factors: Factors  # errors of measuring that it shares with other points
     own_variance: float  # [m²]
 
     @property
@@ -209,10 +209,10 @@ class Point:
 class Series:
     """The points of one land: those that count, in the order of the visits, and those of an earlier series."""
 
-    key: LandKey
+    key: LandKey  # component and land
     land: LandSources | None  # as last measured, if that counts; None where it was repaired since
-    counted: tuple[Point, ...]
-    earlier: tuple[Point, ...]
+    counted: tuple[Point, ...]  # in the order of the visits
+    earlier: tuple[Point, ...]  # of an earlier series
     restart: Restart | None  # why those do not count
     since: int | None  # number of the visit from which on points count; None: from the first
 

@@ -33,7 +33,7 @@ class LandLimit:
     """A limit of a land's clearance, and the mileage at which it is reached."""
 
     kind: RuleKind  # of wear, or of the clearance itself
-    level: Verdict
+    level: Verdict  # that begins at the limit
     clearance: float  # [m]
     past: bool  # at the last visit
     at: Crossing | None  # None where it is past, or without a line
@@ -43,8 +43,8 @@ class LandLimit:
 class LandWear:
     """The wear of one land over the mileage of its unit."""
 
-    series: Series
-    line: WearLine | None
+    series: Series  # its clearances by mileage
+    line: WearLine | None  # None where no rate can be told
     limits: tuple[LandLimit, ...]  # rising; none of a land that was repaired since it was measured
 
     @property
@@ -65,7 +65,7 @@ class WearHistory:
     visits: tuple[Visit, ...]  # in order, of one valve body
     present: float | None  # [km] the latest mileage
     lands: tuple[LandWear, ...]  # those measured at any visit, in the valve body's order
-    messages: tuple[Message, ...]
+    messages: tuple[Message, ...]  # what is to be known about it
 
     @property
     def with_rate(self) -> tuple[LandWear, ...]:
@@ -176,7 +176,7 @@ _Draws = NDArray[np.float64]
 class TotalLimit:
     """A limit of the total share, and the mileage at which it is reached."""
 
-    level: Level
+    level: Level  # that begins at the limit
     share: float  # a fraction
     past: bool  # at the last visit
     at: Crossing | None  # None where it is past
@@ -186,22 +186,22 @@ class TotalLimit:
 class TotalOverMileage:
     """The total share at one condition over mileage: median and interval by what measuring leaves open."""
 
-    condition: OperatingPoint
+    condition: OperatingPoint  # at which the total is computed
     mileages: tuple[float, ...]  # [km] from the last visit on
     low: tuple[float, ...]  # a fraction, as the others
-    median: tuple[float, ...]
-    high: tuple[float, ...]
-    limits: tuple[TotalLimit, ...]
+    median: tuple[float, ...]  # of the share, a fraction, at each mileage
+    high: tuple[float, ...]  # upper end of the interval
+    limits: tuple[TotalLimit, ...]  # of the share, in their order
 
 
 @dataclass(frozen=True)
 class TotalsOverMileage:
     """The totals at every condition that is judged; none where no land tells a rate of wear."""
 
-    totals: tuple[TotalOverMileage, ...]
+    totals: tuple[TotalOverMileage, ...]  # one for each condition
     growing: int  # lands that follow their own line
     lands: int  # of the valve body: the others stay as they are
-    messages: tuple[Message, ...]
+    messages: tuple[Message, ...]  # what is to be known about them
 
 
 def totals_over_mileage(history: WearHistory, diagnosis: Diagnosis) -> TotalsOverMileage:

@@ -42,7 +42,7 @@ class ClearanceEstimate:
     """What the kept pairs tell of each land; NaN where none was kept."""
 
     clearance: NDArray[np.float64]  # [m] their mean
-    pairs: NDArray[np.int_]
+    pairs: NDArray[np.int_]  # kept of each land
     standard_error: NDArray[np.float64]  # [m] of the mean, from the scatter of units and of readings
     degrees: NDArray[np.float64]  # of freedom of that scatter; infinite where only the readings' own error is known
     spread: NDArray[np.float64]  # [m] standard deviation between new pairs, measurement taken off; NaN for one unit
@@ -136,7 +136,7 @@ class LearnedLand:
     uncertainty: float  # half width that holds the true one with 95 %: units, readings and the instruments' calibration
     uncertainty_by_units: float  # the same by the scatter of units and readings alone
     tolerance: float  # half width round the learned one that holds 95 % of new pairs
-    tolerance_from: ToleranceFrom
+    tolerance_from: ToleranceFrom  # what the tolerance rests on
     spread: float | None  # standard deviation between new pairs, measurement taken off; None where units show none
     measurement: float  # standard uncertainty of one unit's clearance, but for what all units share
     calibration: float  # standard uncertainty that the instruments leave to all units alike
@@ -148,9 +148,9 @@ class LearnedLand:
 class LeftOut:
     """A pair of one unit that does not count, because it is not as those of the others are."""
 
-    file: str
-    component: str
-    land: int
+    file: str  # name of the sheet
+    component: str  # its number
+    land: int  # counted from 1 along the spool
     clearance: float  # [m] as measured
     expected: float  # [m] from the other units
 
@@ -164,23 +164,23 @@ class LeftOut:
 class LearnedUnit:
     """One measuring sheet: what of it counts."""
 
-    file: str
-    sha256: str
+    file: str  # name of the sheet
+    sha256: str  # of its bytes
     lands: int  # of which both parts were measured as new ones
     of_used_unit: bool  # only what is marked as an unworn end counts
     shift: float  # [m] by which all its lands together are wider than those of the other units
-    left_out: WhyUnit | None
+    left_out: WhyUnit | None  # why the unit does not count; None where it does
 
 
 @dataclass(frozen=True)
 class Learned:
     """What several measuring sheets tell of a valve body's type when new."""
 
-    controller: Controller
-    units: tuple[LearnedUnit, ...]
-    lands: tuple[LearnedLand, ...]
+    controller: Controller  # whose lands they are
+    units: tuple[LearnedUnit, ...]  # one for each sheet
+    lands: tuple[LearnedLand, ...]  # of which enough pairs tell
     unlearned: tuple[Land, ...]  # no unit that counts measured them: they keep what the file says
-    left_out: tuple[LeftOut, ...]
+    left_out: tuple[LeftOut, ...]  # pairs that do not count
 
     @property
     def counted(self) -> tuple[LearnedUnit, ...]:

@@ -41,9 +41,9 @@ class Gain:
 class Choice:
     """The repairs that are chosen of a unit, in no order, and what the engine says of the unit so repaired."""
 
-    goal: Goal
-    basis: Basis
-    chosen: tuple[Move, ...]
+    goal: Goal  # what they are to reach
+    basis: Basis  # what they have least of first
+    chosen: tuple[Move, ...]  # every repair
     moves: Moves = field(repr=False)  # that were offered
     unit: RepairableUnit = field(repr=False)
     proven: bool  # no other choice of what was offered is better

@@ -30,10 +30,10 @@ class Cost:
     """What repairs cost together: parts by currency, and hours of work."""
 
     prices: Mapping[str, float]  # by currency, in the order in which they come
-    hours: float
+    hours: float  # [h] of work
     repairs: int  # that are counted
     without_price: int  # repairs among them whose file states none
-    without_hours: int
+    without_hours: int  # repairs of which nobody states the hours
     without_option: int  # lands made as new, for which the file names nothing that mends them
 
 
@@ -41,7 +41,7 @@ class Cost:
 class Option:
     """One repair of the controller's file, and how it leaves the lands that it changes."""
 
-    repair: Repair
+    repair: Repair  # as the file states it
     states: Mapping[LandKey, LandClearance]  # of every land that it changes, afterwards
     mending: frozenset[LandKey]  # the lands that are then within their limits, and tighter than measured
 
@@ -165,7 +165,7 @@ def product(first: float, second: float, currency: str) -> Decimal:
 class Move:
     """One repair that can be chosen: an option of the valve body's file, or a land made as new without one."""
 
-    option: Option | None
+    option: Option | None  # None: made as new without one
     lands: tuple[LandKey, ...]  # whose clearance it changes
     treats: frozenset[LandKey]  # of which it counts as the repair
 

@@ -50,7 +50,7 @@ __all__ = [
 class RepairStep:
     """The repair of one land, and of what is mended together with it, after the steps before it."""
 
-    land: LandDiagnosis
+    land: LandDiagnosis  # the one that calls for it
     conditions: tuple[RepairedAt, ...]  # in the order of the diagnosis, the stated one first
     options: tuple[Option, ...] = ()  # of the controller's file for this land, in its order
     chosen: Option | None = None  # None: as new, as no option mends the land
@@ -87,7 +87,7 @@ class RepairStep:
 class Remainder:
     """A total that stays past its limits when the plan is carried out, and what else than the lands it may be up to."""
 
-    total: Total
+    total: Total  # the total, as the plan leaves it
     new_share: float  # of the same unit with every land new
     kinematic_viscosity: float  # [m²/s] of the fluid there
     pump_loss: float  # part of what the pump displaces that it does not deliver there
@@ -102,7 +102,7 @@ class Remainder:
 class RepairPlan:
     """The repairs in their order, and the totals that they end at."""
 
-    steps: tuple[RepairStep, ...]
+    steps: tuple[RepairStep, ...]  # in the order in which they are to be done
     ends: tuple[Total, ...]  # at every condition, the stated one first
     remaining: tuple[Remainder, ...]  # the ends that are not green
     pressures_past: tuple[Rule, ...]  # rules of reserve and pressures that stay past a limit

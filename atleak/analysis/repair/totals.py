@@ -87,7 +87,7 @@ class JudgedTotal:
 class Total:
     """The total at one condition with some lands repaired, judged by the rule of that condition."""
 
-    total: JudgedTotal
+    total: JudgedTotal  # as measured
     others: tuple[JudgedTotal, ...]  # reserve and pressures
     leakage: float  # [m³/s] drawn from the pump
     pressures: Mapping[str, float]  # [Pa] that the line, as p_g, and every circuit hold
@@ -142,8 +142,8 @@ class Total:
 class RepairedAt:
     """What one repair brings at one condition."""
 
-    before: Total
-    after: Total
+    before: Total  # the total before it, with the steps before it done
+    after: Total  # the total with it
 
     @property
     def condition(self) -> OperatingPoint:

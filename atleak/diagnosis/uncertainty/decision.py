@@ -30,10 +30,10 @@ def certainty(decision: Decision | None) -> int:
 class LevelDecision:
     """One of a rule's limits, and the decision of the value against it."""
 
-    level: Level
-    limit: float
-    decision: Decision
-    probability_over: float
+    level: Level  # that begins at the limit
+    limit: float  # SI or a fraction
+    decision: Decision  # of the value against it
+    probability_over: float  # that the true value is past it
 
 
 @dataclass(frozen=True)
@@ -43,12 +43,12 @@ class RuleDecision:
     ``limit`` and ``standard_uncertainty`` are in SI or fractions, as the rule's value is.
     """
 
-    rule: Rule
-    limit: float
-    standard_uncertainty: float
-    decision: Decision
-    probability_over_limit: float
-    levels: tuple[LevelDecision, ...]
+    rule: Rule  # what was judged
+    limit: float  # SI or a fraction
+    standard_uncertainty: float  # of the value, likewise
+    decision: Decision  # how sure the verdict is
+    probability_over_limit: float  # that the true value is past the limit
+    levels: tuple[LevelDecision, ...]  # every limit of the rule, with the decision against it
     level_uncertainties: tuple[float, ...]
     interval: tuple[float, float] | None = None  # of the value, from draws; None where it is normally distributed
 

@@ -165,13 +165,13 @@ class AtCondition:
     """A land's leakage and share at one condition, with 95 % intervals (or what ``coverage`` was set to)."""
 
     condition: str  # name of the operating point
-    label: str
+    label: str  # of the condition, as people read it
     leakage: float  # [m³/s]
-    u_leakage: float
-    leakage_interval: Interval
+    u_leakage: float  # [m³/s] standard uncertainty of the leakage
+    leakage_interval: Interval  # [m³/s]
     share: float  # of the pump's flow, what is drawn from the pump
-    u_share: float
-    share_interval: Interval
+    u_share: float  # standard uncertainty of the share
+    share_interval: Interval  # fractions
     eccentric: Interval  # [m³/s] the leakage concentric and touching the bore, everything else as measured
     budget: tuple[tuple[str, float], ...]  # parts of the share's linear variance, the largest first
     clearance_fraction: float  # part of that variance which the clearance carries
@@ -181,14 +181,14 @@ class AtCondition:
 class LandUncertainty:
     """The uncertainty of one land's numbers and decisions; a land that was not measured has none."""
 
-    sources: LandSources
+    sources: LandSources  # all that makes its clearance uncertain
     u_clearance: float | None  # [m] standard uncertainty of the radial clearance
     clearance_interval: Interval | None  # [m]
     wear_interval: Interval | None  # of (c_r − c_m)/c_m, what is known of c_m included
     conditions: tuple[AtCondition, ...]  # the stated one first; empty where not measured
-    rules: tuple[RuleDecision, ...]
-    shape: Shape
-    guard_factor: float
+    rules: tuple[RuleDecision, ...]  # decisions on its rules
+    shape: Shape  # of its clearance over directions and planes
+    guard_factor: float  # k of the guard band
 
     @property
     def key(self) -> tuple[str, int]:
@@ -310,23 +310,23 @@ class LandUncertainty:
 class TotalUncertainty:
     """The uncertainty of the whole controller's leakage at one condition."""
 
-    condition: str
-    label: str
+    condition: str  # its name
+    label: str  # of the condition, as people read it
     leakage: float  # [m³/s]
-    u_leakage: float
-    leakage_interval: Interval
-    share: float
-    u_share: float
-    share_interval: Interval
+    u_leakage: float  # [m³/s] standard uncertainty of the leakage
+    leakage_interval: Interval  # [m³/s]
+    share: float  # as a fraction
+    u_share: float  # standard uncertainty of the share
+    share_interval: Interval  # fractions
     minimum_speed_interval: Interval  # [1/s]
     new_leakage_interval: Interval  # [m³/s] of the same unit new
     growth_interval: Interval  # of the leakage over that of the same unit new, as a fraction
     decision: RuleDecision  # about the total's bands
-    reserve_interval: Interval
+    reserve_interval: Interval  # of the pump's reserve
     main_pressure_interval: Interval  # [Pa] that holds
     circuit_intervals: Mapping[str, Interval]  # [Pa] that each circuit holds, by its id
     pressures: tuple[RuleDecision, ...]  # about reserve, circuits and permissible pressure at this condition
-    band_probabilities: tuple[tuple[Band, float], ...]
+    band_probabilities: tuple[tuple[Band, float], ...]  # that the true share lies in each band
     budget: tuple[tuple[str, float], ...]  # of the share's linear variance, the largest first
 
 
@@ -334,7 +334,7 @@ class TotalUncertainty:
 class InstantUncertainty:
     """The 95 % intervals of leakage [m³/s] and share at one instant of a road test."""
 
-    leakage_interval: Interval
+    leakage_interval: Interval  # [m³/s]
     share_interval: Interval | None  # None where the instant has no share
 
 
@@ -342,17 +342,17 @@ class InstantUncertainty:
 class UnitUncertainty:
     """The uncertainty of all lands and totals, with the inputs it follows from."""
 
-    lands: tuple[LandUncertainty, ...]
+    lands: tuple[LandUncertainty, ...]  # that were measured
     totals: tuple[TotalUncertainty, ...]  # in the order of the projections given
     instants: Mapping[Instant, InstantUncertainty]  # of the road test
-    instruments: Instruments
-    assumptions: Assumptions
-    repeats: dict[Part, RepeatSpread]
-    coverage: float
-    guard_factor: float
-    draws: int
-    seed: int
-    messages: tuple[Message, ...]
+    instruments: Instruments  # with which the readings were taken
+    assumptions: Assumptions  # what else is uncertain
+    repeats: dict[Part, RepeatSpread]  # how far readings of each part scatter
+    coverage: float  # of the intervals, a fraction
+    guard_factor: float  # k of the guard band
+    draws: int  # how many
+    seed: int  # of the draws, so that they are the same each time
+    messages: tuple[Message, ...]  # what a reader must know of it
 
     @cached_property
     def _by_key(self) -> dict[tuple[str, int], LandUncertainty]:

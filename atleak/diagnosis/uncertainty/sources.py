@@ -63,11 +63,11 @@ _READINGS_THAT_SHOW_A_STEP = 12
 class UncertaintySource:
     """One reason why a radial clearance is uncertain."""
 
-    kind: SourceKind
-    part: Part | None
+    kind: SourceKind  # the reason
+    part: Part | None  # spool or sleeve; None: of the pair
     standard_uncertainty: float  # [m] in the radial clearance; negative where it acts the other way in its group
     group: str | None = None  # of the error that other lands share
-    shape: Literal["normal", "rectangular"] = "normal"
+    shape: Literal["normal", "rectangular"] = "normal"  # of its distribution
 
     @property
     def label(self) -> str:
@@ -91,12 +91,12 @@ class PooledRepeats:
 class RepeatSpread:
     """The spread of single readings of one part in this unit, and the step in which they are written."""
 
-    part: Part
+    part: Part  # spool or sleeve
     standard_deviation: float  # [m] of one reading before rounding
     degrees_of_freedom: int  # of independent repeats, pooled over the unit
     resolution: float  # [m] the coarser of instrument and sheet
     roundings: int  # in one diameter: 2 where it is the difference of two coordinates
-    origin: Literal["repeats", "instrument", "resolution"]
+    origin: Literal["repeats", "instrument", "resolution"]  # what tells it
     ovality: float | None  # [m] root mean square over the lands measured in several directions
     pooled: PooledRepeats | None = None  # from which it follows
 
@@ -137,12 +137,12 @@ class _MeasuringPlan:
 class LandSources:
     """All sources of the uncertainty of one land's clearance."""
 
-    state: LandClearance
-    sources: tuple[UncertaintySource, ...]
+    state: LandClearance  # its clearance
+    sources: tuple[UncertaintySource, ...]  # one for each reason
     plans: Mapping[Part, _MeasuringPlan]
     spreads: Mapping[Part, RepeatSpread]
-    instruments: Instruments
-    assumptions: Assumptions
+    instruments: Instruments  # with which the readings were taken
+    assumptions: Assumptions  # what else is uncertain
 
     @property
     def key(self) -> tuple[str, int]:

@@ -149,9 +149,9 @@ _FEWEST = 20  # samples of which a range is told
 class ConverterSlip:
     """Engine speed minus turbine speed [1/s] while the car drives: 5 and 95 of 100 samples lie below the ends."""
 
-    low: float
-    median: float
-    high: float
+    low: float  # [1/s] 5 % of the samples lie below
+    median: float  # [1/s]
+    high: float  # [1/s] 5 % lie above
     locked_seconds: float  # [s] with hardly any slip
     commanded_seconds: float | None  # [s] with lock-up commanded; None where that is not logged
     commanded_median: float | None  # [1/s] of slip then, either way

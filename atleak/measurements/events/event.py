@@ -65,9 +65,9 @@ class AccelerationTest:
 
     gears: tuple[int, ...]  # passed, rising; none where no gear is logged
     missing: tuple[int, ...]  # gears of the valve body above them
-    highest_speed: float
-    highest_at: float
-    speed_limit: float
+    highest_speed: float  # [1/s] that the engine reached
+    highest_at: float  # [s] when
+    speed_limit: float  # [1/s] under which it had to stay
     fault: TestFault | None  # None: driven as it is meant to be
 
     @property
@@ -78,14 +78,14 @@ class AccelerationTest:
 
 @dataclass(frozen=True)
 class Event:
-    """One event: ``start`` and ``stop`` [s] on the road test's time; gears only for shifts."""
+    """What happened in a window of a road test."""
 
-    kind: EventKind
-    start: float
-    stop: float
-    from_gear: int | None = None
-    to_gear: int | None = None
-    source: ChannelSource = "logged"
+    kind: EventKind  # what happened
+    start: float  # [s] on the road test's time
+    stop: float  # [s] likewise
+    from_gear: int | None = None  # of a shift
+    to_gear: int | None = None  # of a shift
+    source: ChannelSource = "logged"  # whether the log says it, or it was derived
     note: Sentence = Sentence("")  # noqa: RUF009  frozen, so safe to share
     test: AccelerationTest | None = None  # of a minimum-acceleration test: how it was driven
 

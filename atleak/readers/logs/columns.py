@@ -69,15 +69,12 @@ class Signal:
 
 @dataclass(frozen=True)
 class Ambiguous:
-    """A quantity for which the file offers more than can be decided: the user must choose.
+    """A quantity for which the file offers more than can be decided: the user must choose."""
 
-    ``guess`` is the column that it most likely is, where a single one comes into question.
-    """
-
-    quantity: str
-    candidates: tuple[str, ...]
+    quantity: str  # to choose a column for
+    candidates: tuple[str, ...]  # columns that may hold it
     why: Sentence = Sentence("")  # noqa: RUF009  frozen, so safe to share
-    guess: str | None = None
+    guess: str | None = None  # the column that it most likely is, where a single one comes into question
 
 
 def match_heading(heading: Heading) -> Match | None:

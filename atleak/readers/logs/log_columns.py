@@ -29,21 +29,16 @@ _WORDS = 6  # different cells that are shown of a column of words
 
 @dataclass(frozen=True)
 class LogColumn:
-    """A column of a log as a person tells it from the others, in the file's own unit.
+    """A column of a log as a person tells it from the others, in the file's own unit."""
 
-    ``quantity`` is the one that its name stands for, None where the name says nothing. ``least`` and ``largest`` are
-    None where the column holds no number, ``curve`` shows its course, and ``words`` are some of its cells that are no
-    numbers.
-    """
-
-    label: str
-    unit: str | None
-    quantity: str | None
-    numbers: int
-    least: float | None = None
-    largest: float | None = None
-    curve: tuple[float, ...] = ()
-    words: tuple[str, ...] = ()
+    label: str  # heading, or ``column 3``
+    unit: str | None  # as the file states it
+    quantity: str | None  # that its name stands for; None where the name says nothing
+    numbers: int  # how many cells hold one
+    least: float | None = None  # None where it holds no number
+    largest: float | None = None  # likewise
+    curve: tuple[float, ...] = ()  # its course
+    words: tuple[str, ...] = ()  # some of its cells that are no numbers
 
 
 @own_errors_only(RoadTestError, "name", "source")

@@ -46,31 +46,26 @@ class TableResult:
 
 @dataclass(frozen=True)
 class Understood:
-    """What is understood of a log, even while questions are open.
+    """What is understood of a log, even while questions are open."""
 
-    ``road_test`` is None while ``problem`` says what is needed. ``headings`` are all columns, ``preview`` the first
-    rows as text, ``ambiguous`` the quantities to choose a column for, ``unused`` the columns no quantity came from.
-    ``signature`` is the key under which an answer is remembered; ``segments`` count the file's rows.
-    """
-
-    file: str
-    sha256: str
-    format: str
-    encoding: str | None
-    delimiter: str | None
-    decimal: str | None
-    headings: tuple[Heading, ...]
-    preview: tuple[tuple[str, ...], ...]
-    signature: str
-    ambiguous: tuple[Ambiguous, ...] = ()
-    unused: tuple[str, ...] = ()
-    messages: tuple[Message, ...] = ()
-    road_test: RoadTest | None = None
-    problem: RoadTestError | None = None
-    time_label: str = ""
-    time_unit: str = ""
-    time_assumed: bool = False
-    segments: tuple[Segment, ...] = ()
+    file: str  # name of the log
+    sha256: str  # of its bytes
+    format: str  # one of `FORMATS`
+    encoding: str | None  # of a text
+    delimiter: str | None  # of a text, between its columns
+    decimal: str | None  # of a text, the decimal sign
+    headings: tuple[Heading, ...]  # of all columns
+    preview: tuple[tuple[str, ...], ...]  # the first rows, as text
+    signature: str  # key under which an answer is remembered
+    ambiguous: tuple[Ambiguous, ...] = ()  # quantities to choose a column for
+    unused: tuple[str, ...] = ()  # columns that no quantity came from
+    messages: tuple[Message, ...] = ()  # what was assumed
+    road_test: RoadTest | None = None  # None while ``problem`` says what is needed
+    problem: RoadTestError | None = None  # what is needed
+    time_label: str = ""  # heading of the column of time
+    time_unit: str = ""  # of that column
+    time_assumed: bool = False  # nothing in the file states the unit
+    segments: tuple[Segment, ...] = ()  # stretches without a gap; they count the file's rows
     rows_left_out: int = 0  # lines below the header that are no rows: messages say what they are
 
     @property

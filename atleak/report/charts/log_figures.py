@@ -45,9 +45,9 @@ _OF_SHARE = ("max_share_sustained", "max_share")  # the instants that are marked
 class LaidOver:
     """A second log: its road test, by how much it is shifted [s], and its formulas by name."""
 
-    test: RoadTest
-    shift: float
-    formulas: Mapping[str, FormulaChannel] = field(default_factory=dict)
+    test: RoadTest  # the second log
+    shift: float  # [s] by which it is moved
+    formulas: Mapping[str, FormulaChannel] = field(default_factory=dict)  # its computed channels, by name
 
 
 def log_channels(

@@ -27,8 +27,8 @@ VerdictOrBand = Verdict | Band
 class Judged(NamedTuple):
     """A cell's value, and the verdict in whose colour it stands."""
 
-    value: Any
-    level: VerdictOrBand | None = None
+    value: Any  # of the cell
+    level: VerdictOrBand | None = None  # verdict; None where nothing was judged
 
 
 @dataclass(frozen=True)
@@ -168,9 +168,9 @@ class Table:
     """
 
     name: str
-    columns: tuple[Column, ...]
-    rows: Sequence[Any]
-    say: Wording
+    columns: tuple[Column, ...]  # from left to right
+    rows: Sequence[Any]  # one item each
+    say: Wording  # the reader's words and units
     title: str = ""
     remark: Callable[[Any], str] | None = None
     group: Callable[[Any], str] | None = None
