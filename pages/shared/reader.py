@@ -14,6 +14,7 @@ from atleak.common.wording import Wording, languages, wording
 OTHERWISE = "en", "metric"
 _CHOICES = ("language", "units")
 _CHANGES = "reader-changes"
+_COOKIES = "reader-cookies"
 _MARK = st.components.v2.component(
     "atleak_reader",
     css=".st-key-atleak-reader {position: absolute}",  # it shows nothing and takes no place
@@ -101,7 +102,9 @@ def _choice(name: str, current: str, labels: Mapping[str, str], label: str) -> N
 def _chosen(name: str, known: Iterable[str], otherwise: str) -> str:
     """Return what was chosen in this session or, by its cookie, in an earlier one of this browser."""
     if _kept(name) not in st.session_state:
-        remembered = st.context.cookies.get(_cookie(name))
+        if _COOKIES not in st.session_state:  # they are those with which the session was opened
+            st.session_state[_COOKIES] = {each: st.context.cookies.get(_cookie(each)) for each in _CHOICES}
+        remembered = st.session_state[_COOKIES][name]
         if remembered is None or remembered not in known:
             return otherwise
         st.session_state[_kept(name)] = remembered
