@@ -1,6 +1,6 @@
 """atleak: internal leakage of automatic-transmission valve bodies.
 
-The public names below are loaded when they are first used, so that ``import atleak`` costs nothing.
+The public names below are loaded when they are first used, so that ``import atleak`` is quick.
 """
 
 from __future__ import annotations

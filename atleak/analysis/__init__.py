@@ -1,1 +1,1 @@
-"""Say what follows from a diagnosis: repairs, comparisons, wear over mileage, trials, learned clearances."""
+"""Work out what follows from a diagnosis: repairs, comparisons, wear over mileage, what-if, learned clearances."""

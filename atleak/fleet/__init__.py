@@ -1,1 +1,1 @@
-"""Diagnose thousands of units on many processes, keep their results as Parquet, and say what they show together."""
+"""Diagnose thousands of units on many processes, keep their results as Parquet, and summarise them."""

@@ -1,6 +1,5 @@
-"""From measuring sheets of new or known-good units to the mounting clearances of a valve body's file.
+"""Learn the mounting clearances of a valve body's file from measuring sheets of new or known-good units.
 
-`learned_clearances.learn` is the way through it: `outliers` names the pairs and units that are no new ones,
-`learned_clearances.estimate` gives each land's clearance with its uncertainty and the spread of new pairs,
-`learned_words.with_learned` writes them into the tables of the file.
+Begin at `learned_clearances.learn`. `outliers` names pairs and units that cannot be new, `estimate_clearance` gives a
+land's clearance with its uncertainty and the spread of new pairs, `learned_words.with_learned` writes the file.
 """

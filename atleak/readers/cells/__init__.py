@@ -1,1 +1,1 @@
-"""Hold the cells of a text, a workbook or an office table, whatever its form."""
+"""Hold the cells of a table, whether it came as text, workbook or office document."""

@@ -1,7 +1,7 @@
-"""Reads road-test logs of any logger into an `atleak.measurements.road_test.RoadTest`.
+"""Read the road-test logs of any logger.
 
-``understand`` says what a file holds even while questions are open, ``read_road_test`` gives the road test or says what
-it needs, ``describe`` is the JSON form, ``tidy_csv`` a plain table.
+`read_road_test` returns the road test, or raises with what it needs; `understand` says what a file holds even while
+questions are open; `describe` gives that as JSON, `tidy_csv` the road test as a plain table.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""Read binary files in a process of its own, with limits of time and memory."""
+"""Read binary files in a child process, with limits of time and memory."""

@@ -1,1 +1,1 @@
-"""Say each chart once; draw it on the screen and on paper."""
+"""Describe each chart once; draw it on screen and on paper."""

@@ -1,1 +1,1 @@
-"""Say each answer once, as tables, sections and sentences that every medium prints."""
+"""Write each answer once, as tables, sections and sentences that every medium prints."""
