@@ -167,14 +167,9 @@ _CHOICES: tuple[tuple[ChoiceName, Callable[[Diagnosis], object], Callable[[Diagn
 
 
 def judged_as(after: Diagnosis, before: Diagnosis) -> Diagnosis:
-    """Return the same unit, as measured, judged by the choices of another job of it.
+    """Return the unit of ``after``, as measured there, judged by the choices of ``before``.
 
-    Parameters
-    ----------
-    after
-        the diagnosis whose readings, log, gauges and valve body count.
-    before
-        the diagnosis whose fluid, limits, profile, stated condition and assumptions count.
+    Those are fluid, limits, profile, stated condition and assumptions.
     """
     measured, chosen = after.uncertainty, before.uncertainty or after.uncertainty
     same_file = before.controller.sha256 == after.controller.sha256

@@ -32,13 +32,6 @@ def with_sheet(job: Job | None, readings: Readings | None) -> Job | None:
     """Return the record with what the sheet's head says where the record says nothing; None where neither does.
 
     Nothing is taken of a sheet whose head names another job or unit: `sheet_doubts` asks whose it is.
-
-    Parameters
-    ----------
-    job
-        what the workshop wrote down; what stands there counts.
-    readings
-        as the measuring sheet was read.
     """
     if readings is None or (readings.identity.empty and readings.date is None):
         return job
@@ -125,14 +118,7 @@ def _contradictions(job: Job, head: SheetIdentity) -> Iterator[tuple[Sentence, s
 def without_plan_as_number(choices: Mapping[str, Any], sheet: bytes) -> Mapping[str, Any]:
     """Return the content of ``job.json`` without the number that version 0.2.0 made of the plan of typed readings.
 
-    The notes then say so. Only a number that is to the letter what 0.2.0 made of this very file goes.
-
-    Parameters
-    ----------
-    choices
-        as it was kept.
-    sheet
-        the job's file of readings.
+    The notes then say so. Only a number that is to the letter what 0.2.0 made of this very file of readings goes.
     """
     record = choices.get("job")
     if not isinstance(record, Mapping) or not record.get("number") or record["number"] != _number_of_plan(sheet):

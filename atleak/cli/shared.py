@@ -140,14 +140,8 @@ def print_options(
 ) -> dict[str, str]:
     """Return language, units and paper; one that is given for nothing is doubted aloud.
 
-    Parameters
-    ----------
-    formats
-        what is written: ``pdf``, ``xlsx``.
-    asked
-        how one asks for a format.
-    shown
-        whether what the terminal shows is in that language and those units.
+    ``formats`` are those to be written, such as ``pdf``; ``asked`` says how one asks for a format, and ``shown`` whether
+    the terminal shows that language and those units.
     """
     for name in _PRINT:
         if getattr(options, name) is not None and not {"pdf", "xlsx"} & set(formats) and not (shown and name in _SHOWN):

@@ -62,14 +62,9 @@ _Result = TypeVar("_Result")
 def own_errors_only(
     kind: type[InputError], *named: str
 ) -> Callable[[Callable[Given, _Result]], Callable[Given, _Result]]:
-    """Decorate a function that reads a file so that it raises no errors but the package's own.
+    """Decorate a function that reads a file so that it raises no errors but the package's own, of this kind.
 
-    Parameters
-    ----------
-    kind
-        the error to raise in place of others, which stay its cause.
-    named
-        the function's parameters that may say what the file is called: the first that is a name or a path does.
+    ``named`` are its parameters that may say what the file is called: the first that is a name or a path does.
     """
 
     def guarded(read: Callable[Given, _Result]) -> Callable[Given, _Result]:

@@ -89,12 +89,7 @@ def find_patterns(
 ) -> tuple[Pattern, ...]:
     """Return the patterns that a table shows; none where too few cells were measured to tell.
 
-    Parameters
-    ----------
-    readings
-        every reading, with how it stands to what is permissible.
-    applied
-        ids of the circuits that are applied in each range, where the controller's file tells.
+    ``applied`` are the circuits that are applied in each range, by id, where the controller's file tells.
     """
     line = _Line.of(readings)
     return (

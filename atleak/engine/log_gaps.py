@@ -70,12 +70,7 @@ def without_entry_loss(
 ) -> list[bool]:
     """Return which gaps are computed without entry loss over a whole log.
 
-    Parameters
-    ----------
-    largest_drops
-        [Pa] of each gap over the log.
-    temperature
-        lowest and highest of the log [°C].
+    ``largest_drops`` [Pa] are those of each gap over the log, ``temperature`` its lowest and highest [°C].
     """
     if model.profile.entry_loss != "auto":
         return [model.law.linear] * len(gaps)

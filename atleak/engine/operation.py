@@ -341,15 +341,7 @@ class LandStates:
 def with_new(
     model: LeakageModel, new: LeakageModel, point: OperatingPoint, chosen: Sequence[Collection[LandKey]]
 ) -> Repaired:
-    """Compute a unit at one condition, for several choices of lands that are new.
-
-    Parameters
-    ----------
-    model, new
-        of the unit as it is, and with every land new.
-    chosen
-        for each choice the lands that are as in ``new``.
-    """
+    """Compute a unit at one condition, for several choices of lands that are as in ``new``, where every land is."""
     return LandStates.of((model, new), point).repaired([dict.fromkeys(keys, 1) for keys in chosen])
 
 

@@ -76,14 +76,7 @@ def groups_of(units: pd.DataFrame) -> tuple[Group, ...]:
 def troubles_of(lands: Lands, deciders: Iterable[Decider], judged: int) -> tuple[PairTrouble, ...]:
     """Return how often each land is flagged and past *replace* and decides, the most often past *replace* first.
 
-    Parameters
-    ----------
-    lands
-        of the units of one valve body.
-    deciders
-        of the same.
-    judged
-        how many of the units have a verdict.
+    ``lands`` and ``deciders`` are of the units of one valve body; ``judged`` counts those with a verdict.
     """
     measured, flagged = lands.measured.sum(axis=0), lands.rank >= FLAGGED[0].rank
     replace = (lands.measured & (lands.rank >= Verdict.REPLACE.rank)).sum(axis=0)

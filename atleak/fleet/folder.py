@@ -231,18 +231,7 @@ def name_after(names: Collection[str]) -> str:
 
 
 def write_part(folder: Path, part: ResultPart, tables: Iterable[pa.Table], beside: Sequence[DataSet] = ()) -> None:
-    """Write a part whole, or nothing of it.
-
-    Parameters
-    ----------
-    folder
-        of the results.
-    part
-        what is written, and where.
-    tables
-        its rows.
-    beside
-        the data sets of which a part was written with it.
+    """Write the tables of a part whole, or nothing of it; ``beside`` are the data sets that were written with it.
 
     Raises
     ------

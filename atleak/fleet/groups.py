@@ -285,16 +285,7 @@ def compared(units: pd.DataFrame, lands: Lands, *, shuffles: int = SHUFFLES) -> 
 
     Rates, wear, and wear at the same mileage share the probability of calling anything a difference where nothing
     differs, in equal parts. Within rates it is shared among all of them (Bonferroni); within wear the largest
-    difference that shuffled labels give decides (`atleak.fleet.groups`).
-
-    Parameters
-    ----------
-    units
-        a row for each, with the ``label`` that it states.
-    lands
-        of the same rows.
-    shuffles
-        of the labels.
+    difference that shuffled labels give decides (`atleak.fleet.groups`). Units have a row each, with their ``label``.
     """
     stated = units["label"].notna().to_numpy()
     groups = groups_of(units)

@@ -17,13 +17,7 @@ from atleak.common.memory import set_imports_aside
 
 
 def dask_setup(server: Scheduler | Worker) -> None:
-    """Prepare this process; dask calls it.
-
-    Parameters
-    ----------
-    server
-        that starts.
-    """
+    """Prepare this process, which becomes a scheduler or worker; dask calls it."""
     if isinstance(server, Scheduler):
         server.allowed_failures = 0
         return

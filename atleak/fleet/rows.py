@@ -91,19 +91,7 @@ def rows_of_result(
 
 
 def error_rows(unit: FleetUnit, kind: ErrorKind, message: str, *, tries: int = 1) -> Rows:
-    """Return the row of a unit without a result.
-
-    Parameters
-    ----------
-    unit
-        what it is called, and its hash.
-    kind
-        why it has none.
-    message
-        what a person would have been told.
-    tries
-        how often it was begun.
-    """
+    """Return the row of a unit without a result: why it has none, what a person is told, how often it was begun."""
     row = {**_named(unit, tries), "kind": kind, "message": message}
     tables: dict[DataSet, pa.Table] = {"errors": _table("errors", [row])}
     return Rows(None, unit.input_sha256, unit.reference, None, tables)

@@ -96,21 +96,12 @@ def find_units(jobs: Iterable[str | Path], *, defaults: Case | None = None, book
 
 
 def reopened(reference: str, *, choices: str = "", input_sha256: str | None = None) -> tuple[Case, Job]:
-    """Open a unit again that was found earlier.
-
-    Parameters
-    ----------
-    reference
-        that of the `FleetUnit`.
-    choices
-        likewise.
-    input_sha256
-        likewise; unless None, what is there now must have it.
+    """Open a unit again that was found earlier, by reference, choices and hash of its `FleetUnit`.
 
     Raises
     ------
     AtleakError
-        what is not there any more, cannot be read, or has other content than the result rests on.
+        what is not there any more, cannot be read, or has not the content of ``input_sha256``.
     """
     unit = _with_hash(_referred_to(reference, choices))
     case, job = unit.opened()

@@ -445,12 +445,7 @@ class Reader:
 def with_log_choices(case: CaseKind, log: Understood) -> CaseKind:
     """Return the job with its log's columns as they were chosen, now or earlier: it then reads the same elsewhere.
 
-    Parameters
-    ----------
-    case
-        the job; its own choices come before what is remembered.
-    log
-        the log as it was understood: what is remembered counts only where it was used.
+    Its own choices come first; what is remembered counts only where it was used for the log.
     """
     consulted = any(message.code == "remembered" for message in log.messages)
     earlier = recall(default_path(), log.signature) if consulted and case.remember else None
@@ -500,15 +495,7 @@ def pairs_of(values: Mapping[str, Any] | None) -> Pairs:
 
 
 def with_record(case: CaseKind, job: Job) -> CaseKind:
-    """Return a case with the mileage, the measuring temperature and the pump's clearances that the record states.
-
-    Parameters
-    ----------
-    case
-        what it says of these counts.
-    job
-        what the workshop wrote down.
-    """
+    """Return a case with mileage, measuring temperature and pump clearances of the record, where it states none."""
     stated: dict[str, Any] = {"mileage": job.vehicle.mileage_km, "measuring_temperature": job.measuring_temperature_c}
     missing = {name: value for name, value in stated.items() if getattr(case, name) is None}
     return replace(case, **missing, pump_clearances=case.pump_clearances.or_else(job.pump_clearances))

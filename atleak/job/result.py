@@ -163,17 +163,7 @@ class Step:
 
 
 def job_steps(diagnosis: Diagnosis, job: Job, say: Wording) -> tuple[Step, ...]:
-    """Return the steps of a job in their order.
-
-    Parameters
-    ----------
-    diagnosis
-        the job's result.
-    job
-        its record.
-    say
-        the reader's language.
-    """
+    """Return the steps of a job in their order, in the reader's language."""
     lands, measured = len(diagnosis.lands), diagnosis.measured
     named = job.number or job.vehicle.registration or job.vehicle.vin
     readings = "all" if measured == lands else "some" if measured else "none"

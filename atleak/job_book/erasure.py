@@ -163,15 +163,7 @@ def _holds(content: bytes, names: tuple[bytes, ...]) -> bool:
 
 
 def result_without_person(record: dict[str, Any], parts: JobParts) -> dict[str, Any]:
-    """Return a result as it was stored, to the last digit, with only those texts that the job without the person has.
-
-    Parameters
-    ----------
-    record
-        as ``diagnose --json`` writes it, of any version.
-    parts
-        the job without the person.
-    """
+    """Return a result as it was stored, to the last digit, with only the texts that the job without the person has."""
     return dict(_cleared(record, frozenset(_texts(parts.result))))
 
 

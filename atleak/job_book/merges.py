@@ -148,15 +148,7 @@ def part(book: Book, row: int) -> None:
 
 
 def _sort(connection: sa.Connection, unit_of_key: Mapping[str, int], units_of: Mapping[int, int]) -> None:
-    """Put jobs to visits of the units that their records tell.
-
-    Parameters
-    ----------
-    told
-        the units by what tells them.
-    units_of
-        the units of the rows that visits name so far.
-    """
+    """Put jobs to visits of the units that their records tell; ``units_of`` are those that visits name so far."""
     held = sa.select(jobs.c.id, jobs.c.serial, jobs.c.vin, jobs.c.plate, jobs.c.visit, visits.c.unit)
     held = held.join(visits, visits.c.id == jobs.c.visit).where(visits.c.unit.in_(units_of)).order_by(jobs.c.made_at)
     for job in connection.execute(held).all():

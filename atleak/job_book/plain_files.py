@@ -47,13 +47,7 @@ def plain_sheet(readings: Readings, controller: Controller) -> SourceFile | None
     """Return a measuring sheet of the same readings; None where it would be read otherwise, or holds no diameter.
 
     Readings at unworn ends, which no verdict uses, and gauge readings, which have a file of their own, are not in it.
-
-    Parameters
-    ----------
-    readings
-        as the job's sheet was read.
-    controller
-        as its file describes it, without what this unit has of its own.
+    The controller is as its file describes it, without what this unit has of its own.
     """
     fields: dict[str, Any] = {
         "Date": readings.date and readings.date.isoformat(),
@@ -122,12 +116,7 @@ class PlainLog:
 def plain_log(test: RoadTest, constants: Pairs) -> PlainLog | None:
     """Return a log of the channels that were understood; None where it would be read otherwise.
 
-    Parameters
-    ----------
-    test
-        the log as it was read.
-    constants
-        what stands for channels that the log lacks: quantity and value in SI.
+    ``constants`` stand for channels that the log lacks: quantity and value in SI.
     """
     logged = {name: channel for name, channel in test.channels.items() if channel.source == "logged"}
     shared = all(np.isin(channel.time, test.time).all() for channel in logged.values())

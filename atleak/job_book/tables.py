@@ -237,13 +237,7 @@ def replace_rows(connection: sa.Connection, table: sa.Table, job: str, rows: Seq
 
 
 def copy_rows(source: sa.Connection, target: sa.Connection, *, contents: bool = True) -> None:
-    """Copy every row of a book into one without rows, whatever their order.
-
-    Parameters
-    ----------
-    contents
-        whether files and results come along; rows alone show whether they fit together.
-    """
+    """Copy every row of a book into one without rows, in any order; files and results only with ``contents``."""
     for table in COPIED:
         bulky = [column for column in table.c if isinstance(column.type, sa.LargeBinary)]
         held = [column if contents or column not in bulky else sa.literal(b"").label(column.name) for column in table.c]

@@ -32,14 +32,9 @@ def key_of_numbers(serial: str | None, vin: str | None) -> str | None:
 
 
 def visit_for(connection: sa.Connection, job_id: str, parts: JobParts, before: int | None) -> int:
-    """Return the visit that a job belongs to, made or brought up to date.
+    """Return the visit that a job belongs to, made or brought up to date; ``before`` is that of the job so far.
 
     Jobs of one unit under one number of the workshop are one visit; a job without a number is a visit of its own.
-
-    Parameters
-    ----------
-    before
-        the visit that the job belonged to so far.
     """
     record = parts.job
     serial, vehicle = record.transmission.serial, record.vehicle

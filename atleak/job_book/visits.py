@@ -112,13 +112,7 @@ def _visited(stored: StoredJob, mileage: float | None, loader: Reader) -> Visite
 
 
 def left_undone(visited: Sequence[VisitedJob]) -> tuple[tuple[VisitedJob, RepairDecision], ...]:
-    """Return the repairs that were declined or deferred last, and neither approved nor done since, the latest first.
-
-    Parameters
-    ----------
-    visited
-        the jobs of a unit, the earliest first, as from `visits_of_unit`.
-    """
+    """Return the repairs that were declined or deferred last, and neither approved nor done since, the latest first."""
     undone: list[tuple[VisitedJob, RepairDecision, frozenset[LandKey]]] = []
     for each in visited:
         for decision in each.decisions:

@@ -63,14 +63,10 @@ class Outliers:
 
 
 def find_outliers(clearances: OutlierTable, own: OutlierTable) -> Outliers:
-    """Return which pairs and units are left out.
+    """Return which pairs and units are left out, by their radial clearances [m].
 
-    Parameters
-    ----------
-    clearances
-        radial clearances [m], a row for each unit and a column for each land, NaN where none was measured.
-    own
-        standard uncertainty of each that the units do not share [m]. No spread is taken as smaller than it.
+    The tables have a row for each unit and a column for each land, NaN where none was measured. ``own`` is the standard
+    uncertainty [m] that the units do not share: no spread is taken as smaller than it.
     """
     measured = ~np.isnan(clearances)
     least = _typical(own, measured)

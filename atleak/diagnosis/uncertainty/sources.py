@@ -248,12 +248,7 @@ def find_sources(
 ) -> tuple[tuple[LandSources, ...], dict[Part, RepeatSpread]]:
     """Return every land's sources, and the spread of repeats of each part over the unit.
 
-    Parameters
-    ----------
-    states
-        as from `atleak.measurements.clearances.clearances`.
-    readings
-        the measuring sheet from which the clearances come.
+    The clearances follow from the readings, which are the measuring sheet's.
     """
     by_land: dict[tuple[str, int], dict[Part, list[Reading]]] = defaultdict(lambda: {"spool": [], "sleeve": []})
     for reading in readings.readings if readings else ():
