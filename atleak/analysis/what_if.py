@@ -377,10 +377,14 @@ def map_over(diagnosis: Diagnosis, settings: WhatIf, temperatures: ArrayLike, we
 
     Parameters
     ----------
+    diagnosis
+        of the unit.
+    settings
+        what is tried besides.
     temperatures
-        [°C]; where one is outside the fluid's data nothing is known.
+        [°C], shape (temperatures,); where one is outside the fluid's data nothing is known.
     wears
-        in place of the settings' wear, or of their growth where no land has grown: see `axis_of`.
+        shape (wears,), in place of the settings' wear, or of their growth where no land has grown: see `axis_of`.
 
     Returns
     -------

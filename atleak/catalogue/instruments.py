@@ -108,6 +108,11 @@ def load_instruments(
 ) -> Instruments:
     """Load the two instruments of a measuring sheet.
 
+    Parameters
+    ----------
+    spool, sleeve
+        the id of one that is shipped or in the workshop's own catalogue, or the path of a file.
+
     Raises
     ------
     CatalogueError
@@ -172,7 +177,12 @@ checked_instrument, instruments = INSTRUMENTS.checked, INSTRUMENTS.usable
 
 
 def load_instrument(id_or_path: str | Path) -> Instrument:
-    """Load an instrument by its id, shipped or of the workshop's own, or from a file by its path.
+    """Load an instrument from its file.
+
+    Parameters
+    ----------
+    id_or_path
+        the id of one that is shipped or in the workshop's own catalogue, or the path of a file.
 
     Raises
     ------

@@ -140,7 +140,7 @@ def print_options(
 ) -> dict[str, str]:
     """Return language, units and paper; one that is given for nothing is doubted aloud.
 
-    ``formats`` are those to be written, such as ``pdf``; ``asked`` says how one asks for a format, and ``shown`` whether
+    ``formats`` are those to be written, such as ``pdf``; ``asked`` says how one asks for a format, ``shown`` whether
     the terminal shows that language and those units.
     """
     for name in _PRINT:

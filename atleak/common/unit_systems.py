@@ -123,6 +123,11 @@ SYSTEMS: Mapping[str, Mapping[str, ShownUnit]] = {
 def unit_system(name: str) -> Mapping[str, ShownUnit]:
     """Return a system of units: the unit of each kind of quantity.
 
+    Parameters
+    ----------
+    name
+        one of `SYSTEMS`.
+
     Raises
     ------
     InputError

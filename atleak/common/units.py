@@ -109,7 +109,14 @@ def _fraction(spelling: str) -> Unit | None:
 
 
 def unit(name: str, kind: str) -> Unit:
-    """Return the unit of that kind with that name, as `find_unit`, but refuse an unknown name.
+    """Return a unit.
+
+    Parameters
+    ----------
+    name
+        as people write it.
+    kind
+        of quantity: ``length``, ``pressure`` …
 
     Raises
     ------

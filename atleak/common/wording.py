@@ -357,10 +357,17 @@ def own_table(language: str, name: str, about: str = "") -> Mapping[str, str]:
 
 
 def wording(language: str, units: str = "metric") -> Wording:
-    """Return the texts of a language, with quantities in a system of units: metric, metric_bar or us.
+    """Return the texts of a language.
 
     Several files of a language may add to one table, such as each page its ``columns``. A text that a language lacks is
     the English one.
+
+    Parameters
+    ----------
+    language
+        one of `languages`.
+    units
+        system of units in which quantities are written: metric, metric_bar or us.
 
     Raises
     ------

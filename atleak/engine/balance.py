@@ -73,8 +73,15 @@ class Circuits(Protocol):
 def balance(network: Circuits, sections: Mapping[str, Any], after: Balance | None = None) -> Balance:
     """Find the pressures of the circuits, and add up what flows at them.
 
-    ``after`` is a balance of the same network at other pressures of the sections: where none of these has changed it is
-    taken over, and elsewhere the circuits start from its pressures.
+    Parameters
+    ----------
+    network
+        the circuits with their branches.
+    sections
+        pressures of the sections [Pa], numbers or arrays.
+    after
+        a balance of the same network at other pressures of the sections: where none of these has changed it is taken
+        over, and elsewhere the circuits start from its pressures.
     """
     whole = _Columns.of(network, sections)
     structure, count = whole.structure, len(network.applied)

@@ -129,6 +129,18 @@ class Projection:
 def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     """Compute leakage, pump flow and share at one condition.
 
+    Parameters
+    ----------
+    model
+        the unit.
+    condition
+        the operating point.
+
+    Returns
+    -------
+    Projection
+        flows [m³/s], pressures [Pa].
+
     Raises
     ------
     DomainError
@@ -270,10 +282,17 @@ def stated_condition(
 
 @translates_refusals
 def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[LandClearance, ...]:
-    """Widen every cold radial clearance by a fraction of itself: the sleeve opens, the spool keeps its diameter.
+    """Widen every cold radial clearance: the sleeve opens, the spool keeps its diameter.
 
     This is how the source study models wear (W3, W4): the thermal term is added afterwards and not scaled. The form of
     a gap, its deviations from its mean, stays as it is.
+
+    Parameters
+    ----------
+    clearances
+        as `atleak.clearances` gives them.
+    increment
+        as a fraction of each clearance.
     """
     return tuple(
         _with_clearance(state, worn_clearance(state.radial_clearance, increment * state.radial_clearance))
@@ -282,7 +301,15 @@ def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[La
 
 
 def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int]]) -> tuple[LandClearance, ...]:
-    """Return the same unit with some lands brought back to the clearance of new pairs, the same all around."""
+    """Return the same unit with some lands brought back to the clearance of new pairs, the same all around.
+
+    Parameters
+    ----------
+    clearances
+        as `atleak.clearances` gives them.
+    lands
+        component and number of each.
+    """
     chosen = set(lands)
     return tuple(
         with_even_clearance(state, state.land.new_clearance) if state.land.key in chosen else state
@@ -291,7 +318,15 @@ def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int
 
 
 def model_new(states: Iterable[LandClearance], model: LeakageModel) -> LeakageModel:
-    """Return the model of the same unit with every land as new pairs are, and its pump as new."""
+    """Return the model of the same unit with every land as new pairs are, and its pump as new.
+
+    Parameters
+    ----------
+    states
+        clearances as measured.
+    model
+        with those clearances.
+    """
     states = tuple(states)
     clearances = repaired(states, [state.land.key for state in states])
     return replace(model, controller=model.controller.with_new_pump, clearances=clearances)
@@ -302,6 +337,13 @@ def model_unworn(states: Iterable[LandClearance], model: LeakageModel) -> Leakag
 
     This is what growth is judged against: where only a range or a type's value is known of new pairs, a reading within
     it is no wear. Where each pair's own clearance is known, it is the unit of `model_new`.
+
+    Parameters
+    ----------
+    states
+        clearances as measured.
+    model
+        with those clearances.
     """
     clearances = (
         with_even_clearance(

@@ -324,8 +324,14 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
     model
         controller with its clearances, fluid and profile.
     road_test
-        needs main pressure. Converter pressure, temperature and gear are taken from ``assumed`` where the log has
-        none, and a message says so; without engine speed there is no pump capacity and no share.
+        needs main pressure; without engine speed there is no pump capacity and no share.
+    assumed
+        stands for converter pressure, temperature and gear where the log has none; a message says so.
+
+    Returns
+    -------
+    RoadLeakage
+        arrays of shape (samples,), flows [m³/s].
 
     Raises
     ------
@@ -443,8 +449,14 @@ def with_assumed_pressure(controller: Controller, road_test: RoadTest) -> RoadTe
     """Return the road test with a main pressure that is assumed by the gear and state of every sample.
 
     Idle is an engine speed under `IDLE_SPEED`. A gear of which no operating point is stated has the pressure of the
-    nearest gear in the same state. Without a logged gear or speed the first operating point's stands for it. The log is
-    returned as it is where it holds a main pressure, with a message that nothing was assumed.
+    nearest gear in the same state. Without a logged gear or speed the first operating point's stands for it.
+
+    Parameters
+    ----------
+    controller
+        whose operating points state the pressures.
+    road_test
+        returned as it is where it holds a main pressure, with a message that nothing was assumed.
     """
     if road_test.channel("main_pressure") is not None:
         text = Sentence("The log has a main pressure: none is assumed from the valve body's operating points.")

@@ -45,7 +45,12 @@ _STAMP = (1980, 1, 1, 0, 0, 0)  # date of every file in the zip, fixed so that t
 
 @own_errors_only(InputError, "path")
 def load_job(path: str | Path) -> Job:
-    """Read a job record from a ``.toml`` or ``.json`` file, with the pictures that lie beside it.
+    """Read a job record.
+
+    Parameters
+    ----------
+    path
+        of a ``.toml`` or ``.json`` file; pictures lie beside it.
 
     Raises
     ------
@@ -107,7 +112,19 @@ def _picture_beside(record: Path, name: str) -> bytes:
 def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = None) -> bytes:
     """Return the bytes of the zip: job record, measuring sheet, log, gauges, pictures, catalogue files, result.
 
-    Parameters and errors are those of `job_parts`.
+    Parameters
+    ----------
+    diagnosis
+        the result.
+    job
+        what the workshop wrote down.
+    case
+        the files and choices that the result follows from; none for a unit that nobody measured or drove.
+
+    Raises
+    ------
+    InputError
+        files that are missing, or not those that the diagnosis rests on.
     """
     parts = job_parts(diagnosis, job, case)
     choices = parts.choices.model_dump_json(indent=2, exclude_defaults=True).encode()

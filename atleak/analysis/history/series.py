@@ -102,10 +102,13 @@ class Visits:
 
 
 def visits_in_order(visits: Sequence[Visit]) -> Visits:
-    """Return the visits of one unit in the order of their dates; of one day in the order in which they are given.
+    """Return the visits of one unit in the order of their dates.
 
-    Visits of another valve body than that of the last one are left out. A mileage that falls begins a new series: it
-    cannot be told whether the odometer was changed or a digit is wrong.
+    Parameters
+    ----------
+    visits
+        of one day in their order. Those of another valve body than that of the last one are left out; a mileage that
+        falls begins a new series, as nobody can tell whether the odometer was changed or a digit is wrong.
     """
     ordered = sorted(visits, key=lambda visit: visit.date)
     kept = [visit for visit in ordered if visit.controller == ordered[-1].controller]

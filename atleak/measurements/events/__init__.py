@@ -32,7 +32,14 @@ __all__ = [
 def events(road_test: RoadTest, limits: Thresholds = USUAL, gears: Sequence[int] = ()) -> tuple[Event, ...]:
     """Return all events of a road test by their start; a missing channel leaves out only the events that need it.
 
-    ``gears`` are those of the valve body: a minimum-acceleration test goes through all of them.
+    Parameters
+    ----------
+    road_test
+        the log.
+    limits
+        thresholds of the events.
+    gears
+        those of the valve body: a minimum-acceleration test goes through all of them.
     """
     all_events = [
         *gear_shifts(road_test, limits),

@@ -94,6 +94,14 @@ def remember(
 
     Parameters
     ----------
+    path
+        of the file in which they are kept.
+    header
+        the log's signature, as `Understood.signature`.
+    mapping
+        quantity → column.
+    units
+        quantity → unit.
     format, columns
         of the log, so that people recognise what is remembered: its format and the names of its columns.
 
