@@ -331,7 +331,7 @@ class LandComparison:
 class CircuitComparison:
     """One circuit at one condition; a change is that of the pressure it holds [Pa]."""
 
-    circuit: Circuit
+    circuit: Circuit  # as the earlier file describes it
     before: CircuitState  # pressure held before
     after: CircuitState  # pressure held after
     change: Change | None  # None where it is vented on one of the sides
@@ -345,14 +345,14 @@ class ConditionComparison:
     ``before`` to ``alike``. Each is None where that job was not judged at this very operating point.
     """
 
-    before: Projection | None
-    after: Projection | None
-    alike: Projection | None = None
+    before: Projection | None  # None where that job was not judged here; so for the others
+    after: Projection | None  # as the job after has it
+    alike: Projection | None = None  # the unit after, by the choices of the job before
     share: Change | None = None  # of the pump's flow, as a fraction
     leakage: Change | None = None  # [m³/s]
-    reserve: Change | None = None
+    reserve: Change | None = None  # of the pump
     main_pressure: Change | None = None  # [Pa] that holds
-    circuits: tuple[CircuitComparison, ...] = ()
+    circuits: tuple[CircuitComparison, ...] = ()  # that are applied here
 
     @property
     def name(self) -> str:

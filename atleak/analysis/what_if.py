@@ -117,8 +117,12 @@ class WhatIf:
     point
         name of the operating point whose pressures hold, and whose temperature, speed and gear where none is given;
         the stated condition unless given.
-    temperature, engine_speed, gear
-        [°C], [1/s] and the gear.
+    temperature
+        of the fluid [°C].
+    engine_speed
+        [1/s].
+    gear
+        the gear engaged.
     wear
         factor on the growth of every measured land over a new one: 0 is as new, 1 as measured, 2 twice the wear.
     growth

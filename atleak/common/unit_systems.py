@@ -33,17 +33,16 @@ QUART = 0.946352946e-3  # [m³], US liquid quart: 57.75 in³
 class ShownUnit:
     """A unit that people read: ``shown = carried · factor + offset``, carried as atleak's records carry it.
 
-    ``digits`` are the decimal places that a value usually has. ``finer`` is how many more it takes than the same value
-    in the unit carried, so that neither hides what the other shows. ``spelled`` is the unit of a single quantity in a
-    sentence, where that of a column would be read as a factor: 0.00012 in, and 1.2 below *[0.0001 in]*.
+    ``finer`` lets neither unit hide what the other shows. ``spelled`` stands where a column's unit would be read as a
+    factor: 0.00012 in, and 1.2 below *[0.0001 in]*.
     """
 
-    name: str
-    digits: int = 0
-    factor: float = 1.0
-    offset: float = 0.0
-    finer: int = 0
-    spelled: ShownUnit | None = None
+    name: str  # as people write it
+    digits: int = 0  # decimal places that a value usually has
+    factor: float = 1.0  # shown for one carried
+    offset: float = 0.0  # shown at zero carried
+    finer: int = 0  # decimal places more than the same value takes in the unit carried
+    spelled: ShownUnit | None = None  # for a single quantity in a sentence
 
     def shown(self, carried: Any) -> Any:
         """Convert a value or array from the unit carried."""

@@ -44,7 +44,7 @@ class Crossing:
     """
 
     value: float  # infinite where the limit is never reached
-    low: float
+    low: float  # lower end of the interval
     high: float  # infinite where the limit may never be reached
     present: float  # the vehicle's mileage now, before which none of them lies
 

@@ -220,7 +220,7 @@ class PumpFlow:
     The slip factor and the pump's efficiency may be arrays, as may every argument.
     """
 
-    pump: Pump
+    pump: Pump  # as the controller's file, or a job, has it
     with_slip: bool  # only where the pump has a slip coefficient
     slip_factor: Any = 1.0  # on its slip, where that is uncertain
 

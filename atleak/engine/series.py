@@ -63,15 +63,14 @@ _Drop = tuple[tuple[str, float], ...]  # (section, coefficient) …
 
 @dataclass
 class LeakageSeries:
-    """Leakage over a log [m³/s], shape (samples,); NaN where a channel was not usable.
+    """Leakage over a log, arrays of shape (samples,); NaN where a channel was not usable.
 
-    ``sections`` is empty unless asked for; it holds circuits too, each with what its gaps and leaks let out to the sump
-    and what it relieves. ``reversed_samples`` counts, per section, samples whose pressure drop was negative in at least
-    one gap of it: they count as zero flow there.
+    ``reversed_samples`` counts, per section, samples whose pressure drop was negative in at least one gap of it: they
+    count as zero flow there.
     """
 
-    total: np.ndarray
-    sections: dict[str, np.ndarray]
+    total: np.ndarray  # [m³/s] that counts as leakage
+    sections: dict[str, np.ndarray]  # [m³/s] let out to the sump, of circuits too; empty unless asked for
     circuits: dict[str, np.ndarray] = field(default_factory=dict)  # [Pa] the pressure that each holds; 0 where vented
     unbalanced: int = 0  # samples at which no pressures were found at which all circuits balance
     reversed_samples: dict[str, int] = field(default_factory=lambda: dict.fromkeys(SECTIONS, 0))

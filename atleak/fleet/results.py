@@ -54,8 +54,8 @@ Counts = Sequence[bool]  # of the rows of a part of `units` or `errors`
 class ResultStanding(NamedTuple):
     """As what a unit stands in the results."""
 
-    reference: str
-    group: str | None
+    reference: str  # of the `FleetUnit`
+    group: str | None  # that it is compared in
     failed: bool  # whether it has an error and no result
 
 

@@ -295,9 +295,9 @@ SourceRow = Mapping[str, Any]  # a value, or None, by the name of its column
 class KeptUnit:
     """The row of a unit, and of its lands, the worst first, and its conditions what people ask for first."""
 
-    unit: SourceRow
-    lands: tuple[SourceRow, ...]
-    conditions: tuple[SourceRow, ...]
+    unit: SourceRow  # its row
+    lands: tuple[SourceRow, ...]  # the worst first
+    conditions: tuple[SourceRow, ...]  # what people ask for first
 
     @property
     def result(self) -> SourceRow:

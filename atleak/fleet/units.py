@@ -29,11 +29,11 @@ class FleetUnit:
 
     name: str  # as people know it: a path as given; ``table.csv, row 7``; the number of a job of the book
     reference: str  # by which `reopened` opens it again
-    group: str | None = None
+    group: str | None = None  # that it is compared in
     labels: tuple[tuple[str, str], ...] = ()  # heading → text of what else a table says of it: batch, supplier
-    job_file: SourceFile | None = None
-    case: Case | None = None
-    job: Job | None = None
+    job_file: SourceFile | None = None  # of the unit, or None
+    case: Case | None = None  # files and choices, where there is no job file
+    job: Job | None = None  # what the workshop wrote down
     fault: AtleakError | None = None  # why it cannot be opened, where that was seen when it was found
     choices: str = ""  # those of the run for rows of a table that name none: with them `reopened` opens it again
 

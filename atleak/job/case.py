@@ -167,17 +167,17 @@ class Case:
     readings: SourceFile | None = None  # the measuring sheet
     road_test: SourceFile | None = None  # the log
     pressures: SourceFile | None = None  # gauge readings of a standing vehicle; the sheet's own tab unless given
-    controller: CaseChoice = "four_speed_2023"
-    fluid: CaseChoice = "hipol_atf_iid"
+    controller: CaseChoice = "four_speed_2023"  # id or file, as of fluid, limits and instruments
+    fluid: CaseChoice = "hipol_atf_iid"  # in the transmission
     fluid_state: FluidState | None = None  # None: nobody said; as its data are, fresh as a rule
-    limits: CaseChoice = DEFAULT_LIMITS
-    spool_instrument: CaseChoice = DEFAULT_SPOOL_INSTRUMENT
-    sleeve_instrument: CaseChoice = DEFAULT_SLEEVE_INSTRUMENT
-    profile: str = "workshop"
+    limits: CaseChoice = DEFAULT_LIMITS  # by which it is judged
+    spool_instrument: CaseChoice = DEFAULT_SPOOL_INSTRUMENT  # that measured spools
+    sleeve_instrument: CaseChoice = DEFAULT_SLEEVE_INSTRUMENT  # that measured bores
+    profile: str = "workshop"  # how the engine computes
     options: Pairs = ()  # of the profile, where they differ from it
     temperature: float | None = None  # [°C]; None: the controller's first operating point
     engine_speed: float | None = None  # [1/s]
-    gear: int | None = None
+    gear: int | None = None  # of the stated condition
     point: OperatingPoint | None = None  # used instead of the controller's first operating point
     mileage: float | None = None  # [km]; None: as the sheet's head states it
     measuring_temperature: float | None = None  # [°C] of gauge and parts; None: as the sheet's head states it
@@ -192,7 +192,7 @@ class Case:
     every: int = 1  # N: only one row in N of the log is read
     remember: bool = True  # whether to use what this computer remembers of such logs
     assumptions: Pairs = ()  # those that differ from the defaults
-    guard_factor: float | None = None
+    guard_factor: float | None = None  # k of the guard band; None: the usual one
     complaint: str | None = None  # id of one of the controller's complaints
     repairs: tuple[str, ...] = ()  # ids of those of the controller's repairs that the workshop plans with
 

@@ -78,41 +78,41 @@ _OF_RECORD = ("measuring_temperature_c", "pump_side_clearance_um", "pump_tip_cle
 class ReadingChoices(_Strict):
     """The choices by which `read_readings` read the measuring sheet, and what was measured beside its diameters."""
 
-    sheet: str | None = None
-    unit: str | None = None
-    where: dict[str, str] = {}
-    fill_down: bool = False
-    measuring_temperature_c: MeasuringCelsius | None = None
-    pump_side_clearance_um: PumpSideMicrometres | None = None
-    pump_tip_clearance_um: PumpTipMicrometres | None = None
+    sheet: str | None = None  # of a workbook
+    unit: str | None = None  # of the diameters
+    where: dict[str, str] = {}  # heading → what must stand under it
+    fill_down: bool = False  # an empty cell of a label goes on with the one above
+    measuring_temperature_c: MeasuringCelsius | None = None  # of gauge and parts
+    pump_side_clearance_um: PumpSideMicrometres | None = None  # the whole axial play
+    pump_tip_clearance_um: PumpTipMicrometres | None = None  # of its tips
 
 
 class LogChoices(_Strict):
     """The choices by which a log's columns are read; none stated where there is no log."""
 
-    mapping: dict[str, str] | None = None
-    units: dict[str, str] | None = None
-    constants: dict[str, str | float] | None = None
-    every: Annotated[int, Field(ge=1, strict=True)] = 1
+    mapping: dict[str, str] | None = None  # quantity → column
+    units: dict[str, str] | None = None  # quantity → unit
+    constants: dict[str, str | float] | None = None  # quantity → value in SI
+    every: Annotated[int, Field(ge=1, strict=True)] = 1  # of how many rows one is read
 
 
 class Choices(_Strict):
     """The content of ``job.json``: everything of a job but its files."""
 
-    format: Literal[1]
-    atleak: str
-    job: Job = Job()
-    profile: str
-    options: dict[str, bool | float | str] = {}
-    condition: _Condition
-    mileage: Annotated[float, Field(ge=0)] | None = None
-    fluid_state: FluidState | None = None
-    complaint: str | None = None
-    repairs: list[str] = []
-    readings: ReadingChoices = ReadingChoices()
-    road_test: LogChoices = LogChoices()
-    assumptions: dict[str, float] = {}
-    guard_factor: float | None = None
+    format: Literal[1]  # of this file
+    atleak: str  # version that wrote it
+    job: Job = Job()  # the record
+    profile: str  # how the engine computes
+    options: dict[str, bool | float | str] = {}  # of the profile, that were set
+    condition: _Condition  # at which leakage is projected
+    mileage: Annotated[float, Field(ge=0)] | None = None  # [km]
+    fluid_state: FluidState | None = None  # fresh or used
+    complaint: str | None = None  # id of one of the controller's
+    repairs: list[str] = []  # ids of those that were chosen
+    readings: ReadingChoices = ReadingChoices()  # how the sheet is read
+    road_test: LogChoices = LogChoices()  # how the log is read
+    assumptions: dict[str, float] = {}  # that were set, by name
+    guard_factor: float | None = None  # k of the guard band
     files: dict[Annotated[str, AfterValidator(_known_slot)], Annotated[str, AfterValidator(plain_name)]] = {}
 
     @property

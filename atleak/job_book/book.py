@@ -77,7 +77,7 @@ class JobRow:
 
     id: str  # of the job
     number: str  # of the workshop
-    vin: str
+    vin: str  # of the vehicle
     plate: str  # registration of the vehicle
     serial: str  # of the transmission
     customer: str  # name

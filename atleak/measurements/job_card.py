@@ -129,17 +129,17 @@ class Workshop(Record):
     """The workshop, as its letterhead names it."""
 
     name: CleanText = ""
-    address: CleanText = ""
+    address: CleanText = ""  # over several lines
     phone: CleanText = ""
     email: CleanText = ""
     website: CleanText = ""
     registration: CleanText = ""  # tax or trade register number
-    logo: _Picture | None = None
+    logo: _Picture | None = None  # name of the picture
 
 
 class Customer(Record):
     name: CleanText = ""
-    number: CleanText = ""
+    number: CleanText = ""  # in the workshop's books
     address: CleanText = ""
     phone: CleanText = ""
     email: CleanText = ""
@@ -150,14 +150,14 @@ class Vehicle(Record):
     model: CleanText = ""
     year: CleanText = ""
     engine: CleanText = ""
-    registration: CleanText = ""
+    registration: CleanText = ""  # plate
     vin: CleanText = ""
     mileage_km: Kilometres | None = None
 
 
 class Transmission(Record):
     maker: CleanText = ""
-    code: CleanText = ""
+    code: CleanText = ""  # of the type
     serial: CleanText = ""
     note: CleanText = ""
 
@@ -167,15 +167,15 @@ class InstrumentUsed(Record):
 
     name: CleanText = ""
     serial: CleanText = ""
-    calibrated: dt.date | None = None
+    calibrated: dt.date | None = None  # date of its last calibration
     note: CleanText = ""
 
 
 class FluidCondition(Record):
     """The state of the oil in the car."""
 
-    product: CleanText = ""
-    changed_at_km: Kilometres | None = None
+    product: CleanText = ""  # name of the oil
+    changed_at_km: Kilometres | None = None  # mileage of the last change
     level: CleanText = ""
     colour: CleanText = ""
     smell: CleanText = ""
@@ -189,32 +189,32 @@ class Contamination(Record):
 
 
 class Scratch(Record):
-    component: CleanText = ""
+    component: CleanText = ""  # its number
     land: Annotated[int, Field(ge=1, le=9)] | None = None
-    part: CleanText = ""
+    part: CleanText = ""  # spool or bore
     description: CleanText = ""
-    photo: _Picture | None = None
+    photo: _Picture | None = None  # name of the picture
 
 
 class Photo(Record):
-    file: _Picture
+    file: _Picture  # name of the picture
     caption: CleanText = ""
-    component: CleanText = ""
+    component: CleanText = ""  # that it shows
 
 
 class RepairDecision(Record):
     """A repair that was proposed for a pair, and what became of it."""
 
-    component: CleanText = ""
+    component: CleanText = ""  # its number
     land: Annotated[int, Field(ge=1, le=9)] | None = None  # None: every land that the repair changes
     repair: CleanText = ""  # id of one of the repairs of the valve body's file
-    work: CleanText = ""
-    part_number: CleanText = ""
+    work: CleanText = ""  # what is done
+    part_number: CleanText = ""  # of the part that is fitted
     price: Price | None = None  # of the part, in the currency of the estimate
-    hours: Hours | None = None
-    decision: RepairState | None = None
-    reason: CleanText = ""
-    date: dt.date | None = None
+    hours: Hours | None = None  # [h] of work
+    decision: RepairState | None = None  # what became of it
+    reason: CleanText = ""  # for that
+    date: dt.date | None = None  # of the decision
 
     @property
     def pair(self) -> str:
@@ -225,8 +225,8 @@ class RepairDecision(Record):
 class LogFormula(Record):
     """A channel that is computed from those of the road-test log, by a formula as it was typed."""
 
-    name: CleanText = ""
-    formula: CleanText = ""
+    name: CleanText = ""  # of the channel
+    formula: CleanText = ""  # as it was typed
 
 
 class EstimateTerms(Record):
@@ -234,39 +234,39 @@ class EstimateTerms(Record):
 
     currency: Annotated[CleanText, AfterValidator(currency_code)] = ""  # such as EUR
     labour_rate: LabourRate | None = None  # per hour
-    tax_percent: TaxPercent | None = None
+    tax_percent: TaxPercent | None = None  # on top of the sum
     goal: Goal = Goal.EVERY_LIMIT  # of the repairs that are proposed
 
 
 class Job(Record):
     """Everything that a workshop writes down about one controller."""
 
-    number: CleanText = ""
-    date: dt.date | None = None
+    number: CleanText = ""  # of the workshop
+    date: dt.date | None = None  # of the job
     measured_on: dt.date | None = None  # as the measuring sheet says unless given
     issued_on: dt.date | None = None  # of the report
     revision: CleanText = ""  # of the report
     replaces: CleanText = ""  # number, revision or date of the report that this one takes the place of
     technician: CleanText = ""  # who measured
-    approved_by: CleanText = ""
-    workshop: Workshop = Workshop()
-    customer: Customer = Customer()
-    vehicle: Vehicle = Vehicle()
-    transmission: Transmission = Transmission()
-    complaint: CleanText = ""
-    fault_codes: tuple[CleanText, ...] = ()
-    fluid_condition: FluidCondition = FluidCondition()
-    contamination: Contamination = Contamination()
+    approved_by: CleanText = ""  # who released the report
+    workshop: Workshop = Workshop()  # as on its letterhead
+    customer: Customer = Customer()  # who brings the car
+    vehicle: Vehicle = Vehicle()  # the car
+    transmission: Transmission = Transmission()  # as its plate names it
+    complaint: CleanText = ""  # in the customer's words
+    fault_codes: tuple[CleanText, ...] = ()  # as the gearbox computer gave them
+    fluid_condition: FluidCondition = FluidCondition()  # of the oil in the car
+    contamination: Contamination = Contamination()  # found in oil and pan
     measuring_temperature_c: MeasuringCelsius | None = None  # of gauge and parts
     pump_side_clearance_um: PumpSideMicrometres | None = None  # axial play of this job's pump
-    pump_tip_clearance_um: PumpTipMicrometres | None = None
-    instruments: tuple[InstrumentUsed, ...] = ()
-    scratches: tuple[Scratch, ...] = ()
-    photos: tuple[Photo, ...] = ()
-    repair_decisions: tuple[RepairDecision, ...] = ()
-    estimate: EstimateTerms = EstimateTerms()
+    pump_tip_clearance_um: PumpTipMicrometres | None = None  # of this job's pump
+    instruments: tuple[InstrumentUsed, ...] = ()  # that were used
+    scratches: tuple[Scratch, ...] = ()  # and other damage that was seen
+    photos: tuple[Photo, ...] = ()  # with their captions
+    repair_decisions: tuple[RepairDecision, ...] = ()  # what was proposed, and what became of it
+    estimate: EstimateTerms = EstimateTerms()  # its terms
     log_formulas: tuple[LogFormula, ...] = ()  # drawn with the log, in this order
-    notes: CleanText = ""
+    notes: CleanText = ""  # anything else
 
     _pictures: Mapping[str, bytes] = PrivateAttr(default_factory=lambda: MappingProxyType({}))
 

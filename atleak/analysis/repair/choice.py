@@ -45,7 +45,7 @@ class Choice:
     basis: Basis  # what they have least of first
     chosen: tuple[Move, ...]  # every repair
     moves: Moves = field(repr=False)  # that were offered
-    unit: RepairableUnit = field(repr=False)
+    unit: RepairableUnit = field(repr=False)  # the unit with its lands in every state
     proven: bool  # no other choice of what was offered is better
     rounds: int  # proposals that the engine computed
 

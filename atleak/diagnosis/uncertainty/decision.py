@@ -49,7 +49,7 @@ class RuleDecision:
     decision: Decision  # how sure the verdict is
     probability_over_limit: float  # that the true value is past the limit
     levels: tuple[LevelDecision, ...]  # every limit of the rule, with the decision against it
-    level_uncertainties: tuple[float, ...]
+    level_uncertainties: tuple[float, ...]  # of the value at each of the levels
     interval: tuple[float, float] | None = None  # of the value, from draws; None where it is normally distributed
 
     @property
@@ -229,25 +229,18 @@ _SYMBOL: dict[Part, str] = {"spool": "d", "sleeve": "D"}
 class Remedy:
     """The measurements that would make the guard band narrow enough to decide.
 
-    ``first`` is the part to measure first, ``fraction`` the part of the clearance's variance that its readings carry.
-    ``repeats`` is how many independent repeats of each place of ``repeat_parts`` decide it; None where none do.
-    ``instruments`` lists the choices of shipped instruments that decide it, each choice a part and its instrument, or
-    two where one is not enough. ``reading_part`` is the part of the judged value's variance that the clearance
-    carries; no instrument can take away the rest. ``directions`` are the parts that decide it when they are measured
-    in four directions, ``form`` the part of the clearance's variance that comes of seeing their form in few. Where
-    ``measurable`` is false the limit is finer than the gauge, and all this is what would tell the limit from a new
-    pair.
+    Where the limit is finer than the gauge, all this is what would tell the limit from a new pair.
     """
 
-    first: Part | None
-    fraction: float
-    repeats: int | None
-    repeat_parts: tuple[Part, ...]
-    instruments: tuple[tuple[tuple[Part, str], ...], ...]
-    reading_part: float
-    directions: tuple[Part, ...]
-    form: float
-    measurable: bool
+    first: Part | None  # part to measure first
+    fraction: float  # of the clearance's variance, that its readings carry
+    repeats: int | None  # independent ones of each place of ``repeat_parts`` that decide it; None where none do
+    repeat_parts: tuple[Part, ...]  # to be measured again
+    instruments: tuple[tuple[tuple[Part, str], ...], ...]  # choices that decide it: a part and its instrument, or two
+    reading_part: float  # of the value's variance, that the clearance carries; no instrument takes away the rest
+    directions: tuple[Part, ...]  # parts that decide it when measured in four directions
+    form: float  # of the clearance's variance, for want of directions
+    measurable: bool  # False: the limit is finer than the gauge
 
     @property
     def decides(self) -> bool:

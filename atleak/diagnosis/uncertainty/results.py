@@ -145,19 +145,13 @@ def _degrees_of_freedom(land: LandSources, source: UncertaintySource) -> float:
 
 @dataclass(frozen=True)
 class Shape:
-    """The shape of a land's clearance, which its mean does not show.
-
-    ``effective_clearance`` [m] is the cube root of the mean of c³ over the directions and planes measured, which is
-    what leaks. ``cube_factor`` is that mean over the cube of the mean clearance; None where a direction closes the
-    gap. ``lower_bound`` says that the sleeve was measured in one direction only, so that wear to one side may not be
-    in the clearance at all.
-    """
+    """The shape of a land's clearance, which its mean does not show."""
 
     worst_direction: float | None  # [°]
     worst_clearance: float  # [m]
-    effective_clearance: float | None  # [m]
-    cube_factor: float | None
-    lower_bound: bool
+    effective_clearance: float | None  # [m] cube root of the mean of c³ over directions and planes, which leaks
+    cube_factor: float | None  # mean of c³ over the cube of the mean; None where a direction closes the gap
+    lower_bound: bool  # sleeve measured in one direction only: wear to one side may be missed
 
 
 @dataclass(frozen=True)

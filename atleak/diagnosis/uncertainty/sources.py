@@ -139,8 +139,8 @@ class LandSources:
 
     state: LandClearance  # its clearance
     sources: tuple[UncertaintySource, ...]  # one for each reason
-    plans: Mapping[Part, _MeasuringPlan]
-    spreads: Mapping[Part, RepeatSpread]
+    plans: Mapping[Part, _MeasuringPlan]  # how each part was measured
+    spreads: Mapping[Part, RepeatSpread]  # how far readings of each part scatter
     instruments: Instruments  # with which the readings were taken
     assumptions: Assumptions  # what else is uncertain
 

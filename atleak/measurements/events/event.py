@@ -20,36 +20,36 @@ EventKind = Literal[
 class Thresholds:
     """Limits of the events. Speeds of rotation [1/s], vehicle speeds [m/s], temperatures [°C], durations [s]."""
 
-    standing: float = 1.0 / 3.6
-    idle_low: float = 400 / 60
-    idle_high: float = 1100 / 60
-    hot: float = 70.0
-    idle_seconds: float = 3.0
-    stall_speed: float = 1400 / 60
-    stall_seconds: float = 0.4
-    stall_longest: float = 15.0
-    gentle_speed: float = 2500 / 60
-    gentle_end: float = 30 / 3.6
-    gentle_back: float = 5 / 3.6
-    slip: float = 50 / 60
-    lock_up_seconds: float = 1.0
-    steady_seconds: float = 5.0
-    steady_speed: float = 20 / 3.6
-    steady_vehicle: float = 3 / 3.6
-    steady_engine: float = 100 / 60
-    ratio_tolerance: float = 0.06
+    standing: float = 1.0 / 3.6  # vehicle speed below which the car stands
+    idle_low: float = 400 / 60  # engine speed above which it runs
+    idle_high: float = 1100 / 60  # engine speed below which it idles
+    hot: float = 70.0  # fluid temperature of hot idle
+    idle_seconds: float = 3.0  # shortest hot idle
+    stall_speed: float = 1400 / 60  # engine speed of a stall
+    stall_seconds: float = 0.4  # shortest stall
+    stall_longest: float = 15.0  # longest stall
+    gentle_speed: float = 2500 / 60  # engine speed that such a test may reach
+    gentle_end: float = 30 / 3.6  # vehicle speed that such a test must reach
+    gentle_back: float = 5 / 3.6  # fall of the vehicle speed that ends a run
+    slip: float = 50 / 60  # of a locked converter, at the most
+    lock_up_seconds: float = 1.0  # shortest lock-up
+    steady_seconds: float = 5.0  # shortest steady driving
+    steady_speed: float = 20 / 3.6  # vehicle speed above which driving may be steady
+    steady_vehicle: float = 3 / 3.6  # band of the vehicle speed
+    steady_engine: float = 100 / 60  # band of the engine speed
+    ratio_tolerance: float = 0.06  # relative, of a gear's ratio
     shift_pause: float = 3.0  # longest between the two gears of a shift, while none or no gear is known
-    engine_standing: float = 50 / 60
-    engine_standing_seconds: float = 0.5
-    start_seconds: float = 3.0
+    engine_standing: float = 50 / 60  # engine speed below which it stands
+    engine_standing_seconds: float = 0.5  # shortest standstill before a start
+    start_seconds: float = 3.0  # that a start takes once the engine runs
     # of a minimum-acceleration test
     gentle_begun: float = 15 / 3.6  # at which it is one that was begun, where no gear is known
     driven_otherwise: float = 4000 / 60  # above which nobody meant to drive one
-    idle_spread: float = 50 / 60
+    idle_spread: float = 50 / 60  # engine speed over the lowest that is still idle
     slows: float = 0.15  # fall of the engine speed in the last gear with which the car slows down
-    shift_settles: float = 1.0
+    shift_settles: float = 1.0  # after a shift, until it is over
     shift_fall: float = 0.12  # of the engine speed at a shift
-    shift_longest: float = 1.5
+    shift_longest: float = 1.5  # time in which the engine speed falls at a shift
     shift_sampling: float = 0.5  # longest interval that shows such a fall
 
 
