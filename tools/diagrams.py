@@ -28,7 +28,7 @@ import picture_jobs as made
 from atleak.analysis.pressures import HeldPressure, pressures_at
 from atleak.analysis.what_if import WhatIf, tried
 from atleak.common.style import PAPER_INKS, SHEET_COLOURS, SHEET_OF_PAPER, SPREADS, look_of
-from atleak.common.unit_systems import DM3_MIN, KPA, MM, UM
+from atleak.common.units import DM3_MIN, KPA, MM, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, wording
 from atleak.diagnosis.diagnosis import Diagnosis

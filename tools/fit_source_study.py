@@ -36,7 +36,7 @@ import numpy as np
 from atleak.analysis.source_study import VARIANTS, Variant, variant_fluid
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
-from atleak.common.unit_systems import DM3_MIN
+from atleak.common.units import DM3_MIN
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER
 from atleak.engine.projection import with_wear

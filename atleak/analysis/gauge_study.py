@@ -19,7 +19,7 @@ import numpy as np
 from atleak.catalogue.instruments import Instrument
 from atleak.common.errors import InputError, Message
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import UM, Quantity
+from atleak.common.units import UM, Quantity
 from atleak.measurements.gauge_study import StudyReadings
 
 ALPHA = 0.05  # significance at which the interaction is kept: as in the table of AIAG's example

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.common.unit_systems import PERCENT
+from atleak.common.units import PERCENT
 from atleak.equations.proportions import wilson_interval
 
 ENOUGH_UNITS = 10  # from which on more is said than a count, a middle and the ends: choice of this project

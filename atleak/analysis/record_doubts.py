@@ -19,7 +19,7 @@ from atleak.catalogue.instruments import Instrument, Part
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import InputError, Message, Place, unknown
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import Quantity
+from atleak.common.units import Quantity
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis

@@ -21,7 +21,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid, ViscosityModel, load_fluid
 from atleak.common.errors import Message
 from atleak.common.files import shipped
-from atleak.common.unit_systems import DM3_MIN
+from atleak.common.units import DM3_MIN
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import with_wear

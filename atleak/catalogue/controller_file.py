@@ -48,7 +48,7 @@ from atleak.catalogue.section_pressures import Pressure, PressureRelation, read_
 from atleak.common.errors import CatalogueError, DomainError, KeySteps, Message
 from atleak.common.file_faults import fault_in_words, faults_together, model_in, place_of
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import UM, Quantity
+from atleak.common.units import UM, Quantity
 
 _ALL: Mapping[KeySteps, Sequence[int]] = MappingProxyType({})
 

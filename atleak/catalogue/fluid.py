@@ -19,7 +19,7 @@ from atleak.catalogue.keys import key, made
 from atleak.common.errors import CatalogueError, DomainError, InputError, Message, Place, unknown
 from atleak.common.file_faults import NotAccepted, place_of, validated
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import PERCENT, Quantity
+from atleak.common.units import PERCENT, Quantity
 from atleak.equations import fluid as fluid_equations
 from atleak.equations.fluid import ASTM_D341_RELIABLE_FROM, STUDY_HIGHEST, STUDY_LOWEST
 

@@ -20,7 +20,7 @@ from atleak.catalogue.keys import key, made, unit_of
 from atleak.common.errors import CatalogueError, Message
 from atleak.common.file_faults import NotAccepted, WrongTogether, validated
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import KPA, PERCENT, UM
+from atleak.common.units import KPA, PERCENT, UM
 from atleak.common.verdicts import BANDS, FLAGGED, Band, Verdict
 
 Level = Verdict | Band

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from atleak.catalogue.controller import Land
 from atleak.catalogue.instruments import Part
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import MM, UM, Quantity
+from atleak.common.units import MM, UM, Quantity
 
 PART_WORDS: Mapping[Part, Sentence] = {"spool": Sentence("spool"), "sleeve": Sentence("sleeve")}
 

@@ -11,7 +11,7 @@ from atleak.cli.parser import add_command
 from atleak.cli.shared import Outputs, add_force, add_json
 from atleak.common.errors import InputError
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import MM
+from atleak.common.units import MM
 from atleak.common.wording import wording
 from atleak.readers.gauges.gauge_study import read_study
 from atleak.report.tables.gauge_study import study_record, study_sections

@@ -19,7 +19,7 @@ from atleak.common.printable import asked_for, unguarded
 from atleak.common.seals import SealedKind
 from atleak.common.sentences import Sentence
 from atleak.common.style import DEFAULT_PAPER, PAPERS
-from atleak.common.unit_systems import SYSTEMS
+from atleak.common.units import SYSTEMS
 from atleak.common.wording import languages
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ class Sentence(str):
     fill them in. `atleak.common.wording.Wording.sentence` says it in the reader's language and units.
 
     A value is best given as what it is: a number, a further `Sentence`, a `Name`, an operating point, or a
-    `atleak.common.unit_systems.Quantity` where the reader's units apply (``{clearance} {clearance.unit}``). Of a tuple
+    `atleak.common.units.Quantity` where the reader's units apply (``{clearance} {clearance.unit}``). Of a tuple
     each is written, with commas between. Without values the template stands as it is, braces too.
 
     Parameters

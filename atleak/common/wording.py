@@ -17,7 +17,7 @@ from typing import Any, Protocol, runtime_checkable
 from atleak.common.errors import AtleakError, Place, unknown
 from atleak.common.sentences import Listed, Name, Sentence, filled
 from atleak.common.style import look_of
-from atleak.common.unit_systems import PERCENT, RPM, Quantity, ShownUnit, unit_system
+from atleak.common.units import PERCENT, RPM, Quantity, ShownUnit, unit_system
 from atleak.common.verdicts import Band, Verdict
 
 _FOLDER = Path(__file__).parents[1] / "texts"

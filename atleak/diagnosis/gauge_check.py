@@ -19,7 +19,7 @@ from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.cache import kept_with
 from atleak.common.errors import DomainError, Message, Place
 from atleak.common.sentences import Sentence, in_a_row
-from atleak.common.unit_systems import KPA, Quantity
+from atleak.common.units import KPA, Quantity
 from atleak.common.verdicts import Verdict, worst
 from atleak.diagnosis.gauge_patterns import GaugeStanding, Pattern, Stands, find_patterns
 from atleak.diagnosis.rules import Rule, permissible_steps

@@ -19,7 +19,7 @@ from atleak.catalogue.pump import Pump
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import Message
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import Quantity
+from atleak.common.units import Quantity
 from atleak.common.verdicts import Verdict, worst
 from atleak.diagnosis.rules import Rule, UnitRules, pump_rules
 from atleak.diagnosis.uncertainty import Decision, LandUncertainty, RuleDecision, UnitUncertainty

@@ -19,7 +19,7 @@ from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.common.errors import Message, Place
 from atleak.common.sentences import Name, Sentence, all_of
-from atleak.common.unit_systems import KPA, UM, Quantity
+from atleak.common.units import KPA, UM, Quantity
 from atleak.diagnosis.land import without_rate
 from atleak.diagnosis.road import RoadDiagnosis
 from atleak.diagnosis.rules import cannot_be

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from atleak.common.unit_systems import KPA, Quantity
+from atleak.common.units import KPA, Quantity
 from atleak.diagnosis.road_findings import RoadFindings
 from atleak.engine.road_pressure import SLUMP_SPAN, STATES, PlaceFinding, RoadPressure
 

@@ -9,7 +9,7 @@ import numpy as np
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.errors import Message
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import PERCENT, UM, Quantity
+from atleak.common.units import PERCENT, UM, Quantity
 from atleak.engine.leakage import GapLaw, GapLeakage
 from atleak.equations import gap as gap_equations
 

@@ -14,7 +14,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import STATED, OperatingPoint
 from atleak.common.errors import InputError, Message, one_of, translates_refusals
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import KPA, PERCENT, Quantity
+from atleak.common.units import KPA, PERCENT, Quantity
 from atleak.engine.balance import Balance
 from atleak.engine.gap_messages import gap_messages
 from atleak.engine.leakage import GapLeakage, LeakageModel

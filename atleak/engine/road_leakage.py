@@ -20,7 +20,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import IDLE_SPEED, OperatingPoint
 from atleak.common.errors import Message, MessageLevel, Place, RoadTestError, translates_refusals
 from atleak.common.sentences import Name, Sentence, counted, in_a_row
-from atleak.common.unit_systems import KPA, Quantity
+from atleak.common.units import KPA, Quantity
 from atleak.engine.extremes import Extremes, Instant, first_largest, share_of_samples, sustained_window
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.series import LeakageSeries, leakage_series

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from atleak.analysis.rates import rate, spread
-from atleak.common.unit_systems import PERCENT
+from atleak.common.units import PERCENT
 from atleak.common.verdicts import BANDS, FLAGGED, VERDICTS, Band, Verdict
 from atleak.diagnosis.uncertainty import DECISIONS, Decision
 from atleak.fleet.columns import HASH, DataSet

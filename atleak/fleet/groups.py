@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from atleak.analysis.rates import ENOUGH_UNITS, Rate, rate, spread
 from atleak.common.errors import Message
 from atleak.common.sentences import Sentence, some
-from atleak.common.unit_systems import PERCENT, Quantity
+from atleak.common.units import PERCENT, Quantity
 from atleak.common.verdicts import FLAGGED, Verdict
 from atleak.equations.proportions import newcombe_interval
 from atleak.fleet.counts import class_width, classes_of, groups_of

@@ -8,7 +8,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT
+from atleak.common.units import DM3_MIN, KPA, PERCENT
 from atleak.common.verdicts import Verdict, worst
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.road_pressure import TemperatureClass

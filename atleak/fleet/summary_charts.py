@@ -9,7 +9,7 @@ import numpy as np
 
 from atleak.analysis.rates import Rate
 from atleak.common.style import LOOKS, OK_IN_PART, PAPER_INKS, SCREEN, Look, SignShape, look_of
-from atleak.common.unit_systems import PERCENT
+from atleak.common.units import PERCENT
 from atleak.common.verdicts import BANDS, FLAGGED, Band, Verdict
 from atleak.fleet.summary_words import NAME, FleetWords, within_words
 from atleak.fleet.sums import (

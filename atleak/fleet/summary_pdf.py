@@ -52,7 +52,7 @@ def write_summary_pdf(
     paper
         one of `atleak.common.style.PAPERS`.
     units
-        one of `atleak.common.unit_systems.SYSTEMS`.
+        one of `atleak.common.units.SYSTEMS`.
     font
         for characters that the bundled fonts lack.
     letterhead

@@ -11,7 +11,7 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import CatalogueError, Message
-from atleak.common.unit_systems import RPM
+from atleak.common.units import RPM
 from atleak.common.verdicts import FLAGGED, VERDICTS, Verdict
 from atleak.common.wording import Wording
 from atleak.fleet.sums import (

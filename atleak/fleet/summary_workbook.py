@@ -273,7 +273,7 @@ def write_summary_workbook(
     language
         one of `atleak.common.wording.languages`.
     units
-        one of `atleak.common.unit_systems.SYSTEMS`.
+        one of `atleak.common.units.SYSTEMS`.
     paper
         one of `atleak.common.style.PAPERS`, for printing.
 

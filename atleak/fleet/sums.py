@@ -16,7 +16,7 @@ from typing import Any
 from atleak.analysis.rates import SHOWN_QUANTILES, Rate, Spread
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import Message
-from atleak.common.unit_systems import PERCENT
+from atleak.common.units import PERCENT
 from atleak.common.verdicts import Band, Verdict
 from atleak.diagnosis.uncertainty import Decision
 from atleak.fleet.columns import HASH

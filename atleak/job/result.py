@@ -14,7 +14,7 @@ from typing import Any
 
 from atleak.analysis.record_doubts import record_doubts
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import Quantity
+from atleak.common.units import Quantity
 from atleak.common.verdicts import Verdict, level_named
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -12,7 +12,8 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from atleak.analysis.comparison import Comparison, compare
+from atleak.analysis.changes import Comparison
+from atleak.analysis.comparison import compare
 from atleak.common.errors import BookError, InputError, Message, Place
 from atleak.common.sentences import Sentence
 from atleak.common.verdicts import level_named

@@ -16,7 +16,7 @@ from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import BookError, InputError, Place
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import Quantity
+from atleak.common.units import Quantity
 from atleak.diagnosis.uncertainty.sources import PARTS
 from atleak.job.case import SLOTS, Case, Reader
 from atleak.job.parts import JobFile

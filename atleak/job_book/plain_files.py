@@ -18,8 +18,7 @@ import numpy as np
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import AtleakError
-from atleak.common.unit_systems import KPA, RPM
-from atleak.common.units import Unit, kinds_of, unit
+from atleak.common.units import KPA, RPM, Unit, kinds_of, unit
 from atleak.job.case import Pairs, SourceFile
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.own_lands import OwnLands

@@ -18,7 +18,7 @@ from atleak.catalogue.instruments import Instruments, Part, load_instruments
 from atleak.catalogue.words import PART_WORDS, angle, in_mm, in_um, named
 from atleak.common.errors import Message, Place, ReadingsError, translates_refusals
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import Quantity
+from atleak.common.units import Quantity
 from atleak.equations import clearance as clearance_equations
 from atleak.measurements.readings import Reading, Readings
 

@@ -25,8 +25,7 @@ from atleak.catalogue.written_numbers import decimal_number
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import InputError, Place, ReadingsError
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import MM
-from atleak.common.units import unit, unit_names
+from atleak.common.units import MM, unit, unit_names
 from atleak.measurements.clearances import LandClearance, clearances, far_from_nominal
 from atleak.measurements.measuring_plan import PLAN_PARTS, CellKey, Plan, PlanCell
 from atleak.measurements.readings import TYPED_MARK, Reading, Readings

@@ -10,7 +10,7 @@ from typing import Any
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.repairs import LandKey
 from atleak.common.style import look_of
-from atleak.common.unit_systems import MM, UM
+from atleak.common.units import MM, UM
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis

@@ -18,8 +18,7 @@ from atleak.analysis.repair.plan import RepairStep, plan_repairs
 from atleak.common.errors import Message
 from atleak.common.printable import printable, unguarded
 from atleak.common.style import look_of
-from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
-from atleak.common.units import HHMMSS, find_unit, kinds_of
+from atleak.common.units import DM3_MIN, HHMMSS, KPA, PERCENT, RPM, find_unit, kinds_of
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import begun, signed, wording
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -6,7 +6,7 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.analysis.comparison import Comparison
+from atleak.analysis.changes import Comparison
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -7,7 +7,7 @@ from typing import Any
 import streamlit as st
 
 from atleak.analysis.repair.plan import RepairPlan
-from atleak.common.unit_systems import DM3_MIN, KPA, RPM
+from atleak.common.units import DM3_MIN, KPA, RPM
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.tables.complaint import finding, measure_first, reason

@@ -14,7 +14,7 @@ from atleak.catalogue.instruments import InstrumentFile
 from atleak.catalogue.written_numbers import AskedNumber
 from atleak.common.errors import InputError, OutputError
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import UM
+from atleak.common.units import UM
 from atleak.common.wording import Wording
 from atleak.job.case import SLOTS, SourceFile
 from atleak.readers.gauges.gauge_study import read_study

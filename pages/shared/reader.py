@@ -8,7 +8,7 @@ import streamlit as st
 from streamlit.delta_generator import DeltaGenerator
 
 from atleak.common.style import DEFAULT_PAPER, PAPERS
-from atleak.common.unit_systems import SYSTEMS
+from atleak.common.units import SYSTEMS
 from atleak.common.wording import Wording, languages, wording
 
 OTHERWISE = "en", "metric"

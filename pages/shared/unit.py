@@ -11,7 +11,7 @@ import streamlit as st
 from atleak.analysis.history.wear import WearHistory, totals_over_mileage, wear_over_mileage
 from atleak.analysis.rates import ENOUGH_UNITS, SHOWN_QUANTILES
 from atleak.common.errors import AtleakError
-from atleak.common.unit_systems import PERCENT, UM
+from atleak.common.units import PERCENT, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -23,7 +23,7 @@ from atleak.analysis.what_if import (
     wears_to_try,
 )
 from atleak.common.errors import AtleakError
-from atleak.common.unit_systems import KPA
+from atleak.common.units import KPA
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.operation import LINE
 from atleak.report.charts.condition_figures import MapPlace, pressure_map, share_map

@@ -11,7 +11,7 @@ import streamlit as st
 from atleak.analysis.what_if import WhatIf
 from atleak.catalogue.fluid import FluidState
 from atleak.catalogue.written_numbers import ENGINE_SPEED, TEMPERATURE, AskedNumber, decimal_number
-from atleak.common.unit_systems import PERCENT, RPM
+from atleak.common.units import PERCENT, RPM
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.profile import UNKNOWN
 from pages.shared import address, fields, reader

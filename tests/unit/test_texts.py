@@ -13,7 +13,7 @@ from atleak.catalogue.entries import shipped_files
 from atleak.catalogue.fluid import fluids
 from atleak.catalogue.instruments import instruments
 from atleak.catalogue.limits import limit_sets
-from atleak.common.unit_systems import SYSTEMS
+from atleak.common.units import SYSTEMS
 from atleak.common.wording import languages, wording
 from tests.unit.product_code import ROOT, nodes
 

@@ -22,7 +22,7 @@ from atleak.catalogue.controller_tables import NewOrigin
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import Message
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import Quantity
+from atleak.common.units import Quantity
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import WearLine, wear_line
 from atleak.diagnosis.uncertainty import LandSources

@@ -20,7 +20,7 @@ from atleak.analysis.learning.learned_clearances import (
 from atleak.analysis.learning.outliers import UNITS_TO_JUDGE_A_SHIFT, UNITS_TO_NAME_ONE, WhyUnit
 from atleak.common.errors import Message, Place
 from atleak.common.sentences import Sentence, in_a_row, some
-from atleak.common.unit_systems import PERCENT, UM, Quantity
+from atleak.common.units import PERCENT, UM, Quantity
 
 _KEY = "mounting_clearance_um"
 _DECIMALS = 2  # of a micrometre: finer than any reading

@@ -11,7 +11,7 @@ from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.errors import InputError, Message
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import UM, Quantity
+from atleak.common.units import UM, Quantity
 from atleak.common.verdicts import Band
 from atleak.diagnosis.rules import Rule, UnitRules
 from atleak.diagnosis.uncertainty.assumptions import DEFAULTS, Assumptions

@@ -15,7 +15,7 @@ from atleak.catalogue.instruments import Instruments, Part
 from atleak.catalogue.limits import RuleKind
 from atleak.common.errors import Message
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import UM
+from atleak.common.units import UM
 from atleak.common.verdicts import Band
 from atleak.diagnosis.rules import Rule, UnitRules
 from atleak.diagnosis.uncertainty.assumptions import Assumptions

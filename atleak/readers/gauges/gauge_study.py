@@ -24,8 +24,7 @@ from atleak.common.damage import own_errors_only
 from atleak.common.errors import Message, Place, one_of
 from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import MM, UM, Quantity
-from atleak.common.units import Unit, find_unit, unit
+from atleak.common.units import MM, UM, Quantity, Unit, find_unit, unit
 from atleak.measurements.gauge_study import FEWEST, GaugeStudyError, StudyReadings
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Sheet, text_of

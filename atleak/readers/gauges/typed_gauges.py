@@ -11,8 +11,7 @@ from typing import cast
 
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.common.errors import Place
-from atleak.common.unit_systems import KPA, RPM
-from atleak.common.units import find_unit
+from atleak.common.units import KPA, RPM, find_unit
 from atleak.measurements.gauge_readings import LINE_TAP, RANGES, Engine, GaugeCell, PressureTable
 from atleak.readers.cells.sheet_file import csv_bytes, csv_rows
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from atleak.common.errors import RoadTestError, unknown
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import KPA, Quantity
+from atleak.common.units import KPA, Quantity
 from atleak.measurements.road_test import QUANTITIES, Channel, Segment
 from atleak.readers.logs import suspects
 from atleak.readers.logs.columns import Assigner, Signal

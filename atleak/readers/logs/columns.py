@@ -15,8 +15,7 @@ import numpy as np
 
 from atleak.common.errors import Message, MessageLevel, Place, RoadTestError, one_of, unknown
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import KPA, Quantity
-from atleak.common.units import unit
+from atleak.common.units import KPA, Quantity, unit
 from atleak.measurements.road_test import QUANTITIES, ChannelKind
 from atleak.readers.dates import words
 from atleak.readers.logs.headings import Heading

@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 from atleak.catalogue.written_numbers import MILEAGE, WrittenNumber, read_number
 from atleak.common.errors import Message, Place
 from atleak.common.sentences import Sentence, all_of
-from atleak.common.unit_systems import MILE
-from atleak.common.units import Unit, find_unit
+from atleak.common.units import MILE, Unit, find_unit
 from atleak.measurements.readings import SheetIdentity
 from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.sheets.words import is_blank, letters, plain, text_of

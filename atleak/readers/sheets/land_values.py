@@ -16,9 +16,8 @@ from atleak.catalogue.repairs import LandKey
 from atleak.catalogue.words import named
 from atleak.common.errors import Message, Place, ReadingsError, one_of, unknown
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import MM as TO_MM
-from atleak.common.unit_systems import UM, Quantity
-from atleak.common.units import Unit, find_unit
+from atleak.common.units import MM as TO_MM
+from atleak.common.units import UM, Quantity, Unit, find_unit
 from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.measurements.own_lands import LENGTHS_MEASURED, REPAIR_FITTED, FittedRepair, OwnLands, OwnLength
 from atleak.readers.cells.sheet import Cell

@@ -13,9 +13,8 @@ from atleak.catalogue.repairs import LandKey
 from atleak.catalogue.words import PART_WORDS, angle, named
 from atleak.common.errors import Place, ReadingsError
 from atleak.common.sentences import Sentence, all_of
-from atleak.common.unit_systems import MM as TO_MM
-from atleak.common.unit_systems import UM, Quantity
-from atleak.common.units import find_unit, unit, unit_names
+from atleak.common.units import MM as TO_MM
+from atleak.common.units import UM, Quantity, find_unit, unit, unit_names
 from atleak.measurements.clearances import NOMINAL_TOLERANCE, REPEAT_TOLERANCE, LandClearance, clearances
 from atleak.measurements.readings import Reading, Readings
 from atleak.readers.sheets.controller_names import MILLIMETRE

@@ -12,8 +12,7 @@ from atleak.catalogue.instruments import Part
 from atleak.catalogue.words import PART_WORDS, angle
 from atleak.common.errors import Message, ReadingsError, unknown
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import UM, Quantity
-from atleak.common.units import find_unit
+from atleak.common.units import UM, Quantity, find_unit
 from atleak.readers.cells.sheet import Cell, Sheet, rows_named
 from atleak.readers.sheets.columns import Columns
 from atleak.readers.sheets.diameters import DiameterCell

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from atleak.analysis.comparison import Comparison, ConditionComparison, EventPair, LandComparison, LogComparison
+from atleak.analysis.changes import Comparison, ConditionComparison, EventPair, LandComparison, LogComparison
 from atleak.catalogue.limits import RuleKind
 from atleak.common.style import MOST, SCREEN, STATED_INKS, look_of
 from atleak.common.thinning import thinned
-from atleak.common.unit_systems import PERCENT, UM
+from atleak.common.units import PERCENT, UM
 from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -10,7 +10,7 @@ import numpy as np
 from atleak.analysis.what_if import Axis, Border, Map
 from atleak.catalogue.fluid import Fluid
 from atleak.common.style import CURVES, FAINT_GRID, SCREEN, look_of
-from atleak.common.unit_systems import DM3_MIN, KPA, MM2_S, PERCENT, RPM
+from atleak.common.units import DM3_MIN, KPA, MM2_S, PERCENT, RPM
 from atleak.common.wording import Wording, wording
 from atleak.report.charts.figure import Figure, framed
 from atleak.report.tables.pump_speed import Demand, PumpOverSpeed

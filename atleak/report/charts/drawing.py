@@ -15,7 +15,7 @@ from typing import NamedTuple
 from atleak.catalogue.controller import Controller, Land
 from atleak.common.sentences import Name, Sentence
 from atleak.common.style import DARK, EDGE, PAPER_INKS, Inks, look_of
-from atleak.common.unit_systems import MM
+from atleak.common.units import MM
 from atleak.common.verdicts import Verdict, worst
 from atleak.common.wording import Wording, wording
 from atleak.report.tables.names import has_number

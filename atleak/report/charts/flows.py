@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from atleak.analysis.pressures import pressures_at
 from atleak.catalogue.circuits import Circuit, Consumer, Leak
 from atleak.common.style import PAPER_INKS, SCREEN, look_of
-from atleak.common.unit_systems import DM3_MIN, KPA
+from atleak.common.units import DM3_MIN, KPA
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, isolated, wording
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -11,7 +11,7 @@ from atleak.analysis.history.series import Point, Visit
 from atleak.analysis.history.wear import LandWear, TotalOverMileage
 from atleak.catalogue.limits import Level
 from atleak.common.style import SCREEN, look_of
-from atleak.common.unit_systems import PERCENT, UM
+from atleak.common.units import PERCENT, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.land import FARTHEST, MILEAGE_COVERAGE, WearLine

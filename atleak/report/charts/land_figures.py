@@ -15,7 +15,7 @@ from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.repairs import LandKey
 from atleak.common.style import DECISION_MARKS, SCREEN, look_of
-from atleak.common.unit_systems import DM3_MIN, PERCENT, UM
+from atleak.common.units import DM3_MIN, PERCENT, UM
 from atleak.common.verdicts import VERDICTS, Band
 from atleak.common.wording import Wording, wording
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -13,7 +13,7 @@ from atleak.analysis.formulas import FormulaChannel
 from atleak.catalogue.limits import Limits
 from atleak.common.style import CURVES, SCALE_OF_SHARES, SCALE_OF_TIME, SCREEN, SUSPECT, look_of
 from atleak.common.thinning import thinned
-from atleak.common.unit_systems import DM3_MIN, PERCENT
+from atleak.common.units import DM3_MIN, PERCENT
 from atleak.common.wording import Wording
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.measurements.events import Event

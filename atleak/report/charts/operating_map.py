@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.common.unit_systems import PERCENT
+from atleak.common.units import PERCENT
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.measurements.events.event import segments
 from atleak.measurements.road_test import RoadTest

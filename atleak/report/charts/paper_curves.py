@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from atleak.common.style import PAPER_INKS
-from atleak.common.unit_systems import DM3_MIN, RPM
+from atleak.common.units import DM3_MIN, RPM
 from atleak.common.verdicts import Band
 from atleak.common.wording import Wording
 from atleak.report.charts import paper_axes as plotting

@@ -15,7 +15,7 @@ from atleak.analysis.gauge_study import ACCEPTED, MARGINAL, GaugeStudy
 from atleak.analysis.source_study import CURVES_WEAR, TemperatureCurve, VariantResult
 from atleak.common.style import AS_NEW, CURVES, SCREEN, Look, look_of
 from atleak.common.thinning import thinned
-from atleak.common.unit_systems import DM3_MIN, PERCENT, UM
+from atleak.common.units import DM3_MIN, PERCENT, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
 from atleak.engine.extremes import Instant

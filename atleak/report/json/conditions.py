@@ -9,7 +9,7 @@ from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey
 from atleak.catalogue.section_pressures import SECTIONS
 from atleak.common.errors import Message
-from atleak.common.unit_systems import DM3_MIN, KPA, MM3_S, PERCENT, RPM
+from atleak.common.units import DM3_MIN, KPA, MM3_S, PERCENT, RPM
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import RuleDecision, TotalUncertainty

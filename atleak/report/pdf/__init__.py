@@ -55,7 +55,7 @@ def write_pdf(
         names of `atleak.report.pdf.body.PDF_SECTIONS`; all of them unless given, or of a road test alone those not
         about lands.
     units
-        one of `atleak.common.unit_systems.SYSTEMS`.
+        one of `atleak.common.units.SYSTEMS`.
     font
         for characters that the bundled fonts lack.
 

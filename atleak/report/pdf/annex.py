@@ -10,7 +10,7 @@ from functools import cached_property, partial
 from typing import Any
 
 from atleak.catalogue.limits import RuleKind
-from atleak.common.unit_systems import MM, PERCENT, UM
+from atleak.common.units import MM, PERCENT, UM
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import DECISIONS, LandUncertainty, RuleDecision, UnitUncertainty

@@ -18,7 +18,7 @@ from atleak.catalogue.words import PART_WORDS
 from atleak.common.errors import unknown
 from atleak.common.sentences import Sentence
 from atleak.common.style import look_of
-from atleak.common.unit_systems import G_CM3, MM2_S, PERCENT, UM
+from atleak.common.units import G_CM3, MM2_S, PERCENT, UM
 from atleak.common.verdicts import VERDICTS, Verdict
 from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -10,10 +10,9 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-from atleak.analysis.changes import SIDES
-from atleak.analysis.comparison import Comparison, LandComparison
+from atleak.analysis.changes import SIDES, Comparison, LandComparison
 from atleak.common.style import DEFAULT_PAPER, find_paper
-from atleak.common.unit_systems import KPA, UM
+from atleak.common.units import KPA, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, isolated, wording
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -64,7 +63,7 @@ def write_comparison_pdf(
     paper
         one of `atleak.common.style.PAPERS`.
     units
-        one of `atleak.common.unit_systems.SYSTEMS`.
+        one of `atleak.common.units.SYSTEMS`.
     font
         for characters that the bundled fonts lack.
 

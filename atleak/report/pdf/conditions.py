@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from atleak.analysis.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
-from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.wording import begun
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.road_findings import RoadFindings

@@ -16,7 +16,7 @@ from atleak.analysis.estimate import Line
 from atleak.analysis.pressures import lowest_first, pressures_at
 from atleak.analysis.record_doubts import needless_work
 from atleak.analysis.repair.totals import Total
-from atleak.common.unit_systems import KPA, PERCENT
+from atleak.common.units import KPA, PERCENT
 from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import begun, isolated
 from atleak.engine.operation import LINE

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from atleak.analysis.pressures import lowest_first, pressures_at
-from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.verdicts import Verdict
 from atleak.engine.projection import Projection
 from atleak.report.pdf.blocks import Block, ends, joined, listed, named_facts

@@ -19,7 +19,7 @@ from atleak.catalogue.entries import shipped_files
 from atleak.catalogue.instruments import Part, load_instrument
 from atleak.common.sentences import Name, Sentence
 from atleak.common.style import SHEET_COLOURS
-from atleak.common.unit_systems import ShownUnit, unit_system
+from atleak.common.units import ShownUnit, unit_system
 from atleak.common.wording import Wording
 from atleak.measurements.measuring_plan import DIRECTIONS, PLAN_PARTS
 from atleak.report.charts.drawing import directions_svg, upright_svg
@@ -89,7 +89,7 @@ def fields_of(job: Job, units: str = "metric") -> dict[str, str]:
     """Return what a job's record says of the head's fields, by the names of `FIELDS`.
 
     The date is that of measuring: where the record has none, whoever measures writes it down. Quantities are in the
-    units of the sheet, one of `atleak.common.unit_systems.SYSTEMS`, and name them, so that they mean the same on any
+    units of the sheet, one of `atleak.common.units.SYSTEMS`, and name them, so that they mean the same on any
     sheet.
     """
     vehicle, system = job.vehicle, unit_system(units)

@@ -15,7 +15,7 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import MM, UM, Quantity
+from atleak.common.units import MM, UM, Quantity
 from atleak.common.wording import Wording, wording
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.measuring_plan import PLAN_PARTS
@@ -143,7 +143,7 @@ def write_template(
     language
         one of `atleak.common.wording.languages`; a sheet in any of them is read back.
     units
-        one of `atleak.common.unit_systems.SYSTEMS`; the headings name them.
+        one of `atleak.common.units.SYSTEMS`; the headings name them.
 
     Returns
     -------

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.controller import Controller
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import KPA, Quantity
+from atleak.common.units import KPA, Quantity
 from atleak.common.wording import Wording
 from atleak.measurements.gauge_readings import Engine, GaugeCell, PressureTable, applied, permitted, ranges_of, taps_of
 from atleak.report.sheets.paging import HEADER, PagedTable, Tab, only, put

@@ -13,7 +13,7 @@ from atleak.catalogue.limits import Level, Limits, RuleKind, Steps
 from atleak.catalogue.workbook.cells import ChoiceCell, Number, Units, YesNo
 from atleak.catalogue.workbook.shapes import SheetColumn as Declared
 from atleak.catalogue.workbook.sheets import SHEETS
-from atleak.common.unit_systems import G_CM3, MM2_S, PERCENT, UM
+from atleak.common.units import G_CM3, MM2_S, PERCENT, UM
 from atleak.common.wording import Wording
 from atleak.report.tables.sentences import rule_value
 from atleak.report.tables.table import Column, Table, columns

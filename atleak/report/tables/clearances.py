@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from atleak.catalogue.controller import Controller
-from atleak.common.unit_systems import MM, PERCENT, UM
+from atleak.common.units import MM, PERCENT, UM
 from atleak.common.wording import Wording
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.uncertainty import LandUncertainty

@@ -13,16 +13,17 @@ from typing import Any
 
 import numpy as np
 
-from atleak.analysis.changes import SIDES, ChoiceName
-from atleak.analysis.comparison import (
+from atleak.analysis.changes import (
+    SIDES,
     Change,
+    ChoiceName,
     Comparison,
     ConditionComparison,
     EventPair,
     LandComparison,
     LogComparison,
 )
-from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, UM
+from atleak.common.units import DM3_MIN, KPA, PERCENT, UM
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis

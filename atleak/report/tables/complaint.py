@@ -9,7 +9,7 @@ from enum import StrEnum
 from atleak.analysis.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import Complaint, LandKey
-from atleak.common.unit_systems import KPA
+from atleak.common.units import KPA
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis

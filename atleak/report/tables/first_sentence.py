@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from atleak.analysis.pressures import pressures_at, worst_pressure
 from atleak.catalogue.limits import RuleKind
-from atleak.common.unit_systems import DM3_MIN, KPA, UM
+from atleak.common.units import DM3_MIN, KPA, UM
 from atleak.common.verdicts import FLAGGED, Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis

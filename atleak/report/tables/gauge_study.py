@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.analysis.gauge_study import CATEGORY, SPREAD, GaugeStudy
-from atleak.common.unit_systems import PERCENT, UM
+from atleak.common.units import PERCENT, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
 from atleak.report.charts.study_figures import component_chart

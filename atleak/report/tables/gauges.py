@@ -6,7 +6,7 @@ from typing import Any
 
 from atleak.catalogue.circuits import PermissiblePressure
 from atleak.catalogue.controller import Controller
-from atleak.common.unit_systems import KPA, PERCENT, RPM
+from atleak.common.units import KPA, PERCENT, RPM
 from atleak.common.wording import Wording, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.gauge_check import CheckedReading, PressureCheck

@@ -9,7 +9,7 @@ from typing import Any
 
 from atleak.analysis.history.wear import LandLimit, LandWear, TotalOverMileage, WearHistory
 from atleak.catalogue.controller import Controller
-from atleak.common.unit_systems import PERCENT, UM
+from atleak.common.units import PERCENT, UM
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.land import WearLine

@@ -13,7 +13,7 @@ from functools import partial
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.section_pressures import Pressure
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import DM3_MIN, KPA, MM, PERCENT, UM
+from atleak.common.units import DM3_MIN, KPA, MM, PERCENT, UM
 from atleak.common.verdicts import Verdict, worst
 from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis

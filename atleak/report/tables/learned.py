@@ -6,7 +6,7 @@ from typing import Any
 
 from atleak.analysis.learning.learned_clearances import Learned, LearnedLand
 from atleak.analysis.learning.learned_words import learned_messages, summary, why_left_out
-from atleak.common.unit_systems import UM
+from atleak.common.units import UM
 from atleak.common.wording import Wording
 from atleak.report.json.conditions import message_record
 from atleak.report.tables.names import land_number

@@ -8,7 +8,7 @@ from __future__ import annotations
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.repairs import LandKey
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import PERCENT
+from atleak.common.units import PERCENT
 from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.profile import UNKNOWN, Profile

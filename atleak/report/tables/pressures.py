@@ -8,7 +8,7 @@ from typing import Any
 from atleak.analysis.pressures import HeldPressure, PressuresAt
 from atleak.catalogue.limits import Level
 from atleak.common.style import AS_NEW, LEAST, MOST, NOT_JUDGED, REPAIRED, STATED_INKS, Look, look_of
-from atleak.common.unit_systems import DM3_MIN, KPA, RPM
+from atleak.common.units import DM3_MIN, KPA, RPM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis

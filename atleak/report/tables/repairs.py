@@ -19,7 +19,7 @@ from atleak.analysis.repair.totals import RepairedAt, Total
 from atleak.catalogue.entries import Evidence
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey, Repair
-from atleak.common.unit_systems import KPA, MM, MM2_S, PERCENT, UM
+from atleak.common.units import KPA, MM, MM2_S, PERCENT, UM
 from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.operation import LINE

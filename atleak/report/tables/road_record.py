@@ -6,7 +6,7 @@ from typing import Any
 
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.section_pressures import SECTIONS
-from atleak.common.unit_systems import KPA, PERCENT, RPM
+from atleak.common.units import KPA, PERCENT, RPM
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.road import NO_LEAKAGE

@@ -14,7 +14,7 @@ import numpy as np
 
 from atleak.common.sentences import Sentence
 from atleak.common.thinning import thinned
-from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.wording import Wording
 from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.engine.extremes import Extremes, Instant

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from atleak.catalogue.limits import RuleKind
-from atleak.common.unit_systems import KPA, RPM
+from atleak.common.units import KPA, RPM
 from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.next_checks import NextCheck, next_checks

@@ -9,7 +9,7 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey
-from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.wording import Wording, isolated, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import Crossing, LandDiagnosis

@@ -19,7 +19,7 @@ from atleak.analysis.source_study import (
 )
 from atleak.catalogue.controller import Controller
 from atleak.common.errors import Message
-from atleak.common.unit_systems import DM3_MIN, G_CM3, MM2_S, PERCENT
+from atleak.common.units import DM3_MIN, G_CM3, MM2_S, PERCENT
 from atleak.common.wording import Wording
 from atleak.engine.extremes import Instant
 from atleak.engine.road_leakage import RoadLeakage

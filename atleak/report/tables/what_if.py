@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from atleak.analysis.what_if import StudyTrial, Tried
 from atleak.catalogue.limits import RuleKind
-from atleak.common.unit_systems import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis

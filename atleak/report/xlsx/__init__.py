@@ -56,7 +56,7 @@ def write_workbook(
     language
         one of `atleak.common.wording.languages`.
     units
-        one of `atleak.common.unit_systems.SYSTEMS`, of what is said in sentences. Columns keep the units of their
+        one of `atleak.common.units.SYSTEMS`, of what is said in sentences. Columns keep the units of their
         formulas, which their headings name.
     paper
         one of `atleak.common.style.PAPERS`, for printing.

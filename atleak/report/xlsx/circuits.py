@@ -14,7 +14,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.analysis.pressures import HeldPressure, pressures_at
 from atleak.catalogue.circuits import Circuit
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import DM3_MIN, KPA
+from atleak.common.units import DM3_MIN, KPA
 from atleak.common.wording import Wording
 from atleak.report.xlsx.book import ReportBook
 from atleak.report.xlsx.live_sheet import AFTER_A_NUMBER, LiveCells, LiveColumn, LiveSheet, SheetCondition

@@ -11,7 +11,7 @@ from atleak.catalogue.circuits import Consumer
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.pump import Pump
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import DM3_MIN, G_CM3, KPA, MM2_S, MM3_S, PERCENT, RPM
+from atleak.common.units import DM3_MIN, G_CM3, KPA, MM2_S, MM3_S, PERCENT, RPM
 from atleak.common.verdicts import BANDS
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis

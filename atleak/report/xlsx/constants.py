@@ -17,7 +17,7 @@ from atleak.catalogue.limits import ROUNDING
 from atleak.catalogue.pump import TIP_DENSITY, Pump, TipGaps
 from atleak.catalogue.section_pressures import Pressure
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import DM3_MIN, G_CM3, KPA, MPA_S, UM
+from atleak.common.units import DM3_MIN, G_CM3, KPA, MPA_S, UM
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.uncertainty import Assumptions, UnitUncertainty
 from atleak.diagnosis.uncertainty.sources import AVERAGED_FROM, ENOUGH_DEGREES, STEP_TOLERANCE, TOLERANCE_HOLDS

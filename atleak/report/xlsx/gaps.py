@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from atleak.catalogue.repairs import LandKey
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import G_CM3, KPA, MM, MM2_S, MM3_S, UM
+from atleak.common.units import G_CM3, KPA, MM, MM2_S, MM3_S, UM
 from atleak.engine.leakage import GapLaw, GapLeakage
 from atleak.engine.profile import UNKNOWN
 from atleak.report.tables.lands import ANOTHER_CIRCUIT

@@ -15,7 +15,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.repairs import LandKey
 from atleak.common.sentences import Sentence
 from atleak.common.style import DATA_BAR
-from atleak.common.unit_systems import DM3_MIN, MM, PERCENT, UM
+from atleak.common.units import DM3_MIN, MM, PERCENT, UM
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis

@@ -19,7 +19,7 @@ from atleak.catalogue.controller import Land
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.repairs import LandKey
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import MM, UM
+from atleak.common.units import MM, UM
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis

@@ -16,7 +16,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.limits import Level, Limits, RuleKind, Steps
 from atleak.catalogue.repairs import LandKey
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import PERCENT, UM
+from atleak.common.units import PERCENT, UM
 from atleak.common.verdicts import BANDS, FLAGGED, Band, Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.land import LandDiagnosis

@@ -10,7 +10,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.analysis.repair.plan import RepairPlan, RepairStep, plan_repairs
 from atleak.common.errors import MessageLevel
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import DM3_MIN, PERCENT
+from atleak.common.units import DM3_MIN, PERCENT
 from atleak.common.verdicts import BANDS, VERDICTS, Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job, Record

@@ -17,7 +17,7 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.instruments import Instrument, Part
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import PERCENT, UM
+from atleak.common.units import PERCENT, UM
 from atleak.common.wording import Wording
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.uncertainty import UnitUncertainty

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from atleak.analysis.comparison import Comparison, compare
+from atleak.analysis.changes import Comparison
+from atleak.analysis.comparison import compare
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid

@@ -19,7 +19,7 @@ from atleak.catalogue.written_numbers import (
     read_number,
     written,
 )
-from atleak.common.unit_systems import SYSTEMS
+from atleak.common.units import SYSTEMS
 from atleak.common.wording import languages, wording
 
 ASKED = (TEMPERATURE, ENGINE_SPEED, MILEAGE, SHIFT)

@@ -13,7 +13,7 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
-from atleak.common.unit_systems import UM
+from atleak.common.units import UM
 from atleak.common.wording import wording
 from atleak.diagnosis.provisional import AssumedBasis
 from atleak.measurements.readings import Reading

@@ -14,7 +14,7 @@ import pytest
 
 from atleak.common.errors import InputError, Place, one_of
 from atleak.common.sentences import Name, Sentence
-from atleak.common.unit_systems import Quantity
+from atleak.common.units import Quantity
 from atleak.common.wording import languages, wording
 from tests.unit.product_code import nodes
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.common.errors import InputError
-from atleak.common.unit_systems import SYSTEMS
+from atleak.common.units import SYSTEMS
 from atleak.common.wording import languages, wording
 
 KINDS = tuple(SYSTEMS["metric"])

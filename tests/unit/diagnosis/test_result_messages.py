@@ -16,7 +16,7 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import RuleKind
 from atleak.common.errors import DomainError, translates_refusals
 from atleak.common.sentences import Sentence, in_a_row, some
-from atleak.common.unit_systems import Quantity
+from atleak.common.units import Quantity
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.rules import Rule

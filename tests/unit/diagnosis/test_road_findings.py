@@ -12,7 +12,7 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import controllers, load_controller
 from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind
-from atleak.common.unit_systems import KPA, RPM
+from atleak.common.units import KPA, RPM
 from atleak.common.verdicts import Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose

@@ -9,7 +9,7 @@ from pathlib import Path
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.common.unit_systems import KPA
+from atleak.common.units import KPA
 from atleak.common.verdicts import Verdict
 from atleak.diagnosis.examination import diagnose
 from atleak.readers.logs import read_road_test

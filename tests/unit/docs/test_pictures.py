@@ -11,7 +11,7 @@ from types import ModuleType
 
 import pytest
 
-from atleak.common.unit_systems import UM
+from atleak.common.units import UM
 from tests.unit.docs.pages import ROOT, links, pages, text_of
 
 PICTURES = ROOT / "docs" / "pictures"

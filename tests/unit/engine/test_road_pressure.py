@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from atleak.catalogue.circuits import PermissiblePressure
 from atleak.catalogue.controller import Controller
-from atleak.common.unit_systems import KPA, RPM
+from atleak.common.units import KPA, RPM
 from atleak.engine.extremes import CountedSamples, Lasting
 from atleak.engine.road_pressure import RoadPressure, compare_with_commanded, judge_pressure
 from atleak.measurements.road_test import RoadTest, Segment

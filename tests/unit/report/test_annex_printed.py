@@ -15,7 +15,7 @@ import pytest
 
 from atleak.analysis.pressures import pressures_at
 from atleak.catalogue.controller_file import load_controller
-from atleak.common.unit_systems import UM
+from atleak.common.units import UM
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose

@@ -10,7 +10,8 @@ from functools import cache
 
 import pytest
 
-from atleak.analysis.comparison import Comparison, compare
+from atleak.analysis.changes import Comparison
+from atleak.analysis.comparison import compare
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.examination import diagnose
 from atleak.measurements.job_card import Job

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from atleak.common.unit_systems import RPM
+from atleak.common.units import RPM
 from atleak.measurements.events import Event, events, minimum_acceleration
 from atleak.measurements.road_test import RoadTest
 from atleak.readers.logs import read_road_test

@@ -11,7 +11,7 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
-from atleak.common.unit_systems import DM3_MIN, PERCENT
+from atleak.common.units import DM3_MIN, PERCENT
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose

@@ -12,7 +12,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.style import LOOKS
-from atleak.common.unit_systems import DM3_MIN, KPA, RPM
+from atleak.common.units import DM3_MIN, KPA, RPM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -10,7 +10,7 @@ import pytest
 from atleak.analysis.repair.choice import OfferedRepairs
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.style import LOOKS
-from atleak.common.unit_systems import PERCENT, UM
+from atleak.common.units import PERCENT, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.diagnosis import Diagnosis

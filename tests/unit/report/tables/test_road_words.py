@@ -16,7 +16,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.sentences import Sentence
-from atleak.common.unit_systems import RPM
+from atleak.common.units import RPM
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
