@@ -19,11 +19,10 @@ import numpy as np
 from scipy.optimize import root
 from timing import median_time, options
 
-from atleak.catalogue.circuits import Circuit, Feed, SetPressure
+from atleak.catalogue.circuits import Circuit, Feed, Pressure, SetPressure
 from atleak.catalogue.controller import Gap
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
-from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.series import leakage_series

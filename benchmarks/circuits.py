@@ -20,12 +20,11 @@ import numpy as np
 from scipy.optimize import root
 from timing import median_time, options
 
-from atleak.catalogue.circuits import Circuit, Feed, SetPressure
+from atleak.catalogue.circuits import Circuit, Feed, Pressure, SetPressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.network import Network
 from atleak.engine.operation import with_new

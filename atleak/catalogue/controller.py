@@ -12,15 +12,31 @@ from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.circuit_tables import SelectorRange, StandingState, State
-from atleak.catalogue.circuits import Circuit, Consumer, Leak, PermissiblePressure, SetPressure
-from atleak.catalogue.controller_tables import PART_NAMES, SEALS, ControllerFile, NewOrigin, PartKind, Seal
+from atleak.catalogue.circuits import (
+    Circuit,
+    Consumer,
+    Leak,
+    PermissiblePressure,
+    Pressure,
+    PressureRelation,
+    SetPressure,
+)
+from atleak.catalogue.controller_tables import (
+    PART_NAMES,
+    SEALS,
+    ControllerFile,
+    NewOrigin,
+    PartKind,
+    Seal,
+    SelectorRange,
+    StandingState,
+    State,
+)
 from atleak.catalogue.entries import Evidence, Headed, Origin
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump, PumpClearances
 from atleak.catalogue.repairs import Complaint, LandKey, Repair
-from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.common.errors import InputError, Message, unknown
 from atleak.common.sentences import Name, Sentence
 from atleak.equations import clearance as clearance_equations

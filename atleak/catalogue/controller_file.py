@@ -17,6 +17,7 @@ import tomli_w
 from pydantic import BaseModel, ValidationError
 
 from atleak import equations
+from atleak.catalogue.circuits import Pressure, PressureRelation, read_relation
 from atleak.catalogue.controller import Controller, Gap, Land
 from atleak.catalogue.controller_parts import (
     PartReading,
@@ -44,7 +45,6 @@ from atleak.catalogue.pump import Pump
 from atleak.catalogue.pump_dimensions import read_pump
 from atleak.catalogue.remaining_tables import Remaining
 from atleak.catalogue.repairs import Complaint, ComplaintTable, LandKey, Repair, RepairTable, written_land
-from atleak.catalogue.section_pressures import Pressure, PressureRelation, read_relation
 from atleak.common.errors import CatalogueError, DomainError, KeySteps, Message
 from atleak.common.file_faults import fault_in_words, faults_together, model_in, place_of
 from atleak.common.sentences import Name, Sentence

@@ -12,10 +12,23 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, TypeVar
 
-from atleak.catalogue.circuit_tables import (
+from atleak.catalogue.circuits import (
+    DRAINS,
+    SECTIONS,
+    Circuit,
+    Consumer,
+    Feed,
+    Following,
+    Leak,
+    PermissiblePressure,
+    Pressure,
+    SetPressure,
+)
+from atleak.catalogue.controller_tables import (
     ByGearTable,
     CircuitTable,
     ConsumerTable,
+    ControllerFile,
     CurrentTable,
     DutyTable,
     FollowingTable,
@@ -24,11 +37,8 @@ from atleak.catalogue.circuit_tables import (
     PermissiblePressureTable,
     SetTable,
 )
-from atleak.catalogue.circuits import Circuit, Consumer, Feed, Following, Leak, PermissiblePressure, SetPressure
-from atleak.catalogue.controller_tables import ControllerFile
 from atleak.catalogue.entries import Evidence
 from atleak.catalogue.keys import in_si, made
-from atleak.catalogue.section_pressures import DRAINS, SECTIONS, Pressure
 from atleak.common.errors import CatalogueError, KeySteps, nearest_name, one_of
 from atleak.common.file_faults import NotAccepted, place_of, place_of_table
 from atleak.common.sentences import Sentence

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from atleak.catalogue.circuit_tables import State
+from atleak.catalogue.controller_tables import State
 
 HOT_IDLE = "hot_idle"
 STATED = "stated"  # name of the condition that a job states: no point of a file has it

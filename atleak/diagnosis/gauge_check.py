@@ -10,9 +10,9 @@ from typing import cast
 
 import numpy as np
 
-from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_tables import SelectorRange
 from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.catalogue.operating_point import OperatingPoint

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Literal
 
-from atleak.catalogue.circuit_tables import SelectorRange
+from atleak.catalogue.controller_tables import SelectorRange
 from atleak.diagnosis.uncertainty.posterior import Cause
 from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.catalogue.circuit_tables import StandingState
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_tables import StandingState
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.common.cache import kept_with
 from atleak.common.sentences import Sentence

@@ -24,11 +24,11 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from atleak.catalogue.circuits import SECTIONS
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Gap, Land
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump
-from atleak.catalogue.section_pressures import SECTIONS
 from atleak.common.errors import translates_refusals
 from atleak.engine import network as circuits
 from atleak.engine import restrictions

@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
+from atleak.catalogue.circuits import SECTIONS
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Gap
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.catalogue.section_pressures import SECTIONS
 from atleak.engine import network as circuits
 from atleak.engine import restrictions
 from atleak.engine.balance import Balance

@@ -21,10 +21,9 @@ from typing import Any
 import numpy as np
 
 from atleak.catalogue import controller as catalogue
-from atleak.catalogue.circuits import Circuit
+from atleak.catalogue.circuits import Circuit, Pressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.balance import Balance, balance
 from atleak.engine.restrictions import Branch, GapBranch, Orifice, Restriction, leaks_both_ways
 from atleak.equations import fluid as fluid_equations

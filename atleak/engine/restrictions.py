@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, Protocol, TypeVar
 
-from atleak.catalogue.section_pressures import Pressure
+from atleak.catalogue.circuits import Pressure
 from atleak.equations import gap as gap_equations
 from atleak.equations import orifice as orifice_equations
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from atleak.catalogue.circuit_tables import State
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_tables import State
 from atleak.catalogue.operating_point import IDLE_SPEED, OperatingPoint
 from atleak.common.errors import Message, MessageLevel, Place, RoadTestError, translates_refusals
 from atleak.common.sentences import Name, Sentence, counted, in_a_row

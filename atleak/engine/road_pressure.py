@@ -14,8 +14,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from atleak.catalogue.circuit_tables import StandingState
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_tables import StandingState
 from atleak.catalogue.limits import ROUNDING, Steps
 from atleak.catalogue.operating_point import IDLE_SPEED
 from atleak.common.verdicts import BANDS, Band

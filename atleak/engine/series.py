@@ -46,9 +46,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from atleak.catalogue.circuits import SECTIONS
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.catalogue.section_pressures import SECTIONS
 from atleak.engine.leakage import GapGeometry, GapLaw, LeakageModel
 from atleak.engine.log_gaps import CircuitLog, follows_polynomial, polynomial, without_entry_loss
 from atleak.engine.log_gaps import powers as write_powers

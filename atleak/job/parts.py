@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, AwareDatetime, BaseModel, ConfigDict, Field
 
 from atleak.analysis.record_doubts import without_plan_as_number
-from atleak.catalogue.circuit_tables import State
+from atleak.catalogue.controller_tables import State
 from atleak.catalogue.entries import Origin, catalogue_files
 from atleak.catalogue.fluid import FluidState
 from atleak.catalogue.operating_point import OperatingPoint

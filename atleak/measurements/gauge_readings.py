@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import cast, get_args
 
-from atleak.catalogue.circuit_tables import SelectorRange, StandingState
 from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_tables import SelectorRange, StandingState
 from atleak.common.errors import Message, Place
 from atleak.common.sentences import Name, Sentence
 

@@ -14,12 +14,11 @@ from typing import Literal
 
 import numpy as np
 
-from atleak.catalogue.circuits import Leak
+from atleak.catalogue.circuits import Leak, Pressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project

@@ -18,21 +18,25 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from atleak.catalogue.circuit_tables import CircuitTable, ConsumerTable, FeedTable, LeakTable, PermissiblePressureTable
+from atleak.catalogue.circuits import SECTIONS
 from atleak.catalogue.controller_tables import (
+    CircuitTable,
     ComponentTable,
+    ConsumerTable,
     ControllerFile,
+    FeedTable,
     GapTable,
     LandTable,
+    LeakTable,
     MaterialTable,
     OperatingPointTable,
+    PermissiblePressureTable,
     RelationTable,
 )
 from atleak.catalogue.entries import Evidence
 from atleak.catalogue.keys import Key, key_of, unit_of
 from atleak.catalogue.pump_tables import PumpTable
 from atleak.catalogue.repairs import ComplaintTable, RepairTable
-from atleak.catalogue.section_pressures import SECTIONS
 from atleak.catalogue.workbook.cells import (
     CLEARANCE,
     CLEARANCES,

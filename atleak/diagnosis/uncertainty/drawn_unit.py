@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from atleak.catalogue.circuits import SECTIONS
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Gap
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump
-from atleak.catalogue.section_pressures import SECTIONS
 from atleak.diagnosis.rules import permissible_steps
 from atleak.diagnosis.uncertainty.assumptions import Assumptions
 from atleak.diagnosis.uncertainty.draws import (

@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
+from atleak.catalogue.circuits import Pressure
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.repairs import LandKey
-from atleak.catalogue.section_pressures import Pressure
 from atleak.diagnosis.uncertainty.assumptions import Assumptions
 from atleak.diagnosis.uncertainty.drawn_unit import Drawn, DrawnLands, demand_shape
 from atleak.diagnosis.uncertainty.draws import (

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, Literal, cast
 
-from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_tables import SelectorRange
 from atleak.catalogue.written_numbers import decimal_number
 from atleak.common.units import Unit, find_unit
 from atleak.common.wording import languages, wording

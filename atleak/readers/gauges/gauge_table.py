@@ -16,8 +16,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_tables import SelectorRange
 from atleak.catalogue.written_numbers import (
     ENGINE_SPEED,
     TEMPERATURE,

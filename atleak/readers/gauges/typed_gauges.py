@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import cast
 
-from atleak.catalogue.circuit_tables import SelectorRange
+from atleak.catalogue.controller_tables import SelectorRange
 from atleak.common.errors import Place
 from atleak.common.units import KPA, RPM, find_unit
 from atleak.measurements.gauge_readings import LINE_TAP, RANGES, Engine, GaugeCell, PressureTable

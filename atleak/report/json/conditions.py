@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from atleak.catalogue.circuits import SECTIONS
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey
-from atleak.catalogue.section_pressures import SECTIONS
 from atleak.common.errors import Message
 from atleak.common.units import DM3_MIN, KPA, MM3_S, PERCENT, RPM
 from atleak.diagnosis.diagnosis import Diagnosis

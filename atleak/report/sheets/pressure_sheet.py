@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from atleak.catalogue.circuit_tables import SelectorRange
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_tables import SelectorRange
 from atleak.common.sentences import Name, Sentence
 from atleak.common.units import KPA, Quantity
 from atleak.common.wording import Wording

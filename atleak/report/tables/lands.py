@@ -10,8 +10,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+from atleak.catalogue.circuits import Pressure
 from atleak.catalogue.limits import RuleKind
-from atleak.catalogue.section_pressures import Pressure
 from atleak.common.sentences import Name, Sentence
 from atleak.common.units import DM3_MIN, KPA, MM, PERCENT, UM
 from atleak.common.verdicts import Verdict, worst

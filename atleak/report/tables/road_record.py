@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from atleak.catalogue.circuits import SECTIONS
 from atleak.catalogue.limits import RuleKind
-from atleak.catalogue.section_pressures import SECTIONS
 from atleak.common.units import KPA, PERCENT, RPM
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis

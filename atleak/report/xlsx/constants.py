@@ -10,12 +10,11 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.catalogue.circuits import Leak
+from atleak.catalogue.circuits import Leak, Pressure
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Gap
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import ROUNDING
 from atleak.catalogue.pump import TIP_DENSITY, Pump, TipGaps
-from atleak.catalogue.section_pressures import Pressure
 from atleak.common.sentences import Name, Sentence
 from atleak.common.units import DM3_MIN, G_CM3, KPA, MPA_S, UM
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -13,11 +13,10 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.catalogue.circuits import Leak
+from atleak.catalogue.circuits import SECTIONS, Leak, Pressure
 from atleak.catalogue.controller import Gap
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.catalogue.section_pressures import SECTIONS, Pressure
 from atleak.common.sentences import Sentence
 from atleak.common.style import INPUT
 from atleak.common.verdicts import BANDS, VERDICTS, Verdict

@@ -14,13 +14,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel
 
+from atleak.catalogue.circuits import Pressure, PressureRelation
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.controller_tables import ControllerFile
 from atleak.catalogue.fluid import FluidFile, load_fluid
 from atleak.catalogue.limits import LimitsFile, load_limits
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.catalogue.section_pressures import Pressure, PressureRelation
 from atleak.common.errors import CatalogueError
 from atleak.diagnosis.examination import diagnose
 from atleak.engine.leakage import LeakageModel

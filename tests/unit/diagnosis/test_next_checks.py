@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from atleak.catalogue.circuit_tables import State
+from atleak.catalogue.controller_tables import State
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.next_checks import next_checks
 from atleak.diagnosis.road_findings import RoadFindings

@@ -9,12 +9,11 @@ from dataclasses import replace
 import pytest
 
 from atleak.analysis.repair.plan import plan_repairs
-from atleak.catalogue.circuits import Circuit, Consumer, Feed, Leak, PermissiblePressure, SetPressure
+from atleak.catalogue.circuits import Circuit, Consumer, Feed, Leak, PermissiblePressure, Pressure, SetPressure
 from atleak.catalogue.controller import Controller, Gap, Land
 from atleak.catalogue.controller_tables import NewOrigin
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
-from atleak.catalogue.section_pressures import Pressure
 from atleak.common.verdicts import Band, Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose

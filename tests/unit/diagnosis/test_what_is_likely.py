@@ -9,13 +9,12 @@ import numpy as np
 import pypdfium2
 import pytest
 
-from atleak.catalogue.circuits import Circuit, Consumer, Feed, Following, PermissiblePressure, SetPressure
+from atleak.catalogue.circuits import Circuit, Consumer, Feed, Following, PermissiblePressure, Pressure, SetPressure
 from atleak.catalogue.controller import Controller, Gap
 from atleak.catalogue.controller_file import controllers, load_controller
 from atleak.catalogue.controller_tables import NewOrigin
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind, Steps
-from atleak.catalogue.section_pressures import Pressure
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq, root
 
-from atleak.catalogue.circuits import Circuit, Feed, Following, SetPressure
+from atleak.catalogue.circuits import Circuit, Feed, Following, Pressure, SetPressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.network import Network
 from atleak.engine.restrictions import Branch, GapBranch, Orifice
 

@@ -15,11 +15,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atleak.catalogue.circuits import Following, SetPressure
+from atleak.catalogue.circuits import Following, Pressure, SetPressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.catalogue.section_pressures import Pressure
 from atleak.engine.balance import BALANCED, Balance
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.network import Network

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from atleak.catalogue.circuits import PressureRelation
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.catalogue.section_pressures import PressureRelation
 from atleak.common.errors import DomainError
 from atleak.engine.gap_messages import gap_messages, narrow_gap_messages
 from atleak.engine.leakage import GapLaw, LeakageModel

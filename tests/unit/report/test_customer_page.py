@@ -11,8 +11,8 @@ from types import SimpleNamespace
 import pytest
 
 from atleak.analysis.repair.plan import plan_repairs
+from atleak.catalogue.circuits import Pressure
 from atleak.catalogue.controller_file import load_controller
-from atleak.catalogue.section_pressures import Pressure
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.diagnosis import Diagnosis
