@@ -35,7 +35,7 @@ from atleak.job.parts import JobParts, job_parts
 from atleak.job_book.book import Book, open_book
 from atleak.job_book.search import Query, search_words_of
 from atleak.job_book.tables import files, job_files, jobs, key_of_row, lands, results, search_words, units, visits
-from atleak.job_book.units_of_a_kind import across_units
+from atleak.job_book.unit_history import across_units
 from atleak.measurements.job_card import Job
 
 OPTIONS = options(__doc__)

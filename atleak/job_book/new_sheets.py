@@ -22,8 +22,8 @@ from atleak.job.case import SLOTS, Case, Reader
 from atleak.job.parts import JobFile
 from atleak.job_book.book import Book
 from atleak.job_book.tables import decisions, jobs, visits
+from atleak.job_book.unit_history import day_of_job, measured_jobs
 from atleak.job_book.units import final_unit
-from atleak.job_book.units_of_a_kind import day_of_job, measured_jobs
 from atleak.measurements.readings import Readings
 
 NEW_UNTIL = 1000.0  # [km] up to which a unit, or what was repaired, is new: choice of this project

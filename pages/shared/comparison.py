@@ -15,7 +15,7 @@ from atleak.job.zip_file import read_job_file
 from atleak.job_book.book import JobRow
 from atleak.job_book.compared_jobs import ComparedJobs, compare_jobs, compared_record
 from atleak.job_book.search import Query
-from atleak.job_book.visits import unit_of_visit
+from atleak.job_book.unit_history import unit_of_visit
 from atleak.report.charts.comparison_figures import logs_over_one_another
 from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf.comparison import write_comparison_pdf

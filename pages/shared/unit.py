@@ -17,8 +17,16 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job_book.book import Book, JobRow
 from atleak.job_book.search import Query
-from atleak.job_book.units_of_a_kind import AcrossUnits, Standing, across_units, standing
-from atleak.job_book.visits import VisitedJob, left_undone, unit_of_visit, visits_of_unit
+from atleak.job_book.unit_history import (
+    AcrossUnits,
+    Standing,
+    VisitedJob,
+    across_units,
+    left_undone,
+    standing,
+    unit_of_visit,
+    visits_of_unit,
+)
 from atleak.measurements.job_card import RepairDecision, RepairState
 from atleak.report.charts import history_figures as figures
 from atleak.report.tables.history import soonest_first, total_table, wear_table

@@ -17,7 +17,7 @@ from atleak.job_book.book import Book
 from atleak.job_book.compared_jobs import job_of, named_job
 from atleak.job_book.exchange import exported, import_job, job_file, job_file_name, table_bytes
 from atleak.job_book.tables import jobs
-from atleak.job_book.units_of_a_kind import across_units
+from atleak.job_book.unit_history import across_units
 
 Small = Callable[..., JobParts]
 

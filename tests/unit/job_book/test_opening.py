@@ -26,7 +26,7 @@ from atleak.job_book.book import Book, local_time, open_book
 from atleak.job_book.exchange import job_file
 from atleak.job_book.search import Query
 from atleak.job_book.tables import jobs, visits
-from atleak.job_book.visits import visits_of_unit
+from atleak.job_book.unit_history import visits_of_unit
 from atleak.measurements.job_card import Job
 from atleak.measurements.readings import TYPED_MARK
 

@@ -15,7 +15,7 @@ from atleak.common.errors import ReadingsError
 from atleak.job.case import Case, Reader
 from atleak.job.parts import JobParts, job_parts
 from atleak.job_book.book import Book
-from atleak.job_book.visits import left_undone, unit_of_visit, visits_of_unit
+from atleak.job_book.unit_history import left_undone, unit_of_visit, visits_of_unit
 from atleak.measurements.job_card import Job
 from atleak.measurements.readings import Readings
 

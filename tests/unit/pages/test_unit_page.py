@@ -12,7 +12,7 @@ from atleak.common.wording import signed
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts
 from atleak.job_book.book import Book, open_book
-from atleak.job_book.visits import unit_of_visit, visits_of_unit
+from atleak.job_book.unit_history import unit_of_visit, visits_of_unit
 from atleak.measurements.job_card import Job
 from pages.shared import unit
 from tests.unit.pages.conftest import go, texts

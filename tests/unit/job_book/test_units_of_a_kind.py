@@ -12,8 +12,7 @@ import pytest
 from atleak.analysis.rates import ENOUGH_UNITS, SHOWN_QUANTILES
 from atleak.job.parts import JobParts
 from atleak.job_book.book import Book
-from atleak.job_book.units_of_a_kind import AcrossUnits, LandAcross, across_units, standing
-from atleak.job_book.visits import unit_of_visit
+from atleak.job_book.unit_history import AcrossUnits, LandAcross, across_units, standing, unit_of_visit
 
 MakeJob = Callable[..., JobParts]
 UM = 1e-6
