@@ -27,9 +27,8 @@ from atleak.common.errors import FleetError, InputError, Message, Place
 from atleak.common.sentences import Sentence
 from atleak.fleet.columns import ErrorKind, Rows
 from atleak.fleet.results import Results, ResultStanding
-from atleak.fleet.rows import error_rows
 from atleak.fleet.units import FleetUnit
-from atleak.fleet.worker import BEGUN, OVERDUE, OtherVersionError, on_worker
+from atleak.fleet.worker import BEGUN, OVERDUE, OtherVersionError, error_rows, on_worker
 from atleak.version import __version__
 
 _AHEAD = 2  # units at a worker: the one it works on, and the next

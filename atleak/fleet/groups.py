@@ -28,7 +28,7 @@ from atleak.common.sentences import Sentence, some
 from atleak.common.units import PERCENT, Quantity
 from atleak.common.verdicts import FLAGGED, Verdict
 from atleak.equations.proportions import newcombe_interval
-from atleak.fleet.counts import class_width, classes_of, groups_of
+from atleak.fleet.counts import Lands, class_width, classes_of, groups_of
 from atleak.fleet.sums import (
     MOST_COMPARED,
     MOST_IN_PAIRS,
@@ -38,7 +38,6 @@ from atleak.fleet.sums import (
     RateDifference,
     WearDifference,
 )
-from atleak.fleet.visits import Lands
 
 SHUFFLES = 999  # choice of this project: ends of intervals are then met within some 2 % of their reach
 _AT_ONCE = 4_000_000  # labels that are held at once

@@ -17,10 +17,14 @@ from atleak.common.verdicts import Verdict
 from atleak.diagnosis.uncertainty import DECISIONS
 from atleak.fleet.columns import ERROR_KINDS, HASH, PARTITION
 from atleak.fleet.counts import (
+    Lands,
+    UnitVisits,
     conditions_of,
     counts_of,
     deciders_of,
     groups_of,
+    read_lands,
+    read_visits,
     temperatures_of,
     troubles_of,
     wear_by_mileage,
@@ -28,7 +32,6 @@ from atleak.fleet.counts import (
 from atleak.fleet.groups import compared
 from atleak.fleet.results import Results
 from atleak.fleet.sums import LISTED, ErrorCount, FleetSummary, SummedUnit, ValveBody
-from atleak.fleet.visits import Lands, UnitVisits, read_lands, read_visits
 from atleak.version import __version__
 
 _MESSAGES = 5  # of errors of one kind that are told

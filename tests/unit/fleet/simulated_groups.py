@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from atleak.common.verdicts import VERDICTS
+from atleak.fleet.counts import Lands
 from atleak.fleet.groups import compared
-from atleak.fleet.visits import Lands
 
 LANDS = 47
 _LIMITS = (45.0, 70.0, 110.0)  # [%] of wear: watch, replace, critical

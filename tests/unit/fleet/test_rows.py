@@ -17,7 +17,7 @@ from atleak.common.verdicts import BANDS, Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.fleet.columns import DATA_SETS, ERROR_KINDS, HASH, Rows, columns_of
-from atleak.fleet.rows import error_rows, rows_of_result
+from atleak.fleet.worker import error_rows, rows_of_result
 from atleak.job.result import result_record
 from atleak.measurements.job_card import Job, Transmission, Vehicle
 from atleak.version import __version__

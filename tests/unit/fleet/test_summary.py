@@ -15,9 +15,9 @@ from atleak.common.verdicts import Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.equations.proportions import newcombe_interval, wilson_interval
 from atleak.fleet.results import Results
-from atleak.fleet.rows import rows_of_result
 from atleak.fleet.summary import summed_up
 from atleak.fleet.sums import FleetSummary, ValveBody
+from atleak.fleet.worker import rows_of_result
 from tests.unit.fleet.few_units import Measured, Unit, results_of
 from tests.unit.fleet.made_up import CONTROLLERS, ERRORS, GROUPS, WORSE, WORSE_BY, made_up_results
 from tests.unit.fleet.test_rows import JOB, Named
