@@ -116,8 +116,10 @@ class Results:
 
         Parameters
         ----------
-        folder, replace
-            as of `open`. A folder that is made here goes again where nothing is begun.
+        folder
+            of the results. One that is made here goes again where nothing is begun.
+        replace
+            as of `open`.
 
         Raises
         ------

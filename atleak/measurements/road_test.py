@@ -70,14 +70,18 @@ class Channel:
 
     Parameters
     ----------
+    quantity
+        One of `QUANTITIES`.
     time
         The channel's own stamps [s], ascending, on the road test's time axis.
     values
         What the logger wrote at those stamps, in SI; suspect samples stand here unchanged.
     suspect
         True where a check marks the sample as suspect.
-    column, unit, unit_assumed
-        Name and unit in the file; ``unit_assumed`` when nothing in the file states the unit.
+    column, unit
+        Its name and unit in the file.
+    unit_assumed
+        Nothing in the file states the unit.
     kind
         For a pressure: measured by a gauge, commanded by the gearbox computer, or unknown.
     source
@@ -88,7 +92,7 @@ class Channel:
         The channel's true rate: independent samples per second, breaks not counted. [1/s]
     """
 
-    quantity: str  # one of `QUANTITIES`
+    quantity: str
     time: np.ndarray
     values: np.ndarray
     suspect: np.ndarray

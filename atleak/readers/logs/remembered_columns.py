@@ -102,8 +102,10 @@ def remember(
         quantity → column.
     units
         quantity → unit.
-    format, columns
-        of the log, so that people recognise what is remembered: its format and the names of its columns.
+    format
+        of the log, by which people recognise what is remembered.
+    columns
+        their names, likewise.
 
     Raises
     ------
