@@ -21,7 +21,7 @@ from atleak.common.sentences import Name, Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.land import LandDiagnosis
-from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.road import RoadFindings
 from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR, LandUncertainty
 from atleak.diagnosis.uncertainty.assess import COVERAGE
 from atleak.diagnosis.uncertainty.draws import Interval

@@ -17,8 +17,7 @@ from atleak.common.verdicts import Band, Verdict, worst
 from atleak.diagnosis.gauge_check import PressureCheck
 from atleak.diagnosis.land import NO_RATE, LandDiagnosis, PumpDiagnosis, replace_mileage, without_rate
 from atleak.diagnosis.provisional import AssumedBasis, Representative
-from atleak.diagnosis.road import leakage_over
-from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.road import RoadFindings, leakage_over
 from atleak.diagnosis.rules import Rule, cannot_be, farthest_first
 from atleak.diagnosis.uncertainty import Decision, RuleDecision, UnitUncertainty, certainty
 from atleak.engine.leakage import LeakageModel

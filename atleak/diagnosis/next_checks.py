@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from atleak.common.units import KPA, Quantity
-from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_pressure import SLUMP_SPAN, STATES, PlaceFinding, RoadPressure
 
 CheckSource = Literal["practice", "ford_2017", "study", "project"]

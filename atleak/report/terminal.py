@@ -23,7 +23,7 @@ from atleak.common.verdicts import Verdict
 from atleak.common.wording import begun, signed, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
-from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.road import RoadFindings
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.engine.projection import Projection

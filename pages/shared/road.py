@@ -9,7 +9,7 @@ import streamlit as st
 from atleak.common.cache import kept_with
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.road import RoadFindings
 from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.charts import log_figures as figures

@@ -10,7 +10,7 @@ from atleak.analysis.pressures import HeldPressure, PressuresAt, lowest_first, p
 from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.wording import begun
 from atleak.diagnosis.land import LandDiagnosis
-from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.charts.flows import FlowDiagram, flow_diagram, flow_svg, flow_words
 from atleak.report.charts.paper import drawn_on_paper

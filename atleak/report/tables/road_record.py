@@ -9,8 +9,7 @@ from atleak.catalogue.limits import RuleKind
 from atleak.common.units import KPA, PERCENT, RPM
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.road import NO_LEAKAGE
-from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.road import NO_LEAKAGE, RoadFindings
 from atleak.diagnosis.uncertainty import RuleDecision, UnitUncertainty
 from atleak.engine.extremes import Extremes
 from atleak.engine.road_leakage import RoadLeakage

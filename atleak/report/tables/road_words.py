@@ -10,7 +10,7 @@ from atleak.common.units import KPA, RPM
 from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.next_checks import NextCheck, next_checks
-from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_pressure import Departure
 from atleak.measurements.events import AccelerationTest, Event
 

@@ -10,7 +10,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.common.sentences import Name, Sentence
 from atleak.common.style import CHART_GRID, PAPER_INKS
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.road_test import instant_table, place_table, road_series

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from atleak.analysis.changes import MARGIN, LogComparison, match_events
-from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.road import RoadFindings
 from atleak.measurements.events import Event
 
 

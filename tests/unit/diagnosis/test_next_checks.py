@@ -10,7 +10,7 @@ import pytest
 from atleak.catalogue.controller_tables import State
 from atleak.common.wording import languages, wording
 from atleak.diagnosis.next_checks import next_checks
-from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_pressure import (
     AtTemperature,
     CommandedPressure,

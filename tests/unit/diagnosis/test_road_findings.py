@@ -17,7 +17,7 @@ from atleak.common.verdicts import Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.next_checks import next_checks
-from atleak.diagnosis.road_findings import RoadFindings, road_findings
+from atleak.diagnosis.road import RoadFindings, road_findings
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.measurements.road_test import RoadTest
 from atleak.readers.logs import read_road_test

@@ -8,7 +8,7 @@ import pytest
 from atleak.analysis.changes import LogComparison, match_events
 from atleak.analysis.comparison import compare
 from atleak.common.wording import wording
-from atleak.diagnosis.road_findings import RoadFindings
+from atleak.diagnosis.road import RoadFindings
 from atleak.measurements.events import Event
 from atleak.measurements.road_test import RoadTest
 from atleak.report.charts.comparison_figures import clearance_chart, logs_over_one_another
