@@ -13,13 +13,15 @@ from atleak.measurements.events.driving import (
     ConverterSlip,
     converter_slip,
     engine_starts,
+    gear_shifts,
     hot_idle,
     lock_ups,
+    ratio_levels,
     stalls,
     steady_driving,
+    with_derived_gear,
 )
 from atleak.measurements.events.event import USUAL, AccelerationTest, Event, EventKind, Thresholds, runs
-from atleak.measurements.events.gears import gear_shifts, ratio_levels, with_derived_gear
 from atleak.measurements.road_test import RoadTest
 
 __all__ = [
