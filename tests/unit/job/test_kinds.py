@@ -86,7 +86,7 @@ def test_an_instrument_is_chosen_for_what_it_measures() -> None:
 @pytest.mark.parametrize(
     ("content", "broken"),
     [
-        (b"a;b\n1;2\n", "atleak.readers.file_kinds.read_sheets"),
+        (b"a;b\n1;2\n", "atleak.job.kinds.read_sheets"),
         (b"PK\x03\x04 and no more", "atleak.job.kinds.zipfile"),
         (b'{"number": "1"}', "atleak.job.kinds.json"),
     ],

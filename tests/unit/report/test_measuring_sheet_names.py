@@ -13,6 +13,7 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import checked_controller, load_controller
+from atleak.job.kinds import TableKind, table_kind
 from atleak.measurements.gauge_readings import (
     Engine,
     GaugeCell,
@@ -23,7 +24,6 @@ from atleak.measurements.gauge_readings import (
     taps_of,
 )
 from atleak.measurements.readings import Reading
-from atleak.readers.file_kinds import TableKind, table_kind
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.sheets.words import plain
 from atleak.report.sheets.measuring_sheet import write_readings
