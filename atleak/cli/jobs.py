@@ -1,4 +1,4 @@
-"""Work with the job book, and keep it.
+"""Work with the job book, and keep it; put two jobs of one unit side by side, before and after: ``atleak compare``.
 
 ``atleak jobs add|list|show|open|…|export|import|merge|part|duplicates|erase|backup|restore|verify``.
 """
@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from atleak.analysis.record_doubts import with_sheet
-from atleak.cli import compare
 from atleak.cli.app import PORT, open_page, port_number
 from atleak.cli.job_options import add_job_options, as_read, chosen_job
 from atleak.cli.parser import add_command, add_group
@@ -21,9 +20,13 @@ from atleak.cli.shared import (
     add_force,
     add_job_id,
     add_json,
+    add_print,
     check_targets,
     named_job_files,
+    print_font,
+    print_options,
     say_differences,
+    say_doubts,
     say_written,
 )
 from atleak.common.errors import AtleakError, InputError, Place
@@ -36,11 +39,54 @@ from atleak.common.wording import signed, wording
 from atleak.job.parts import job_parts
 from atleak.job.result import judged_otherwise, result_record
 from atleak.job_book.book import Book, JobRow, open_book
-from atleak.job_book.compared_jobs import named_job
+from atleak.job_book.compared_jobs import compare_jobs, compared_record, job_of, named_job
 from atleak.job_book.search import Query
 from atleak.readers.dates import sure_date
 from atleak.report.terminal import print_diagnosis, print_records
 from atleak.version import __version__
+
+_LIMIT = 200  # rows of a list
+_MOST = 1_000_000  # rows that may be asked for
+_ID = 8  # characters of an id in it
+
+
+def _add_compare(commands: Any, name: str) -> None:
+    """Add the command, among all commands or among those of the job book."""
+    examples = ("compare before.zip after.zip --pdf page.pdf", "compare 2026-0417 2026-0533")
+    parser = add_command(commands, name, _compare, examples=examples)
+    help = "the earlier job: a job file (zip), or its id or number in the job book"
+    parser.add_argument("before", metavar="A", help=help)
+    parser.add_argument("after", metavar="B", help="the later job, likewise")
+    add_json(parser)
+    parser.add_argument("--pdf", metavar="FILE.pdf", help="a page for the customer")
+    add_print(parser, shown=True)
+    add_force(parser)
+
+
+def _compare(options: argparse.Namespace) -> int:
+    """Compare the jobs, write what was asked for and show it."""
+    outputs = Outputs(options, [name for name in (options.before, options.after) if Path(name).is_file()])
+    printed = print_options(options, outputs.formats, shown=outputs.shown)
+    font = print_font(options, outputs.formats)
+    compared = compare_jobs(job_of(options.before), job_of(options.after))
+
+    def pdf() -> bytes:
+        from atleak.report.pdf import missing_characters
+        from atleak.report.pdf.comparison import write_comparison_pdf
+
+        before, after = compared.before.job, compared.after.job
+        say_doubts(missing_characters([before, after], font))
+        return write_comparison_pdf(compared.comparison, before, after, **printed, font=font)
+
+    outputs.write(pdf=pdf, json=lambda: compared_record(compared))
+    if outputs.shown:
+        from atleak.report.tables.comparison import comparison_sections
+        from atleak.report.terminal import print_sections
+
+        comparison, say = compared.comparison, wording(printed["language"], printed["units"])
+        print_sections(comparison_sections(comparison, say, brief=True), comparison.messages)
+    outputs.say_written()
+    return 0
 
 
 def add_upkeep(group: Any) -> None:
@@ -237,13 +283,11 @@ def _verify(options: argparse.Namespace) -> int:
     return 0
 
 
-_LIMIT = 200  # rows of a list
-_MOST = 1_000_000  # rows that may be asked for
-_ID = 8  # characters of an id in it
-
-
 def add_parser(commands: Any, name: str) -> None:
-    """Add the commands."""
+    """Add the command, or those of the job book."""
+    if name == "compare":
+        _add_compare(commands, name)
+        return
     examples = (
         "jobs add sheet.xlsx --job job.toml",
         "jobs list --text WVW --verdict replace",
@@ -273,7 +317,7 @@ def add_parser(commands: Any, name: str) -> None:
     add_job_id(opened)
     help = f"of the dashboard: {PORT} unless given"
     opened.add_argument("--port", metavar="N", type=port_number, default=PORT, help=help)
-    compare.add_parser(group, "compare")
+    add_parser(group, "compare")
     about = "take jobs out of lists and statistics; bring-back undoes it"
     add_job_id(add_command(group, "archive", _archive, about), "+")
     add_job_id(add_command(group, "bring-back", _archive, "put archived jobs back"), "+")

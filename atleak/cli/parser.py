@@ -17,13 +17,13 @@ COMMANDS = {
     "diagnose": ("diagnose", "a verdict from a measuring sheet, a road test or gauge readings"),
     "jobs": ("jobs", "the job book: every job that was worked on"),
     "fleet": ("fleet", "thousands of units: diagnosed on all processors or many machines, and summed up"),
-    "compare": ("compare", "two jobs of one unit side by side, before and after"),
-    "variants": ("variants", "W1 to W8 of the source study, as printed and as computed"),
+    "compare": ("jobs", "two jobs of one unit side by side, before and after"),
+    "variants": ("studies", "W1 to W8 of the source study, as printed and as computed"),
     "import-log": ("import_log", "what is understood of a road-test log"),
     "report": ("report", "the reports of job files"),
     "template": ("template", "a measuring sheet to fill in"),
     "controller": ("controller", "describe a valve body: in a workbook, and as the TOML file that every command takes"),
-    "gauge-study": ("gauge_study", "repeatability and reproducibility of a gauge, by ANOVA"),
+    "gauge-study": ("studies", "repeatability and reproducibility of a gauge, by ANOVA"),
     **{
         name: ("catalogue", f"the {name} of the catalogue, shipped and own")
         for name in ("controllers", "fluids", "limits", "instruments")

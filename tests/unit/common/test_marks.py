@@ -70,7 +70,7 @@ def test_a_foreign_file_is_left_before_anything_is_computed_unless_told(
     target = Path(str(arguments[-1]))
     target.write_bytes(b"somebody's own work")
     with monkeypatch.context() as patched:
-        for computing in ("job.case.diagnose", "cli.variants.run_variants", "cli.import_log.understand"):
+        for computing in ("job.case.diagnose", "cli.studies.run_variants", "cli.import_log.understand"):
             patched.setattr(f"atleak.{computing}", None)
         status, out, err = run(*arguments)
     assert (status, out) == (2, "")
