@@ -77,16 +77,16 @@ class WearLine:
         return self.scatter == 1.0
 
     def at(self, mileage: float) -> float:
-        """Return the clearance at a mileage [m]."""
+        """Return the clearance [m] at a mileage [km]."""
         return self.clearance + self.rate * (mileage - self.origin)
 
     def uncertainty_at(self, mileage: float) -> float:
-        """Return the standard uncertainty of that [m]."""
+        """Return the standard uncertainty of the clearance [m] at a mileage [km]."""
         way = np.array([1.0, mileage - self.origin])
         return math.sqrt(max(float(way @ self.covariance @ way), 0.0))
 
     def band(self, mileage: float, coverage: float = MILEAGE_COVERAGE) -> tuple[float, float]:
-        """Return the interval of the clearance at a mileage [m]."""
+        """Return the interval of the clearance [m] at a mileage [km]."""
         reach = _deviate(coverage) * self.uncertainty_at(mileage)
         return self.at(mileage) - reach, self.at(mileage) + reach
 
