@@ -21,8 +21,7 @@ from atleak.common.errors import AtleakError
 from atleak.common.units import KPA, RPM, Unit, kinds_of, unit
 from atleak.job.case import Pairs, SourceFile
 from atleak.measurements.gauge_readings import PressureTable
-from atleak.measurements.own_lands import OwnLands
-from atleak.measurements.readings import Reading, Readings
+from atleak.measurements.readings import OwnLands, Reading, Readings
 from atleak.measurements.road_test import QUANTITIES, Channel, RoadTest
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.logs import understand

@@ -29,7 +29,7 @@ from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.measurements.gauge_readings import LINE_TAP
-from atleak.measurements.own_lands import LENGTHS_MEASURED, REPAIR_FITTED
+from atleak.measurements.readings import LENGTHS_MEASURED, REPAIR_FITTED
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.first_sentence import impossible_part, may_parts, pump_sentence, shown_verdict, worn_pump
 from atleak.report.tables.gauges import gauge_table, pattern_sentences

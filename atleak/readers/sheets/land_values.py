@@ -19,7 +19,7 @@ from atleak.common.sentences import Name, Sentence
 from atleak.common.units import MM as TO_MM
 from atleak.common.units import UM, Quantity, Unit, find_unit
 from atleak.measurements.clearances import NOMINAL_TOLERANCE
-from atleak.measurements.own_lands import LENGTHS_MEASURED, REPAIR_FITTED, FittedRepair, OwnLands, OwnLength
+from atleak.measurements.readings import LENGTHS_MEASURED, REPAIR_FITTED, FittedRepair, OwnLands, OwnLength
 from atleak.readers.cells.sheet import Cell
 from atleak.readers.sheets.column_headings import HeadedColumn
 from atleak.readers.sheets.columns import find_columns

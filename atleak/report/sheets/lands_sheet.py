@@ -14,7 +14,7 @@ from atleak.catalogue.controller import Controller, Land
 from atleak.common.sentences import Name, Sentence
 from atleak.common.units import MM, Quantity
 from atleak.common.wording import Wording
-from atleak.measurements.own_lands import OwnLands
+from atleak.measurements.readings import OwnLands
 from atleak.report.sheets.paging import HEADER, PagedTable, Tab, only, put, width_for
 
 LANDS = Sentence("Lands")

@@ -19,8 +19,7 @@ from atleak.common.units import MM, UM, Quantity
 from atleak.common.wording import Wording, wording
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.measuring_plan import PLAN_PARTS
-from atleak.measurements.own_lands import OwnLands
-from atleak.measurements.readings import Reading
+from atleak.measurements.readings import OwnLands, Reading
 from atleak.report.sheets.lands_sheet import LANDS, write_lands
 from atleak.report.sheets.measuring_columns import (
     AS_STATED,

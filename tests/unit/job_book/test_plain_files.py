@@ -11,8 +11,7 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.pump import PumpClearances
 from atleak.job_book.plain_files import plain_gauges, plain_log, plain_sheet
-from atleak.measurements.own_lands import FittedRepair, OwnLands, OwnLength
-from atleak.measurements.readings import Readings
+from atleak.measurements.readings import FittedRepair, OwnLands, OwnLength, Readings
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.logs import understand
 from atleak.readers.sheets.measuring_sheet import read_readings

@@ -21,8 +21,7 @@ from atleak.common.errors import ReadingsError
 from atleak.common.verdicts import Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
-from atleak.measurements.own_lands import FittedRepair, OwnLands, OwnLength
-from atleak.measurements.readings import Reading
+from atleak.measurements.readings import FittedRepair, OwnLands, OwnLength, Reading
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.sheets.lands_sheet import LANDS

@@ -15,8 +15,7 @@ from atleak.common.errors import ReadingsError
 from atleak.common.wording import languages, wording
 from atleak.measurements.gauge_readings import Engine, GaugeCell, GaugeReading, PressureTable
 from atleak.measurements.job_card import Job, Transmission, Vehicle
-from atleak.measurements.own_lands import OwnLands, OwnLength
-from atleak.measurements.readings import Reading, Readings
+from atleak.measurements.readings import OwnLands, OwnLength, Reading, Readings
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.sheets.measuring_columns import SHEET, UNWORN_END
 from atleak.report.sheets.measuring_head import fields_of

@@ -16,8 +16,7 @@ from atleak.common.errors import InputError, ReadingsError
 from atleak.job.case import SourceFile
 from atleak.job.kinds import FileKind, kind_of
 from atleak.measurements.measuring_plan import Order, Plan, PlanCell
-from atleak.measurements.own_lands import OwnLands, OwnLength
-from atleak.measurements.readings import Reading, Readings, SheetIdentity
+from atleak.measurements.readings import OwnLands, OwnLength, Reading, Readings, SheetIdentity
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.typed_sheet import TYPED_FILE, Typed, judge, typed_in, written_sheet
 
