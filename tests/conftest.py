@@ -83,9 +83,10 @@ def pytest_collection_modifyitems(items: list[pytest.Function]) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Let later collections of garbage pass over the tests themselves and what was imported for them."""
+    """Let later collections of garbage be rarer, and pass over the tests themselves and what was imported for them."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
 
 
 def pytest_unconfigure() -> None:

@@ -32,10 +32,10 @@ from atleak.readers.sheets.measuring_sheet import read_readings
 Edited = Callable[..., Path]
 
 
-def two_of(values: Iterable[Any]) -> list[Any]:
-    """The values of parameters: the first two in every round, the others in the slow one."""
-    found = [pytest.param(*(each if isinstance(each, tuple) else (each,))) for each in values]
-    return [*found[:2], *(pytest.param(*each.values, marks=pytest.mark.slow) for each in found[2:])]
+def first_of(values: Iterable[Any]) -> list[Any]:
+    """The values of a parameter: the first one in every round, the others in the slow one."""
+    first, *others = (each if isinstance(each, tuple) else (each,) for each in values)
+    return [pytest.param(*first), *(pytest.param(*each, marks=pytest.mark.slow) for each in others)]
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -24,7 +24,7 @@ from atleak.diagnosis.uncertainty.draws import Cube, Draws, deviates_of_factors,
 from atleak.diagnosis.uncertainty.paired import PairedVisit, _drawn_lands
 from atleak.engine.projection import stated_condition
 from atleak.measurements.readings import Readings
-from tests.unit.conftest import two_of
+from tests.unit.conftest import first_of
 
 WORN = {("2", 1): 35e-6, ("2", 2): 35e-6, ("4", 1): 30e-6}
 
@@ -141,7 +141,7 @@ def test_a_length_that_nobody_measured_is_one_at_both_visits_whatever_else_was_m
         assert np.array_equal(one.length, other.length)
 
 
-@pytest.mark.parametrize("name", two_of(SHIPPED))
+@pytest.mark.parametrize("name", first_of(SHIPPED))
 def test_where_the_pump_delivers_nothing_no_change_is_told(
     name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
 ) -> None:

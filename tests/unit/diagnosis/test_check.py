@@ -32,7 +32,7 @@ from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.tables.gauges import gauge_record, gauge_table, pattern_text
 from atleak.report.tables.names import land_words
 from atleak.report.terminal import print_diagnosis
-from tests.unit.conftest import two_of
+from tests.unit.conftest import first_of
 
 SLOW, FAST, STALL = Engine.SLOW_IDLE, Engine.FAST_IDLE, Engine.STALL
 PERMISSIBLE = """
@@ -117,7 +117,7 @@ def test_the_gauges_uncertainty_says_how_sure_a_verdict_is(unit, judged, kpa, de
     assert checked(judged(unit, at("D", SLOW, kpa), assumptions=exact))[0].deciding.decision in ("pass", "fail")
 
 
-@pytest.mark.parametrize("name", two_of(["five_speed_2005", "four_speed_2023", "gm_4l60e"]))
+@pytest.mark.parametrize("name", first_of(["five_speed_2005", "four_speed_2023", "gm_4l60e"]))
 def test_main_pressure_under_a_published_least_is_critical(judged, name: str) -> None:
     unit = load_controller(name)
     stated = next(each for each in unit.permissible if each.low and each.state == "idle" and 1 in each.gears)
@@ -220,7 +220,7 @@ def standing(name: str, tap_by: float, line_by: float = 0.0, **more) -> tuple[Co
     return unit, readings
 
 
-@pytest.mark.parametrize("name", two_of(STANDING))
+@pytest.mark.parametrize("name", first_of(STANDING))
 @pytest.mark.parametrize(("tap_by", "line_by"), [(0.0, 0.0), (-35.0, 35.0), (30.0, -30.0)])
 def test_what_gauges_err_by_is_no_fault(judged, name: str, tap_by: float, line_by: float) -> None:
     unit, readings = standing(name, tap_by, line_by)  # up to 70 kPa below the line, by two gauges within their 2 %
@@ -229,7 +229,7 @@ def test_what_gauges_err_by_is_no_fault(judged, name: str, tap_by: float, line_b
     assert all(each.over_limit < 0.5 and each.loss_interval[0] <= each.loss for each in of_circuit)
 
 
-@pytest.mark.parametrize("name", two_of(STANDING))
+@pytest.mark.parametrize("name", first_of(STANDING))
 def test_a_circuit_that_lost_its_pressure_is_found_with_what_may_leak(judged, name: str) -> None:
     unit, readings = standing(name, -250.0)
     diagnosis = judged(unit, *readings)
@@ -472,7 +472,7 @@ def test_every_pattern_has_its_sentence_in_every_language(unit, judged) -> None:
 # --- a line for which nothing is permitted
 
 
-@pytest.mark.parametrize("name", two_of(["zf_6hp26", "chrysler_41te", "aisin_aw55_50sn"]))
+@pytest.mark.parametrize("name", first_of(["zf_6hp26", "chrysler_41te", "aisin_aw55_50sn"]))
 def test_a_line_without_a_permissible_pressure_is_judged_by_what_a_new_unit_holds(judged, capsys, name: str) -> None:
     unit, readings = replace(load_controller(name), permissible=()), {}
     for engine, state in ((SLOW, "idle"), (STALL, "stall")):

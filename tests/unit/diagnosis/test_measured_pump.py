@@ -40,7 +40,7 @@ from atleak.report.tables.first_sentence import first_sentence, pump_sentence
 from atleak.report.tables.sentences import counted_in_speed, shares_add_up
 from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook
-from tests.unit.conftest import two_of
+from tests.unit.conftest import first_of
 from tests.unit.report.sheet_calculator import SheetCalculator
 
 WORN = PumpClearances.of_um(85.0, 160.0)
@@ -197,7 +197,7 @@ def leakiest(unit: Controller, fluid: Fluid) -> tuple[str, int]:
 
 @pytest.mark.parametrize(
     ("name", "side_um"),
-    two_of(zip(SHIPPED * 2, (70.0, 100.0, 70.0, 100.0, 70.0, 100.0), strict=True)),
+    first_of(zip(SHIPPED * 2, (70.0, 100.0, 70.0, 100.0, 70.0, 100.0), strict=True)),
 )
 def test_a_worn_pump_is_named_first_and_no_unworn_valve(
     name: str, side_um: float, judge: Judge, sheet_of: SheetOf, capsys: pytest.CaptureFixture[str]
@@ -228,7 +228,7 @@ def test_a_worn_pump_is_named_first_and_no_unworn_valve(
     assert "∞" not in page
 
 
-@pytest.mark.parametrize("name", two_of(SHIPPED))
+@pytest.mark.parametrize("name", first_of(SHIPPED))
 def test_a_worn_land_does_not_hide_behind_a_worn_pump(name: str, hipol: Fluid, judge: Judge, sheet_of: SheetOf) -> None:
     unit = with_gap(name)
     key = leakiest(unit, hipol)
@@ -242,7 +242,7 @@ def test_a_worn_land_does_not_hide_behind_a_worn_pump(name: str, hipol: Fluid, j
     assert diagnosis_record(both)["unit"]["decided_by"]["kind"] == "pump"
 
 
-@pytest.mark.parametrize("name", two_of(SHIPPED))
+@pytest.mark.parametrize("name", first_of(SHIPPED))
 def test_a_pump_within_its_limit_is_not_worn_and_leads_over_no_worn_land(
     name: str, hipol: Fluid, judge: Judge, sheet_of: SheetOf, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -265,7 +265,7 @@ def test_a_pump_within_its_limit_is_not_worn_and_leads_over_no_worn_land(
     assert [land.key for land in worn.flagged] == [key]
 
 
-@pytest.mark.parametrize("name", two_of(SHIPPED))
+@pytest.mark.parametrize("name", first_of(SHIPPED))
 def test_new_valves_are_said_to_be_as_short_only_where_they_are_past_a_limit(
     name: str, judge: Judge, sheet_of: SheetOf, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -26,7 +26,7 @@ from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.pdf import write_pdf
 from atleak.report.tables.first_sentence import first_sentence
 from atleak.report.terminal import print_diagnosis
-from tests.unit.conftest import two_of
+from tests.unit.conftest import first_of
 
 Build = Callable[..., Readings]
 UM, KPA = 1e-6, 1e3
@@ -160,7 +160,7 @@ def sheet(unit: Controller, readings_of: Build, widen: Callable[[int, float], fl
     )
 
 
-@pytest.mark.parametrize("name", two_of(SHIPPED))
+@pytest.mark.parametrize("name", first_of(SHIPPED))
 def test_every_part_of_a_result_has_the_level_that_is_likely(
     name: str, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
@@ -206,7 +206,7 @@ def test_a_new_unit_read_with_noise_is_green(
 # --- readings and descriptions that cannot be
 
 
-@pytest.mark.parametrize("name", two_of(SHIPPED))
+@pytest.mark.parametrize("name", first_of(SHIPPED))
 def test_bores_without_clearance_are_not_ok(name: str, hipol: Fluid, limits: Limits, readings_of: Build) -> None:
     unit = load_controller(name)
     for widen in (lambda number, new: 0.0, lambda number, new: new if number else 0.0):
@@ -216,7 +216,7 @@ def test_bores_without_clearance_are_not_ok(name: str, hipol: Fluid, limits: Lim
         assert not diagnosis.flagged
 
 
-@pytest.mark.parametrize(("name", "part"), two_of((name, part) for name in SHIPPED for part in (0.5, 0.12)))
+@pytest.mark.parametrize(("name", "part"), first_of((name, part) for name in SHIPPED for part in (0.5, 0.12)))
 def test_a_description_by_which_no_new_unit_holds_its_pressure_is_not_judged(
     name: str, part: float, hipol: Fluid, limits: Limits, readings_of: Build, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -243,7 +243,7 @@ def test_a_description_by_which_no_new_unit_holds_its_pressure_is_not_judged(
     assert "Not judged: the description cannot be right" in text
 
 
-@pytest.mark.parametrize("name", two_of(SHIPPED))
+@pytest.mark.parametrize("name", first_of(SHIPPED))
 def test_a_condition_set_by_hand_that_no_new_unit_holds_hides_no_verdict(
     name: str, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:

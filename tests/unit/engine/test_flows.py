@@ -18,7 +18,7 @@ from atleak.engine.flows import FlowKind, FlowPlace, Flows, flows_at
 from atleak.engine.profile import PAPER
 from atleak.engine.projection import Projection, project
 from atleak.measurements.readings import Readings
-from tests.unit.conftest import two_of, with_clearances
+from tests.unit.conftest import first_of, with_clearances
 
 Build = Callable[..., Readings]
 LINE = FlowPlace(FlowKind.SECTION, "p_g")
@@ -44,7 +44,8 @@ def conditions(diagnosis: Diagnosis) -> Iterator[tuple[Projection, Flows]]:
 
 
 @pytest.fixture(
-    scope="module", params=two_of(dict.fromkeys(["three_circuits", "five_speed_2005", *catalogue_files("controllers")]))
+    scope="module",
+    params=first_of(dict.fromkeys(["three_circuits", "five_speed_2005", *catalogue_files("controllers")])),
 )
 def unit(
     request: pytest.FixtureRequest, three_circuits: Controller, hipol: Fluid, limits: Limits, readings_of: Build

@@ -23,7 +23,7 @@ from atleak.engine.operation import Held, Operation, held_pressure, sections_hel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import project
 from atleak.measurements.clearances import LandClearance, clearances
-from tests.unit.conftest import two_of
+from tests.unit.conftest import first_of
 from tests.unit.engine.test_flows import ENDS, into
 
 LOSSLESS = WORKSHOP.with_options(entry_loss="off")
@@ -193,7 +193,7 @@ def test_a_consumer_that_takes_one_percent_too_much_does_not_empty_the_line(mini
     assert falls[-1] == 0.0
 
 
-@pytest.mark.parametrize("name", two_of(["five_speed_2005", "chrysler_41te", "gm_4l60e"]))
+@pytest.mark.parametrize("name", first_of(["five_speed_2005", "chrysler_41te", "gm_4l60e"]))
 def test_shipped_units_with_half_the_pump_sag_and_balance(name: str, hipol: Fluid) -> None:
     shipped = load_controller(name)
     pump = replace(shipped.pump, displacement=0.5 * shipped.pump.displacement)
@@ -259,7 +259,7 @@ def by_small_steps(model: LeakageModel, point: OperatingPoint, start: float) -> 
 
 
 @pytest.mark.parametrize("width_um", [13.0, 60.0, 80.0, pytest.param(150.0, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(("ratio", "offset_kpa"), two_of([(2.0, 100.0), (1.5, 0.0), (1.3, 30.0)]))
+@pytest.mark.parametrize(("ratio", "offset_kpa"), first_of([(2.0, 100.0), (1.5, 0.0), (1.3, 30.0)]))
 @pytest.mark.parametrize("number", [0, 1])
 def test_a_line_that_follows_a_worn_circuit_falls_with_it_from_above(
     three_circuits: Controller, hipol: Fluid, width_um: float, ratio: float, offset_kpa: float, number: int
@@ -310,7 +310,7 @@ def test_temperatures_at_once_give_what_each_gives_on_its_own(
             assert held[state.circuit.id][place] == pytest.approx(state.pressure, rel=1e-9, abs=1e-3)
 
 
-@pytest.mark.parametrize("width_um", two_of([60.0, 200.0, 110.0]))
+@pytest.mark.parametrize("width_um", first_of([60.0, 200.0, 110.0]))
 @pytest.mark.parametrize("line", [None, (1.5, 0.0)])
 @pytest.mark.parametrize("number", [0, 1])
 def test_lands_chosen_to_be_new_give_what_each_unit_gives_on_its_own(

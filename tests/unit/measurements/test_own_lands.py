@@ -30,7 +30,7 @@ from atleak.report.sheets.measuring_sheet import write_readings, write_template
 from atleak.report.sheets.paging import HEADER
 from atleak.report.tables.lands import condition_matrix
 from atleak.report.terminal import print_diagnosis
-from tests.unit.conftest import two_of
+from tests.unit.conftest import first_of
 
 Edited = Callable[..., Path]
 REPAIRS = """
@@ -238,7 +238,7 @@ def test_a_repair_that_is_fitted_is_the_new_state_of_its_lands(
     assert said[0].text in " ".join(capsys.readouterr().out.split())
 
 
-@pytest.mark.parametrize("unit", two_of(["minimal_example", "five_speed_2005", "zf_6hp26", "gm_4l60e"]))
+@pytest.mark.parametrize("unit", first_of(["minimal_example", "five_speed_2005", "zf_6hp26", "gm_4l60e"]))
 def test_a_pair_that_was_only_cleaned_is_the_worn_one_that_it_was(unit: str, hipol: Fluid, limits: Limits) -> None:
     controller = load_controller(unit)
     controller = replace(controller, lands=tuple(replace(each, mounting_measured=True) for each in controller.lands))

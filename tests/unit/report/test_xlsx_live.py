@@ -25,7 +25,7 @@ from atleak.measurements.readings import Readings
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.xlsx import write_workbook
 from atleak.report.xlsx.book import NUMBER_FORMATS
-from tests.unit.conftest import two_of
+from tests.unit.conftest import first_of
 
 UM = 1e-6
 Book = openpyxl.Workbook
@@ -362,7 +362,7 @@ def test_a_limit_of_the_clearance_follows_its_cell_and_a_land_s_own_is_a_number_
     assert sheets.value("Rules", verdict) == signed(Verdict.OK)
 
 
-@pytest.mark.parametrize("name", two_of(["ford_4r70w", "gm_4l60e", "jatco_jf506e"]))
+@pytest.mark.parametrize("name", first_of(["ford_4r70w", "gm_4l60e", "jatco_jf506e"]))
 def test_what_is_worse_than_a_likely_level_is_no_milder(
     name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings], referee: Any
 ) -> None:

@@ -31,7 +31,7 @@ from atleak.engine.projection import project
 from atleak.measurements.job_card import EstimateTerms
 from atleak.measurements.readings import Readings
 from atleak.report.tables.estimate import EstimateWords
-from tests.unit.conftest import two_of
+from tests.unit.conftest import first_of
 
 Build = Callable[..., Readings]
 ROOT = Path(__file__).resolve().parents[3]
@@ -234,7 +234,7 @@ def test_a_gain_is_the_rule_that_comes_nearest_to_its_limit_without_a_repair(pri
     assert gain.without.value > gain.within.value
 
 
-@pytest.mark.parametrize("name", two_of(["five_speed_2005", "chrysler_41te", "gm_4l60e"]))
+@pytest.mark.parametrize("name", first_of(["five_speed_2005", "chrysler_41te", "gm_4l60e"]))
 def test_a_repair_for_the_permissible_pressure_is_named_so(
     name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
 ) -> None:
