@@ -6,8 +6,10 @@ import dataclasses
 import importlib
 import inspect
 import pkgutil
+import pydoc
 import re
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import atleak
 from atleak import equations
@@ -58,6 +60,15 @@ def test_classes_describe_their_fields() -> None:
             wrong[kind.__name__] = faults(fields, described)
     assert len(wrong) == 9
     assert {name: each for name, each in wrong.items() if each} == {}
+
+
+def test_what_the_reference_lists_is_there() -> None:
+    pages = sorted((Path(__file__).parents[2] / "docs" / "reference").glob("*.md"))
+    text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
+    listed = re.findall(r"^::: (\S+)(?:\n    options:\n      members: \[(.*)\])?", text, re.MULTILINE)
+    names = [f"{place}.{name}".rstrip(".") for place, members in listed for name in members.split(", ")]
+    assert len(names) > 200
+    assert [name for name in names if pydoc.locate(name) is None] == []
 
 
 def test_a_parameter_without_a_description_is_noticed() -> None:
