@@ -13,8 +13,7 @@ from atleak.common.errors import Place, RoadTestError
 from atleak.common.sentences import Sentence
 from atleak.measurements.road_test import RoadTest
 from atleak.readers.logs.columns import Ambiguous
-from atleak.readers.logs.importer import understand
-from atleak.readers.logs.log_columns import LogColumn, log_columns
+from atleak.readers.logs.importer import LogColumn, log_columns, understand
 from atleak.readers.logs.parquet_log import head_of_parquet
 from atleak.readers.logs.remembered_columns import (
     NOT_LOGGED,

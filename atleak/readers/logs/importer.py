@@ -1,34 +1,58 @@
-"""Understands a log's file as far as it can, even where the user must still answer a question."""
+"""Understand a log's file as far as it can be, even where the user must still answer a question.
+
+What every column holds, its range and its course, is shown so that a person can tell which is which.
+"""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from atleak.catalogue.written_numbers import INTERVAL
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import InputError, Message, Place, RoadTestError
 from atleak.common.memory import free_memory
 from atleak.common.sentences import Sentence
+from atleak.common.thinning import thinned
 from atleak.readers.dates import words
 from atleak.readers.logs import remembered_columns as memory
-from atleak.readers.logs.columns import BESIDE, Ambiguous, Assigner, own_part_of, stated_units
-from atleak.readers.logs.delimited import Delimited, must_be_held, open_delimited
+from atleak.readers.logs.columns import (
+    BESIDE,
+    Ambiguous,
+    Assigner,
+    find_candidates,
+    match_heading,
+    own_part_of,
+    stated_units,
+)
+from atleak.readers.logs.delimited import Delimited, must_be_held, numbers, open_delimited
+from atleak.readers.logs.headings import Heading
 from atleak.readers.logs.log_file import HEAD_BYTES, TIMES, LogFile, of_measured_parts, open_source, without_a_table
 from atleak.readers.logs.log_sheets import LogSheet, open_log_sheets
 from atleak.readers.logs.log_table import LogTable
-from atleak.readers.logs.mdf_log import understand_mdf
+from atleak.readers.logs.mdf_log import mdf_columns, understand_mdf
 from atleak.readers.logs.parquet_log import open_parquet
-from atleak.readers.logs.table_reader import read_table
+from atleak.readers.logs.table_reader import long_columns, long_shape, read_table
 from atleak.readers.logs.timeline import Timeline
 from atleak.readers.logs.timeline import build as build_timeline
 from atleak.readers.logs.understood import TableResult, Understood, finish, labels_of
+
+_BUS_TRACE = re.compile(
+    rb"^;\$FILEVERSION=|^\s*\(\d+\.\d+\)\s+\w*can\d+\s|^date .*\nbase (?:hex|dec)|^\s*\d+\)\s+[\d.]+\s+(?:Rx|Tx)\s",
+    re.MULTILINE,
+)
+_Written = tuple[str | None, str | None, str | None]
+"""Encoding, delimiter and decimal sign of a text."""
+_POINTS = 60  # of a small curve
+_WORDS = 6  # different cells that are shown of a column of words
 
 
 @dataclass
@@ -130,12 +154,6 @@ def _by_form(job: _Job) -> Understood:
     return replace(understood, problem=of_measured_parts(source.head[:HEAD_BYTES], source.file) or understood.problem)
 
 
-_BUS_TRACE = re.compile(
-    rb"^;\$FILEVERSION=|^\s*\(\d+\.\d+\)\s+\w*can\d+\s|^date .*\nbase (?:hex|dec)|^\s*\d+\)\s+[\d.]+\s+(?:Rx|Tx)\s",
-    re.MULTILINE,
-)
-
-
 def _located(job: _Job) -> Delimited:
     """Locate the table in a delimited text.
 
@@ -165,10 +183,6 @@ def _located(job: _Job) -> Delimited:
     if table is None:
         raise without_a_table(job.source.head[:HEAD_BYTES], job.source.file)
     return table
-
-
-_Written = tuple[str | None, str | None, str | None]
-"""Encoding, delimiter and decimal sign of a text."""
 
 
 def _one_table(table: LogTable, form: str, job: _Job, written: _Written = (None, None, None)) -> Understood:
@@ -283,7 +297,7 @@ def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
         signal = source.assigner.signals[quantity]
         time = signal.time
         if time is None:
-            values, timeline = signal.values, source.result.timeline
+            values, timeline = signal.values, source.result.timeline  # noqa: PD011  no Series
             values = values if timeline.order is None else values[timeline.order]
             kept = np.isfinite(values)
             time = timeline.time[kept]
@@ -295,3 +309,72 @@ def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
     timeline = Timeline(base.time, None, base.segments, base.duration)
     merged = TableResult(longest.rows, timeline, longest.time_label, longest.clock)
     return finish(blank, main, merged, job.constants)
+
+
+@dataclass(frozen=True)
+class LogColumn:
+    """A column of a log as a person tells it from the others, in the file's own unit."""
+
+    label: str  # heading, or ``column 3``
+    unit: str | None  # as the file states it
+    quantity: str | None  # that its name stands for; None where the name says nothing
+    numbers: int  # how many cells hold one
+    least: float | None = None  # None where it holds no number
+    largest: float | None = None  # likewise
+    curve: tuple[float, ...] = ()  # its course
+    words: tuple[str, ...] = ()  # some of its cells that are no numbers
+
+
+@own_errors_only(RoadTestError, "name", "source")
+def log_columns(source: str | Path | bytes, *, name: str | None = None) -> tuple[LogColumn, ...]:
+    """Return every column of a log, in file order; none where no table of numbers is found in it.
+
+    Parameters are those of `atleak.readers.logs.read_road_test`.
+
+    Raises
+    ------
+    RoadTestError
+        when the file is no log at all: empty, a picture, damaged.
+    """
+    opened = open_source(source, name)
+    try:
+        read = list(_read(opened))
+        labels = Counter(heading.label for heading, *_ in read)
+        return tuple(_column(*parts, labels[parts[0].label] > 1) for parts in read)
+    finally:
+        opened.close()
+
+
+def _read(opened: LogFile) -> Iterator[tuple[Heading, np.ndarray, Iterable[str]]]:
+    if opened.form == "mdf":
+        for heading, values in mdf_columns(opened):
+            yield heading, values, ()
+        return
+    tables: list[LogTable] = []
+    if opened.form == "workbook":
+        tables += open_log_sheets(opened)
+    elif opened.form == "parquet":
+        tables.append(open_parquet(opened))
+    elif (text := open_delimited(opened)) is not None:
+        tables.append(text)
+    for table in tables:
+        shape = long_shape(table, find_candidates(table.headings), {})
+        if shape is not None:
+            yield from long_columns(table, shape)
+            continue
+        headings = [heading for heading in table.headings if heading.index < table.width]
+        frame = table.read([heading.index for heading in headings])
+        for heading in headings:
+            yield heading, *numbers(frame, heading.index, table.decimal)
+
+
+def _column(heading: Heading, values: np.ndarray, words: Iterable[str], repeated: bool) -> LogColumn:
+    label = heading.numbered if repeated else heading.label
+    match = match_heading(heading)
+    good = values[np.isfinite(values)]
+    some = tuple(dict.fromkeys(str(word) for word in pd.Series(words, dtype=object).head(10_000)))[:_WORDS]
+    unit, quantity = heading.unit or (match.unit if match else None), match.quantity if match else None
+    if not len(good):
+        return LogColumn(label, unit, quantity, 0, words=some)
+    curve = tuple(good[thinned([good], _POINTS)].tolist())
+    return LogColumn(label, unit, quantity, len(good), float(good.min()), float(good.max()), curve, some)
