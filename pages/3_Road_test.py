@@ -4,8 +4,8 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.common.cache import kept_with
 from atleak.common.errors import AtleakError
+from atleak.common.memory import kept_with
 from atleak.measurements.events import events
 from atleak.readers.logs import tidy_csv
 from pages.shared import log_form, log_view, panel, reader, remembered_columns, show

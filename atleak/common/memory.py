@@ -1,4 +1,7 @@
-"""Tell how much memory there is, and give back what a process no longer uses: C libraries keep what was freed."""
+"""Keep what was computed from an object for as long as it is in use, and give back what a process no longer needs.
+
+How much memory there is, is asked of the system; C libraries keep what was freed until they are told to give it back.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,8 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any, TypeVar
+from weakref import finalize
 
 import psutil
 
@@ -16,6 +21,12 @@ _CONTAINERS = (  # folder, limit and use, and what of the use is of files and is
     ("/sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"),
     ("/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"),
 )
+_aside = 0  # modules that were there when what there was was set aside
+_LATER = (20.0, 150.0, 900.0)  # [s]
+_SOON = 10.0  # [s]
+_waiting: dict[float, threading.Timer] = {}
+_Made = TypeVar("_Made")
+_KEPT: dict[int, dict[str, tuple[tuple[Any, Any], ...]]] = {}  # keys and what was made, by owner's identity and name
 
 
 def free_memory() -> int:
@@ -44,9 +55,6 @@ def give_back() -> None:
             trim(0)
 
 
-_aside = 0  # modules that were there when what there was was set aside
-
-
 def set_imports_aside() -> None:
     """Let later collections pass over what there is now, where modules were imported since the last time.
 
@@ -62,11 +70,6 @@ def _set_aside() -> None:
     _aside = len(sys.modules)
     gc.collect()
     gc.freeze()
-
-
-_LATER = (20.0, 150.0, 900.0)  # [s]
-_SOON = 10.0  # [s]
-_waiting: dict[float, threading.Timer] = {}
 
 
 def give_back_soon() -> None:
@@ -98,3 +101,36 @@ def _do_in(seconds: float, what: Callable[[], object]) -> None:
     _waiting[seconds] = threading.Timer(seconds, what)
     _waiting[seconds].daemon = True
     _waiting[seconds].start()
+
+
+def kept_with(owner: Any, name: str, key: Any, make: Callable[[], _Made], most: int = 4) -> _Made:
+    """Return what was made for a key before, or make it and keep it with its owner.
+
+    Parameters
+    ----------
+    owner
+        the object from which it is made; it must not change, and must not be part of what is made: else neither would
+        ever be let go.
+    name
+        what is made: of each name the latest ``most`` keys are kept.
+    key
+        all else that it rests on, compared by ``==``.
+
+    Raises
+    ------
+    ValueError
+        what is made is the owner itself.
+    """
+    if id(owner) not in _KEPT:
+        _KEPT[id(owner)] = {}
+        finalize(owner, _KEPT.pop, id(owner), None)
+    kept = _KEPT[id(owner)]
+    for earlier_key, before in kept.get(name, ()):
+        if earlier_key == key:
+            earlier: _Made = before
+            return earlier
+    made = make()
+    if made is owner:
+        raise ValueError(f"{name}: kept with itself, it would never be let go")
+    kept[name] = (*kept.get(name, ()), (key, made))[-most:]
+    return made

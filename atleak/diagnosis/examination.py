@@ -12,8 +12,8 @@ from atleak.catalogue.limits import Limits
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import Complaint
-from atleak.common.cache import kept_with
 from atleak.common.errors import translates_refusals
+from atleak.common.memory import kept_with
 from atleak.diagnosis.diagnosis import Diagnosis, mileage_of
 from atleak.diagnosis.gauge_check import check_pressures
 from atleak.diagnosis.land import diagnosed_land, diagnosed_pump

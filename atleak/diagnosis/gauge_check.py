@@ -16,8 +16,8 @@ from atleak.catalogue.controller_tables import SelectorRange
 from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.common.cache import kept_with
 from atleak.common.errors import DomainError, Message, Place
+from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence, in_a_row
 from atleak.common.units import KPA, Quantity
 from atleak.common.verdicts import Verdict, worst

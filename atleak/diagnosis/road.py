@@ -12,8 +12,8 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_tables import StandingState
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.common.cache import kept_with
 from atleak.common.errors import Message, RoadTestError
+from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR, Assumptions, RuleDecision

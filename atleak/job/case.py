@@ -32,9 +32,9 @@ from atleak.catalogue.limits import DEFAULT_LIMITS, load_limits
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import find_repairs
-from atleak.common.cache import kept_with
 from atleak.common.damage import DAMAGE, reason_in_short
 from atleak.common.errors import AtleakError, InputError, Message, Place, RoadTestError, reason_of
+from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose

@@ -18,8 +18,8 @@ import pandas as pd
 import sqlalchemy as sa
 from sqlalchemy import exc
 
-from atleak.common.cache import kept_with
 from atleak.common.errors import BookError, ChangedElsewhere, ErasedElsewhere, Place
+from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence
 from atleak.job.parts import JobFile, JobParts
 from atleak.job_book.database import database_url, in_words, opened_engine, shown, writing

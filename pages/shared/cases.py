@@ -20,9 +20,8 @@ from atleak.analysis.source_study import compare_options, run_variants, sample_l
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import ListedEntry, catalogue_files, listed_entries, own_files
 from atleak.catalogue.instruments import Instruments
-from atleak.common.cache import kept_with
 from atleak.common.errors import AtleakError, CatalogueError, Message, OutputError
-from atleak.common.memory import give_back_soon
+from atleak.common.memory import give_back_soon, kept_with
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import OWN_FILES, SLOTS, Case, CaseChoice, Reader, Slot, SourceFile, with_log_choices

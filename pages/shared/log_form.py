@@ -13,8 +13,8 @@ import pandas as pd
 import streamlit as st
 
 from atleak.catalogue.written_numbers import INTERVAL, read_number, written
-from atleak.common.cache import kept_with
 from atleak.common.errors import AtleakError
+from atleak.common.memory import kept_with
 from atleak.common.units import unit_names
 from atleak.common.wording import Wording
 from atleak.engine.road_leakage import OPERATING_POINTS

@@ -10,8 +10,8 @@ import streamlit as st
 
 from atleak.analysis.formulas import CHANNEL_NAMES, FUNCTIONS, FormulaChannel, formula_channel
 from atleak.catalogue.written_numbers import SHIFT
-from atleak.common.cache import kept_with
 from atleak.common.errors import AtleakError, FormulaError
+from atleak.common.memory import kept_with
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.road_leakage import RoadLeakage

@@ -6,7 +6,7 @@ from itertools import islice
 
 import streamlit as st
 
-from atleak.common.cache import kept_with
+from atleak.common.memory import kept_with
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.road import RoadFindings

@@ -9,7 +9,7 @@ from typing import Any
 from atleak.analysis.repair.plan import RepairPlan, RepairStep, plan_repairs
 from atleak.analysis.repair.totals import Total
 from atleak.catalogue.limits import Limits, RuleKind, Steps
-from atleak.common.cache import kept_with
+from atleak.common.memory import kept_with
 from atleak.common.units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, UM
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis

@@ -6,8 +6,8 @@ import gc
 
 import pytest
 
-from atleak.common import cache as keeping
-from atleak.common.cache import kept_with
+from atleak.common import memory as keeping
+from atleak.common.memory import kept_with
 
 
 class Owner:
