@@ -39,7 +39,7 @@ from atleak.report.sheets.paging import LINE_OF_A_BOOK, row_height
 from atleak.report.tables.table import VERDICT, Column, Table
 from atleak.report.xlsx import report_workbook
 from atleak.report.xlsx.book import ReportBook, cell_span
-from atleak.report.xlsx.summary_page import SummaryPage
+from atleak.report.xlsx.summary import SummaryPage
 
 _ROWS = 22  # that a chart takes, the free ones below it with them
 _CHARTED = 12  # most valve bodies with charts

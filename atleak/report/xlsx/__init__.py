@@ -23,14 +23,13 @@ from atleak.report.xlsx.book import ReportBook
 from atleak.report.xlsx.circuits import CIRCUITS
 from atleak.report.xlsx.conditions import CONDITIONS
 from atleak.report.xlsx.constants import CONSTANTS
-from atleak.report.xlsx.estimate import ESTIMATE_SHEET as ESTIMATE
-from atleak.report.xlsx.estimate import write_estimate
 from atleak.report.xlsx.lands import LANDS_SHEET, LiveSheets
 from atleak.report.xlsx.readings import DIRECTIONS_SHEET, READINGS
 from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets, write_gauges
 from atleak.report.xlsx.road_sheet import ROAD_SHEET as GAUGES
 from atleak.report.xlsx.rules import LIMITS_SHEET, RULES
-from atleak.report.xlsx.sheets import Sheets
+from atleak.report.xlsx.sheets import ESTIMATE_SHEET as ESTIMATE
+from atleak.report.xlsx.sheets import Sheets, write_estimate
 from atleak.report.xlsx.uncertainty import BUDGET, INSTRUMENTS_SHEET
 from atleak.version import __version__
 

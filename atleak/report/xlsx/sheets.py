@@ -1,12 +1,14 @@
-"""Write the sheets around the computation: summary, road test, job, messages, provenance."""
+"""Write the sheets around the computation: summary, road test, job, messages, provenance, and the estimate."""
 
 from __future__ import annotations
 
+from decimal import Decimal
 from functools import partial
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.analysis.estimate import estimate
 from atleak.analysis.repair.plan import RepairPlan, RepairStep, plan_repairs
 from atleak.common.errors import MessageLevel
 from atleak.common.sentences import Name, Sentence
@@ -15,7 +17,7 @@ from atleak.common.verdicts import BANDS, VERDICTS, Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job, Record
 from atleak.report.tables.complaint import finding, measure_first, reason
-from atleak.report.tables.estimate import open_words
+from atleak.report.tables.estimate import EstimateWords, open_words
 from atleak.report.tables.first_sentence import first_sentence
 from atleak.report.tables.lands import MatrixRow, condition_matrix
 from atleak.report.tables.names import spools_taken
@@ -36,8 +38,7 @@ from atleak.report.xlsx.live_sheet import (
     verdict_of_rank,
 )
 from atleak.report.xlsx.road_sheet import RoadSheets
-from atleak.report.xlsx.summary import OF_A_LAND, FlaggedLands, Headline
-from atleak.report.xlsx.summary_page import SummaryPage
+from atleak.report.xlsx.summary import OF_A_LAND, FlaggedLands, Headline, SummaryPage
 
 #: rows of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
 _TOTALS = (
@@ -65,6 +66,8 @@ _LEVELS: dict[MessageLevel, Sentence] = {"info": Sentence("info"), "warning": Se
 _LEAST = 10  # columns of the summary: what stands alone is a long text
 _WORDED = ("name", "representative_note", "source")  # of an entry of the catalogue, in words
 _MEASURE_FIRST = 6  # lands named for a complaint
+ESTIMATE_SHEET = Sentence("Estimate")
+_WIDTHS = (30, 34, 18, 12, 10, 12, 12, 14, 30, 60)
 
 
 class Sheets:
@@ -359,3 +362,48 @@ class Sheets:
         if name in ("grade", "decision") and isinstance(value, str):
             return self.say.get("grades" if name == "grade" else "job_decisions", value)
         return value if value is None or isinstance(value, bool | int | float | str) else str(value)
+
+
+def write_estimate(book: ReportBook, sheet: Worksheet, diagnosis: Diagnosis, job: Job) -> None:
+    """Write lines and sums as numbers, rounded as in the printed estimate."""
+    words = EstimateWords(estimate(diagnosis, job), book.say)
+    for column, width in enumerate(_WIDTHS):
+        sheet.set_column(column, column, width)
+    currency = words.estimate.currency
+    lines: list[dict[Sentence, Any]] = [
+        {
+            Sentence("pair"): words.pair(line),
+            Sentence("work"): words.work(line),
+            Sentence("part no."): line.decision.part_number,
+            Sentence("price"): _number(line.part),
+            Sentence("hours"): line.hours,
+            Sentence("labour"): _number(line.work),
+            Sentence("currency"): currency,
+            Sentence("state"): words.state(line),
+            Sentence("reason"): line.decision.reason,
+            Sentence("without it"): words.lacks(line),
+        }
+        for line in words.estimate.lines
+    ]
+    row = book.records(sheet, 0, lines) + 1
+    sums: list[dict[Sentence, Any]] = [
+        {
+            Sentence("state"): name,
+            Sentence("parts"): _number(each.parts),
+            Sentence("labour"): _number(each.work),
+            Sentence("net"): _number(each.net),
+            Sentence("tax"): _number(each.tax),
+            Sentence("total"): _number(each.gross),
+            Sentence("currency"): currency,
+            Sentence("complete"): each.complete,
+        }
+        for name, each in words.sums
+    ]
+    row = book.records(sheet, row, sums) + 1
+    for sentence in (*words.chosen_by(), *words.missing(), *words.ends(), words.rounding()):
+        book.put(sheet, row, 0, sentence)
+        row += 1
+
+
+def _number(value: Decimal | None) -> float | None:
+    return None if value is None else float(value)
