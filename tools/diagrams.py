@@ -38,7 +38,7 @@ from atleak.measurements.measuring_plan import DIRECTIONS
 from atleak.report.charts import paper_axes as plotting
 from atleak.report.charts.drawing import sign_svg, spool_svg, svg_head, svg_text
 from atleak.report.charts.paper_curves import pump_chart
-from atleak.report.tables.pump_speed import pump_over_speed
+from atleak.report.tables.pressures import pump_over_speed
 
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 APART = 0.06  # [px] that two drawings may differ by at any place

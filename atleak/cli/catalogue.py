@@ -20,7 +20,7 @@ from atleak.common.files import made_folder
 from atleak.common.printable import asked_for
 from atleak.common.wording import wording
 from atleak.report.json.diagnosis import limits_record
-from atleak.report.tables.valve_body import evidence_counts, open_values
+from atleak.report.tables.catalogue import evidence_counts, open_values
 from atleak.report.terminal import print_records
 from atleak.version import __version__
 

@@ -31,9 +31,9 @@ from atleak.job_book.new_sheets import NewSheet, new_sheets, shared_instruments
 from atleak.readers.controller_workbook import is_workbook, read_controller_workbook
 from atleak.readers.sheets.measuring_sheet import read_several
 from atleak.report.sheets.controller_workbook import write_controller_workbook
+from atleak.report.tables.catalogue import evidence_counts, open_values
 from atleak.report.tables.learned import learned_lands, learned_record
 from atleak.report.tables.table import Column
-from atleak.report.tables.valve_body import evidence_counts, open_values
 from atleak.report.terminal import print_table
 
 

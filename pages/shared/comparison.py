@@ -20,7 +20,7 @@ from atleak.report.charts.comparison_figures import logs_over_one_another
 from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf.comparison import write_comparison_pdf
 from atleak.report.tables.comparison import compared_event_name
-from atleak.report.tables.log_scales import channel_scales
+from atleak.report.tables.road_test import channel_scales
 from pages.shared import files, font_form, reader, show
 from pages.shared.book import book, job_id
 from pages.shared.cases import diagnosis_of, opened_case, result_key

@@ -22,8 +22,7 @@ from atleak.job.case import Case, Pairs, SourceFile
 from atleak.measurements.road_test import QUANTITIES
 from atleak.readers.logs import FORMATS, NOT_LOGGED, Ambiguous, LogColumn, Understood, describe
 from atleak.readers.logs.understood import workshop_unit
-from atleak.report.tables.log_scales import channel_scales
-from atleak.report.tables.road_test import short, whole
+from atleak.report.tables.road_test import channel_scales, short, whole
 from pages.shared import fields, reader, show
 from pages.shared.cases import Kept, PageCase, columns_of, remember_columns, remembered_columns, understood
 from pages.shared.state import choose, put_file, session

@@ -22,8 +22,16 @@ from atleak.measurements.road_test import RoadTest, hold
 from atleak.report.charts import log_figures as figures
 from atleak.report.charts.log_figures import LaidOver
 from atleak.report.charts.operating_map import histogram, operating_map
-from atleak.report.tables.log_scales import channel_scales, formula_scale
-from atleak.report.tables.road_test import Curve, as_it_is, event_table, log_curves, value_rows, whole
+from atleak.report.tables.road_test import (
+    Curve,
+    as_it_is,
+    channel_scales,
+    event_table,
+    formula_scale,
+    log_curves,
+    value_rows,
+    whole,
+)
 from atleak.report.tables.road_words import event_name
 from pages.shared import fields, log_form, reader, show
 from pages.shared.cases import understood

@@ -11,8 +11,7 @@ from atleak.analysis.repair.totals import Total
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.charts.condition_figures import pump_speed_chart
 from atleak.report.charts.flows import flow_diagram, flow_svg, flow_table
-from atleak.report.tables.pressures import conditions_section, held_section
-from atleak.report.tables.pump_speed import pump_over_speed
+from atleak.report.tables.pressures import conditions_section, held_section, pump_over_speed
 from pages.shared import fields, reader, show
 from pages.shared.show import plain
 from pages.shared.state import session

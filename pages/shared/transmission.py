@@ -9,7 +9,7 @@ from atleak.catalogue.workbook.draft import Checked, Draft, draft_of
 from atleak.catalogue.workbook.subjects import CONTROLLER
 from atleak.readers.controller_workbook import read_controller_workbook
 from atleak.report.sheets.controller_workbook import write_controller_workbook
-from atleak.report.tables.valve_body import evidence_counts, open_values
+from atleak.report.tables.catalogue import evidence_counts, open_values
 from pages.shared import entry_tables, reader, workshop_data
 from pages.shared.editing import Desk, Editing
 from pages.shared.learn_form import learn_form

@@ -13,7 +13,7 @@ from atleak.common.style import CURVES, FAINT_GRID, SCREEN, look_of
 from atleak.common.units import DM3_MIN, KPA, MM2_S, PERCENT, RPM
 from atleak.common.wording import Wording, wording
 from atleak.report.charts.figure import Figure, framed
-from atleak.report.tables.pump_speed import Demand, PumpOverSpeed
+from atleak.report.tables.pressures import Demand, PumpOverSpeed
 
 _COLOURS = tuple(CURVES.values())
 _DASHES = ("dot", "dash", "longdash", "dashdot", "longdashdot")

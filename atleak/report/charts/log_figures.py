@@ -20,8 +20,7 @@ from atleak.measurements.events import Event
 from atleak.measurements.road_test import Channel, RoadTest
 from atleak.report.charts.figure import Figure, framed
 from atleak.report.charts.operating_map import Histogram, OperatingMap
-from atleak.report.tables.log_scales import formula_scale
-from atleak.report.tables.road_test import RoadSeries, Scales, as_it_is, road_series
+from atleak.report.tables.road_test import RoadSeries, Scales, as_it_is, formula_scale, road_series
 from atleak.report.tables.road_words import event_name
 
 _POINTS = 2000  # samples of a channel that are drawn, besides the edges of its gaps

@@ -16,7 +16,7 @@ from atleak.common.wording import Wording
 from atleak.report.charts import paper_axes as plotting
 from atleak.report.charts.paper_axes import BELOW, SIZE, WIDTH, axis_words, interval, upright_title, widest
 from atleak.report.printed_fonts import fitting, width_of
-from atleak.report.tables.pump_speed import PumpOverSpeed
+from atleak.report.tables.pressures import PumpOverSpeed
 from atleak.report.tables.road_test import RoadSeries
 
 _RIGHT = WIDTH - 14.0

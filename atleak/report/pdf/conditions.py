@@ -22,8 +22,7 @@ from atleak.report.tables.first_sentence import pump_sentence
 from atleak.report.tables.gauges import permissible_text
 from atleak.report.tables.lands import MatrixRow, leaking_worst_first, matrix_table
 from atleak.report.tables.names import land_number
-from atleak.report.tables.pressures import condition_table, held_table, pressure_chart
-from atleak.report.tables.pump_speed import PumpOverSpeed, pump_over_speed
+from atleak.report.tables.pressures import PumpOverSpeed, condition_table, held_table, pressure_chart, pump_over_speed
 from atleak.report.tables.repairs import RepairOptionRow, option_table, order_table, plan_ends, totals_table
 from atleak.report.tables.road_test import RoadInstant, RoadSeries, event_table, instant_table, place_table
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences

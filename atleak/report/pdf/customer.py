@@ -23,11 +23,10 @@ from atleak.engine.operation import LINE
 from atleak.report.charts.drawing import controller_svg, shortened
 from atleak.report.pdf.blocks import Block, joined, listed, signatures
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
-from atleak.report.tables.complaint import explanations, most_lost
+from atleak.report.tables.complaint import End, WornValve, explanations, most_lost, worn_valves
 from atleak.report.tables.first_sentence import impossible_part, may_parts, measured_sentence, shown_verdict, worn_pump
 from atleak.report.tables.names import has_number
 from atleak.report.tables.table import VERDICT, Column, Judged, Table
-from atleak.report.tables.worn_valves import End, WornValve, worn_valves
 
 _NAMED = 4  # valves that a sentence names
 FELT = 2  # complaints, and ways of the oil, that are named for one valve

@@ -1,6 +1,7 @@
 """Tables of a road-test log: its events and pressures, its channels over a part, the instants that are read first.
 
-For a sheet or a page its leakage is thinned: few samples, no spike lost, gaps kept.
+For a sheet or a page its leakage is thinned: few samples, no spike lost, gaps kept. Each channel is shown in the unit
+in which its reader sees it, and so is what a formula gives.
 """
 
 from __future__ import annotations
@@ -12,9 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from atleak.analysis.formulas import Dimension
 from atleak.common.sentences import Sentence
 from atleak.common.thinning import thinned
-from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, Unit
+from atleak.common.units import unit as named_unit
 from atleak.common.wording import Wording
 from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.engine.extremes import Extremes, Instant
@@ -22,12 +25,22 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.engine.road_pressure import Departure, PlaceFinding, RoadPressure
 from atleak.measurements.events import Event
 from atleak.measurements.road_test import RoadTest
+from atleak.readers.logs.understood import workshop_unit
 from atleak.report.tables.road_words import event_remark
 from atleak.report.tables.table import Column, Table
 
 Scale = tuple[str, Callable[[Any], Any]]  # a unit's name, and the function from SI to it
 Scales = Mapping[str, Scale]  # by quantity
 Curve = tuple[str, np.ndarray, np.ndarray, str]  # name, stamps [s], values in the reader's unit, that unit
+_SHOWN = {  # kind of quantity → the reader's kind, and the unit that atleak's records have it in
+    "pressure": ("pressure", named_unit("kPa", "pressure")),
+    "rotational_speed": ("engine_speed", named_unit("rpm", "rotational_speed")),
+    "speed": ("speed", named_unit("km/h", "speed")),
+    "temperature": ("temperature", named_unit("°C", "temperature")),
+    "temperature_difference": ("temperature_difference", Unit("°C", 1.0)),
+    "time": ("time", named_unit("s", "time")),
+}
+_POWERS = {2: "²", 3: "³"}
 
 
 def event_table(events: Sequence[Event], say: Wording) -> Table:
@@ -308,3 +321,38 @@ def _columns(road: RoadLeakage) -> list[tuple[str, Sentence, str, np.ndarray, fl
         if values is not None:
             columns.append((name, said, unit, values, factor))
     return columns
+
+
+def channel_scales(test: RoadTest, say: Wording) -> dict[str, Scale]:
+    """Return, by quantity, the unit that the reader has it in and the function from SI to it."""
+    scales: dict[str, Scale] = {}
+    for name, channel in test.channels.items():
+        shown = workshop_unit(name, channel)
+        kind = next((kind for kind, (_, record) in _SHOWN.items() if record == shown), None)
+        if kind is not None:
+            scales[name] = _scale(kind, say)
+        elif shown is not None:
+            scales[name] = (shown.name, shown.from_si)
+    return scales
+
+
+def formula_scale(dimension: Dimension, say: Wording) -> Scale:
+    """Return the unit that the reader has a formula's values in, such as ``kPa/s``, and the function from SI to it."""
+    if not dimension:
+        return "", lambda value: value
+    if len(dimension) == 1 and dimension[0][1] == 1:
+        return _scale(dimension[0][0], say)
+    factor = 1.0
+    above: list[str] = []
+    below: list[str] = []
+    for kind, power in dimension:
+        name, convert = _scale(kind, say)
+        factor *= (convert(1.0) - convert(0.0)) ** power
+        (above if power > 0 else below).append(name + _POWERS.get(abs(power), "" if abs(power) == 1 else f"^{power}"))
+    name = "/".join(["·".join(above) or "1", *below])
+    return name, lambda value: value * factor
+
+
+def _scale(kind: str, say: Wording) -> Scale:
+    shown, record = _SHOWN[kind]
+    return say.unit(shown), lambda value: say.convert(record.from_si(value), shown)

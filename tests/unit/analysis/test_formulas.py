@@ -9,7 +9,7 @@ from atleak.analysis.formulas import formula_channel, kind_in_words
 from atleak.common.errors import FormulaError
 from atleak.common.wording import wording
 from atleak.measurements.road_test import Channel, RoadTest, Segment
-from atleak.report.tables.log_scales import channel_scales, formula_scale
+from atleak.report.tables.road_test import channel_scales, formula_scale
 
 SIZE = 40
 TIME = np.arange(SIZE) * 0.1

@@ -20,8 +20,8 @@ from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.provisional import AssumedBasis
 from atleak.measurements.readings import Readings
 from atleak.report.json.diagnosis import diagnosis_record
+from atleak.report.tables.catalogue import evidence_counts, evidence_table, open_values
 from atleak.report.tables.sentences import caveat_marks, caveats
-from atleak.report.tables.valve_body import evidence_counts, evidence_table, open_values
 from atleak.report.terminal import print_diagnosis
 
 Build = Callable[..., Readings]

@@ -24,8 +24,7 @@ from atleak.measurements.readings import Reading, Readings
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.customer import CustomerPage, digits_apart
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.report.tables.complaint import explanations
-from atleak.report.tables.worn_valves import End, worn_valves
+from atleak.report.tables.complaint import End, explanations, worn_valves
 from tests.unit.conftest import first_of
 from tests.unit.report import read_back
 

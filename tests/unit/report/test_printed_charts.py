@@ -22,8 +22,7 @@ from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.charts.paper_curves import pump_chart, road_chart
 from atleak.report.pdf.body import Body
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.report.tables.pressures import pressure_chart
-from atleak.report.tables.pump_speed import pump_over_speed
+from atleak.report.tables.pressures import pressure_chart, pump_over_speed
 from atleak.report.tables.road_test import road_series
 
 NEEDS_PUMP = ("share_percent", "pump_capacity_dm3_min")

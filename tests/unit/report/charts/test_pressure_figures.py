@@ -20,7 +20,7 @@ from atleak.diagnosis.examination import diagnose
 from atleak.report.charts.condition_figures import pump_speed_chart
 from atleak.report.charts.screen import drawn as drawn_on_screen
 from atleak.report.tables.pressures import pressure_chart
-from atleak.report.tables.pump_speed import pump_over_speed as speeds
+from atleak.report.tables.pressures import pump_over_speed as speeds
 
 
 def trace(figure, name: str):

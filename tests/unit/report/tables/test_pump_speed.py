@@ -10,7 +10,7 @@ import pytest
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.projection import project
-from atleak.report.tables.pump_speed import pump_over_speed
+from atleak.report.tables.pressures import pump_over_speed
 
 EN = wording("en")
 
