@@ -18,7 +18,8 @@ from pathlib import Path
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import InputError, Place, ReadingsError, reason_of
 from atleak.common.sentences import Sentence
-from atleak.readers.cells.sheet import EXPECTED, NO_WIDTH, Cell
+from atleak.readers.cells.extent import EXPECTED
+from atleak.readers.cells.sheet import NO_WIDTH, Cell
 from atleak.readers.dates import vocabulary, words
 from atleak.readers.logs.text_lines import to_text
 from atleak.readers.sheets.head_fields import identity_field

@@ -15,7 +15,8 @@ from pathlib import Path
 
 from atleak.common.errors import InputError, Place, ReadingsError, reason_of
 from atleak.common.sentences import Sentence
-from atleak.readers.cells.sheet import EXPECTED, MOST_TEXT, NO_WIDTH, Cell, Sheet, bounded, excess
+from atleak.readers.cells.extent import EXPECTED, MOST_TEXT, bounded, excess
+from atleak.readers.cells.sheet import NO_WIDTH, Cell, Sheet
 from atleak.readers.cells.workbook_marks import Marks
 from atleak.readers.process.parent import WORKBOOK, read_apart
 from atleak.readers.process.workbooks import Range, first_rows, measuring_sheets, stray_cells

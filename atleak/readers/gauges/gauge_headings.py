@@ -17,7 +17,8 @@ from atleak.catalogue.written_numbers import decimal_number
 from atleak.common.units import Unit, find_unit
 from atleak.common.wording import languages, wording
 from atleak.measurements.gauge_readings import LINE_TAP, Engine
-from atleak.readers.cells.sheet import MOST_TABLES, Cell, Sheet, text_of
+from atleak.readers.cells.extent import MOST_TABLES
+from atleak.readers.cells.sheet import Cell, Sheet, text_of
 from atleak.readers.cells.sheet import Cell as SheetCell
 from atleak.readers.dates import vocabulary, words
 

@@ -26,7 +26,8 @@ from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
 from atleak.common.units import MM, UM, Quantity, Unit, find_unit, unit
 from atleak.measurements.gauge_study import FEWEST, GaugeStudyError, StudyReadings
-from atleak.readers.cells.sheet import FAULTS, Sheet, text_of
+from atleak.readers.cells.extent import FAULTS
+from atleak.readers.cells.sheet import Sheet, text_of
 from atleak.readers.cells.sheet_file import open_sheets
 from atleak.readers.dates import vocabulary, words
 

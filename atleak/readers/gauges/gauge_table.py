@@ -32,8 +32,9 @@ from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
 from atleak.common.units import UNIT_KINDS, Unit, find_unit, unit, unit_names
 from atleak.measurements.gauge_readings import LINE_TAP, GaugeCell, GaugeReading, PressureTable, ranges_of
-from atleak.readers.cells.sheet import FAULTS, Sheet, column_letter, text_of
+from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Cell as SheetCell
+from atleak.readers.cells.sheet import Sheet, column_letter, text_of
 from atleak.readers.cells.sheet_file import open_sheets
 from atleak.readers.gauges.gauge_headings import (
     GaugeTable,

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from atleak.common.errors import RoadTestError
-from atleak.readers.cells.sheet import cut
+from atleak.readers.cells.extent import cut
 from atleak.readers.dates import words
 from atleak.readers.logs.delimited import every_nth
 from atleak.readers.logs.headings import Heading, HeadRow, nameless

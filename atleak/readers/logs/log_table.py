@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import pandas as pd
 
-from atleak.readers.cells.sheet import cut
+from atleak.readers.cells.extent import cut
 from atleak.readers.logs.headings import (
     Heading,
     HeadRow,

@@ -14,8 +14,8 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from atleak.common.sentences import Sentence
-from atleak.readers.cells.sheet import COLUMNS as WIDTH
-from atleak.readers.cells.sheet import EXPECTED, MOST_SHEETS, excess, trimmed
+from atleak.readers.cells.extent import COLUMNS as WIDTH
+from atleak.readers.cells.extent import EXPECTED, MOST_SHEETS, excess, trimmed
 from atleak.readers.cells.workbook_marks import (
     Marks,
     column_index,

@@ -11,7 +11,8 @@ from atleak.catalogue.instruments import Part
 from atleak.catalogue.words import PART_WORDS
 from atleak.common.errors import Message, Place, ReadingsError, unknown
 from atleak.common.sentences import Sentence
-from atleak.readers.cells.sheet import FAULTS, Sheet
+from atleak.readers.cells.extent import FAULTS
+from atleak.readers.cells.sheet import Sheet
 from atleak.readers.sheets.controller_names import ControllerNames, Sizes
 from atleak.readers.sheets.diameters import PlaceKey, filled_down
 from atleak.readers.sheets.layout import continued, find_tables, turned

@@ -14,7 +14,8 @@ from typing import Any
 
 from atleak.common.errors import Message, ReadingsError
 from atleak.common.sentences import Sentence, all_of
-from atleak.readers.cells.sheet import MOST_TABLES, Cell, Sheet
+from atleak.readers.cells.extent import MOST_TABLES
+from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.cells.workbook_marks import Marks
 from atleak.readers.sheets.column_headings import HeadedColumn, Role, read_heading, unit_of_heading
 from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames, Sizes, numbers_of

@@ -35,7 +35,8 @@ from atleak.common.units import Unit
 from atleak.common.units import unit as unit_named
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.readings import Reading, Readings
-from atleak.readers.cells.sheet import FAULTS, Sheet
+from atleak.readers.cells.extent import FAULTS
+from atleak.readers.cells.sheet import Sheet
 from atleak.readers.cells.sheet_file import read_bytes, read_sheets
 from atleak.readers.gauges.gauge_table import find_tabs, likeness_of
 from atleak.readers.sheets import agreement

@@ -13,7 +13,8 @@ from atleak.catalogue.words import PART_WORDS
 from atleak.common.errors import Message, ReadingsError, nearest_name, unknown
 from atleak.common.sentences import Name, Sentence, all_of, counted
 from atleak.common.units import Unit, find_unit, unit_names
-from atleak.readers.cells.sheet import FAULTS, Cell, column_letter
+from atleak.readers.cells.extent import FAULTS
+from atleak.readers.cells.sheet import Cell, column_letter
 from atleak.readers.sheets.column_headings import HeadedColumn
 from atleak.readers.sheets.columns import Columns, find_columns
 from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames

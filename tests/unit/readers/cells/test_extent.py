@@ -13,7 +13,7 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.common.errors import AtleakError, ReadingsError
 from atleak.job.kinds import TableKind, table_kind
-from atleak.readers.cells import sheet as extent
+from atleak.readers.cells import extent
 from atleak.readers.gauges.gauge_study import read_study
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.logs import log_columns, understand
