@@ -21,7 +21,7 @@ from atleak.report.pdf.blocks import joined, section_blocks
 from atleak.report.pdf.typesetting import common_data, compile_pdf
 from atleak.report.pictures import write_pictures
 from atleak.report.printed_fonts import OwnFont
-from atleak.report.tables.section import Picture
+from atleak.report.tables.table import Picture
 
 DETAILED = 3  # most valve bodies with sections of their own
 DEPTHS = {  # by the number of valve bodies with sections: eight pages hold them

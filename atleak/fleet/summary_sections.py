@@ -11,7 +11,7 @@ from atleak.fleet.summary_tables import Counted, FleetTables, by_trouble, counte
 from atleak.fleet.summary_words import TERMS, FleetWords, called, within_words
 from atleak.fleet.sums import GroupComparison, ValveBody, WearDifference
 from atleak.report.charts.drawing import shortened
-from atleak.report.tables.section import Facts, Picture, Points, Section, SectionPart, Text
+from atleak.report.tables.table import Facts, Picture, Points, Section, SectionPart, Text
 
 _ROWS = 12  # most rows of valve bodies in a table
 _RATES = tuple(f"past_{level}" for level in FLAGGED)

@@ -38,8 +38,6 @@ from atleak.report.tables.names import positions
 from atleak.report.tables.repairs import no_help, option_rows, plan_ends, planned
 from atleak.report.tables.road_test import instant_record, road_instants
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
-from atleak.report.tables.section import Facts, Picture, Points, Section, SectionPart
-from atleak.report.tables.section import Text as Paragraph
 from atleak.report.tables.sentences import (
     because_of,
     caveat_marks,
@@ -53,7 +51,8 @@ from atleak.report.tables.sentences import (
     reserve_sentence,
     when_new,
 )
-from atleak.report.tables.table import VERDICT, Column, Table, with_sign
+from atleak.report.tables.table import VERDICT, Column, Facts, Picture, Points, Section, SectionPart, Table, with_sign
+from atleak.report.tables.table import Text as Paragraph
 
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged

@@ -36,9 +36,8 @@ from atleak.report.charts.screen import drawn
 from atleak.report.tables.first_sentence import first_sentence as first_sentence_of
 from atleak.report.tables.first_sentence import shown_verdict
 from atleak.report.tables.gauges import gauge_table
-from atleak.report.tables.section import Facts, Picture, Points, Section, Text
 from atleak.report.tables.sentences import caveat_marks, caveats, fluid_in_state, rule_name
-from atleak.report.tables.table import VERDICT, Column, Table, with_sign
+from atleak.report.tables.table import VERDICT, Column, Facts, Picture, Points, Section, Table, Text, with_sign
 from pages.shared import reader
 from pages.shared.state import Refusal
 

@@ -11,8 +11,7 @@ from typing import Any
 
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import Wording, begun, isolated
-from atleak.report.tables.section import Facts, Picture, Points, Section, SectionPart, Text
-from atleak.report.tables.table import VERDICT, Column, Table
+from atleak.report.tables.table import VERDICT, Column, Facts, Picture, Points, Section, SectionPart, Table, Text
 
 Block = dict[str, Any]
 

@@ -31,8 +31,7 @@ from atleak.report.tables.comparison import (
     with_uncertainty,
 )
 from atleak.report.tables.first_sentence import measured_sentence
-from atleak.report.tables.section import Picture, Points, Section, SectionPart, Text
-from atleak.report.tables.table import VERDICT, Column, Table, span
+from atleak.report.tables.table import VERDICT, Column, Picture, Points, Section, SectionPart, Table, Text, span
 
 PAIRS = range(12, 2, -1)  # how many pairs the page lists, as many as fit; the report of each job has them all
 LEFT = 6  # most pairs that it names as still to be repaired

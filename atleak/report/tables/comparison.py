@@ -36,9 +36,8 @@ from atleak.report.json.diagnosis import FORMAT, head_record, land_record
 from atleak.report.tables.first_sentence import shown_verdict
 from atleak.report.tables.lands import MatrixRow
 from atleak.report.tables.names import land_words
-from atleak.report.tables.section import Picture, Section, SectionPart, Text
 from atleak.report.tables.sentences import caveats
-from atleak.report.tables.table import VERDICT, Column, Table, columns
+from atleak.report.tables.table import VERDICT, Column, Picture, Section, SectionPart, Table, Text, columns
 from atleak.version import __version__
 
 

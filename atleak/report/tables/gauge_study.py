@@ -11,8 +11,7 @@ from atleak.common.wording import Wording
 from atleak.report.charts.study_figures import component_chart
 from atleak.report.json.conditions import message_record
 from atleak.report.json.diagnosis import FORMAT
-from atleak.report.tables.section import Picture, Section, SectionPart, Text
-from atleak.report.tables.table import Column, Table
+from atleak.report.tables.table import Column, Picture, Section, SectionPart, Table, Text
 from atleak.version import __version__
 
 

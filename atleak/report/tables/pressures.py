@@ -25,7 +25,6 @@ from atleak.report.charts.chart import LayerOf, RowChart, layers_of
 from atleak.report.json.conditions import finite
 from atleak.report.tables.first_sentence import pump_sentence
 from atleak.report.tables.gauges import permissible_text
-from atleak.report.tables.section import Picture, Section, SectionPart, Text
 from atleak.report.tables.sentences import (
     circuit_sentence,
     decision_words,
@@ -36,7 +35,7 @@ from atleak.report.tables.sentences import (
     reserve_sentence,
     unsolved,
 )
-from atleak.report.tables.table import VERDICT, Column, Table, VerdictOrBand
+from atleak.report.tables.table import VERDICT, Column, Picture, Section, SectionPart, Table, Text, VerdictOrBand
 
 _FEWEST = 4  # temperatures that are drawn, where there are two to draw between: choice of this project
 _POINTS = 61  # of the speeds

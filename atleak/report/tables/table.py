@@ -1,8 +1,8 @@
-"""A table of an answer, said once for every medium: what its columns are called, what stands in them, its rows.
+"""Say an answer once for every medium: as tables, and as sections of sentences, lists, tables and charts.
 
-Terminal, page, PDF and workbook print it, and none of them knows what it is about. Values are in the units of atleak's
-records; language and units follow from the table's `Wording`. Headings stand in the texts as ``columns.KEY``, what a
-column means, where that needs saying, as ``column_help.KEY``.
+Terminal, page, PDF and workbook print them, and none of these knows what they are about. Values are in the units of
+atleak's records; language and units follow from the table's `Wording`. Headings stand in the texts as ``columns.KEY``,
+what a column means, where that needs saying, as ``column_help.KEY``.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from atleak.common.style import look_of
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import Wording
+from atleak.report.charts.chart import Chart
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -271,3 +272,52 @@ def columns(*named: str | Column) -> tuple[Column, ...]:
 def span(ends: Iterable[float], kind: str, say: Wording, digits: int = 1) -> str:
     """Return a value, or the two ends of a range, in the reader's unit and without it: ``10.0–18.0``."""
     return "–".join(say.value(end, kind, digits) for end in ends)
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph."""
+
+    words: str
+    small: bool = False  # a note on what stands before it
+    leads: bool = False  # it stays with what follows it
+    level: VerdictOrBand | None = None  # in whose colour it stands
+
+
+@dataclass(frozen=True)
+class Points:
+    """A list, a paragraph each."""
+
+    items: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A chart with what is said of it."""
+
+    name: str  # by which a page or a file finds it, the same in every language
+    chart: Chart
+    alt: str  # what it shows, for those who do not see it
+    caption: str = ""
+    legend: Sequence[VerdictOrBand] = ()  # on paper: levels whose shades it has
+    numbers: Table | None = None  # those that it shows, where nothing can be drawn
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Names and values side by side."""
+
+    rows: Sequence[tuple[str, str]]
+
+
+SectionPart = Text | Points | Facts | Table | Picture
+
+
+@dataclass(frozen=True)
+class Section:
+    """A title and what stands below it, in a reader's words; of level 1 it begins a new subject."""
+
+    name: str  # the same in every language
+    title: str
+    parts: Sequence[SectionPart] = ()
+    level: int = 2

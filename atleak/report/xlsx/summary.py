@@ -21,8 +21,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.report.sheets.paging import LINE_OF_A_BOOK, row_height
 from atleak.report.tables.first_sentence import lands_part, total_part
-from atleak.report.tables.section import Facts, Points, Section, Text
-from atleak.report.tables.table import Column, Table
+from atleak.report.tables.table import Column, Facts, Points, Section, Table, Text
 from atleak.report.xlsx.book import ReportBook, cell_span, formula
 from atleak.report.xlsx.lands import LiveSheets
 from atleak.report.xlsx.live_sheet import NOTHING_DELIVERED, RANKED, ColumnKey, LiveCell, quote, write_cell
