@@ -249,8 +249,15 @@ def test_an_assumed_line_pressure_is_not_judged(
     points = [
         replace(point, main_pressure=350 * KPA) if point.name == "hot_idle" else point for point in fed.operating_points
     ]
-    diagnosis = judged(replace(fed, operating_points=tuple(points)), {}, readings_of, hipol, limits)
+    assuming = replace(fed, operating_points=tuple(points))
+    diagnosis = judged(assuming, {}, readings_of, hipol, limits)
     assert RuleKind.PERMISSIBLE_PRESSURE not in {rule.kind for rule in diagnosis.pressure_rules}
+    # where the pump does not hold even that, it is judged by no more than that
+    diagnosis = judged(assuming, {REGULATOR: 200.0}, readings_of, hipol, limits)
+    assert diagnosis.hot_idle is not None
+    missing = 1.0 - diagnosis.hot_idle.main_pressure_held / (350 * KPA)
+    rule = rule_of(diagnosis, RuleKind.PERMISSIBLE_PRESSURE)
+    assert rule.value == pytest.approx(missing, rel=1e-12, abs=0.0)
 
 
 def test_a_circuit_decides_where_no_land_is_past_a_limit(

@@ -108,15 +108,15 @@ def test_one_visit_more_never_widens_the_interval_of_a_rate(
     assert u_more <= u_fewer * (1.0 + 1e-6)
 
 
-@given(visits, st.floats(10.0, 80.0))
+@given(visits, st.floats(10.0, 80.0), st.sampled_from([0.0, 2e4]))
 def test_a_crossing_is_in_order_and_where_its_band_meets_the_limit(
-    points: list[tuple[float, float, float]], limit: float
+    points: list[tuple[float, float, float]], limit: float, driven_since: float
 ) -> None:
     mileages, clearances, us = map(list, zip(*sorted(points), strict=True))
     line = wear_line(mileages, [each * UM for each in clearances], np.diag(np.square(us)) * UM**2)
     if line is None:
         return
-    present = mileages[-1]
+    present = mileages[-1] + driven_since
     at = line.reaches(limit * UM, present)
     assert present <= at.low <= at.value * (1.0 + 1e-9)
     assert at.value <= at.high * (1.0 + 1e-9)

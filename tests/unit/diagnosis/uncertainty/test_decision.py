@@ -107,6 +107,16 @@ def test_a_fixed_limit_under_those_of_growth_is_the_first_to_be_reached() -> Non
     assert (past.rule.level, past.at_next_level) == ("critical", None)
 
 
+def test_of_a_reserve_the_highest_limit_is_the_first_to_be_reached() -> None:
+    steps = Steps(((Band.AMBER, 1.5), (Band.RED, 1.2), (Band.CRITICAL, 1.0)), LimitOrigin.PROJECT, "", fall=0.0)
+    low = decide_rule(Rule(RuleKind.RESERVE, None, 1.1, steps), (0.1,) * 3, (1.0, 0.8, 0.2), 1.645, skewed=False)
+    first, last = low.at_first_level, low.at_next_level
+    assert (first.about, first.limit, first.decision) == ("amber", 1.5, "fail")
+    assert (low.about, low.limit, low.decision) == ("red", 1.2, "conditional_fail")
+    assert last is not None
+    assert (last.about, last.limit, last.decision) == ("critical", 1.0, "conditional_pass")
+
+
 def _limits(limits: Limits, clearance: float) -> Limits:
     steps = Steps(((Verdict.REPLACE, clearance),), LimitOrigin.WORKSHOP, "")
     return replace(limits, wear=None, clearance=steps, pair_share=None)

@@ -193,6 +193,7 @@ CASES: dict[str, Case] = {
     "concatenated": Case(table("Time (s),RPM", "{t:.2f},{rpm}") + table("", "{t:.2f},{rpm}"), rows=80, duration=7.8, segments=2, codes=("clock_restarted",), has={"engine_speed": (RPM, "rpm")}),
     "gap": Case(table("Time (s),RPM", "{t:.2f},{rpm}") + table("", "24078.{i:02d},{rpm}"), rows=80, duration=24078.39, segments=2, codes=("gaps",), has={"engine_speed": (RPM, "rpm")}),
     "interval in the head": Case("Delta_X\t0.1\n***End_of_Header***\n" + table("RPM (rpm)\tATF Temp (C)", "{rpm}\t{temp}"), has={"engine_speed": (RPM, "rpm")}, codes=("time_counted",)),
+    "interval in the head, decimal comma": Case("Abtastintervall;0,25 s\n\n" + table("Motordrehzahl (1/min);Getriebeöltemperatur (°C)", "{rpm}.5;{temp}.0", comma=True), duration=9.75, has={"engine_speed": (RPM + 0.5, "rpm")}, codes=("time_counted",)),
     "sample rate in the head": Case("Sample Rate,10\n\n" + table("Engine RPM (rpm),ATF Temp (C),x", "{rpm},{temp},1"), has={"engine_speed": (RPM, "rpm")}, codes=("time_counted",)),
     # --- values
     "sparse columns": Case("Time (s),RPM,ATF Temp (C)\n" + "".join(f"{i / 10:.1f},{800 + 37 * i if i % 2 else ''},{80 + i % 5 if i % 10 == 9 else ''}\n" for i in range(40)), has={"engine_speed": (RPM, "rpm"), "atf_temperature": (84.0, "°C")}),
