@@ -276,10 +276,8 @@ def _likely_headers(sheet: Sheet, first: int, is_component: Callable[[str], bool
     if not _may_hold_headings(sheet, first) or _names_component(sheet, first, is_component):
         return
     decimals = _holds_decimals(sheet, first)
-    if decimals:
-        texts = [cell for cell in sheet.rows[first] if isinstance(cell, str) and not _has_decimals(cell)]
-        if len(texts) < 3 or sum(read_heading(text) is not None for text in texts) < 3:
-            return
+    if decimals and not _holds_headings_too(sheet.rows[first]):
+        return
     for header in _headers_at(sheet, first):
         last = header.last
         if last > first and (decimals or _names_component(sheet, last, is_component) or _holds_decimals(sheet, last)):
@@ -311,6 +309,12 @@ def _holds_decimals(sheet: Sheet, row: int) -> bool:
         _has_decimals(cell) if isinstance(cell, str) else isinstance(cell, float) and not cell.is_integer()
         for cell in sheet.rows[row]
     )
+
+
+def _holds_headings_too(row: Sequence[object]) -> bool:
+    """Return whether three cells of a row that holds decimals say what their columns hold."""
+    texts = [cell for cell in row if isinstance(cell, str) and not _has_decimals(cell)]
+    return len(texts) > 2 and sum(read_heading(text) is not None for text in texts) > 2
 
 
 @lru_cache(maxsize=16384)
