@@ -7,12 +7,13 @@ transparent ground, the legend on top and room for labels.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
-
-import plotly.graph_objects as go
+from typing import TYPE_CHECKING, Any
 
 from atleak.common.style import CLEAR, FAINT_GRID, HATCHING, SCREEN, Look
 from atleak.common.wording import Wording, wording
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
 
 _Span = tuple[float, float]
 _Values = Sequence[float | None]
@@ -183,6 +184,8 @@ class Figure:
         ValueError
             a property that plotly does not know, or a value that it does not take.
         """
+        import plotly.graph_objects as go  # dear to import, and seldom needed
+
         return go.Figure(self.to_dict())
 
     @property
