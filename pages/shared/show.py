@@ -154,7 +154,7 @@ def _heading(title: str) -> str:
 
 PAIR_WIDTH = 150  # pixels of a land's name, its number first
 _LETTER, _PADDING = 7, 20  # pixels of a letter, and of a cell's sides
-_TWO_LINES = 52  # pixels of a row
+_TWO_LINES = 65  # pixels of a row: Streamlit wraps text only in rows of more than 64
 
 
 def _room_for(names: Sequence[str]) -> tuple[int, int | None]:
