@@ -30,7 +30,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("all_draws")]
 
 UNITS = 40
 CLIENT = """
-import os, sys
+import os, signal, sys
 from pathlib import Path
 
 import psutil
@@ -59,6 +59,7 @@ def main():
         print(run_fleet([*map(small_unit, range(int(count)))], results, client, progress=kill).evaluated, flush=True)
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
     main()
 """
 
