@@ -15,7 +15,7 @@ from atleak.analysis.record_doubts import decision_faults
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
 from atleak.common.errors import InputError
-from atleak.measurements.job_card import PICTURE_SUFFIXES, Grade, Job, RepairState
+from atleak.measurements.job_card import PICTURE_SUFFIXES, Grade, Job, Record, RepairState
 from atleak.report.pictures import printable_picture
 from atleak.report.tables.names import component_words
 from pages.shared import drop_zone, fields, reader, show
@@ -23,12 +23,7 @@ from pages.shared.state import RECORD, choose, job, job_generation, put_job, rem
 
 __all__ = ["draw", "job", "key", "put_job"]
 
-_TEXTS = {
-    "workshop": ("name", "address", "phone", "email", "website", "registration"),
-    "customer": ("name", "number", "address", "phone", "email"),
-    "vehicle": ("make", "model", "year", "engine", "registration", "vin"),
-    "transmission": ("maker", "code", "serial", "note"),
-}
+_TABLES = ("workshop", "customer", "vehicle", "transmission")
 _LINES = ("number", "technician", "revision", "replaces", "approved_by")
 _NUMBERS = {
     "measuring_temperature_c": ("measuring_temperature", MEASURING_TEMPERATURE),
@@ -51,10 +46,10 @@ def draw(controller: Controller) -> Job:
         for name, place in zip(("date", "measured_on", "issued_on"), (first[1], *second[:2]), strict=True):
             own = fields.kept(key(name), getattr(record, name))
             values[name] = place.date_input(say(f"job_form.{name}"), format="YYYY-MM-DD", **own)
-        for place, (table, names) in zip(third, _TEXTS.items(), strict=True):
+        for place, table in zip(third, _TABLES, strict=True):
             place.markdown(f"**{say(f'job_form.{table}')}**")
             held = getattr(record, table)
-            texts = {name: _text(place, f"{table}-{name}", name, getattr(held, name)) for name in names}
+            texts = {name: _text(place, f"{table}-{name}", name, getattr(held, name)) for name in _texts(held)}
             values[table] = held.model_dump() | texts
         for name, (label, asked) in _NUMBERS.items():
             with first[3] if asked is MEASURING_TEMPERATURE else third[-1]:  # the pump is the transmission's
@@ -95,8 +90,9 @@ def _as_found(record: Job) -> dict[str, Any]:
     say, oil, dirt = reader.say(), record.fluid_condition, record.contamination
     complaint = st.text_area(say("facts.complaint"), **fields.kept(key("complaint"), record.complaint))
     codes = _line(st, "fault_codes", ", ".join(record.fault_codes))
-    places = dict(zip(("product", "level", "colour", "smell", "note"), st.columns(5), strict=True))
-    fluid = {name: _text(place, f"oil-{name}", name, getattr(oil, name), "oil_") for name, place in places.items()}
+    names = _texts(oil)
+    places = zip(names, st.columns(len(names)), strict=True)
+    fluid = {name: _text(place, f"oil-{name}", name, getattr(oil, name), "oil_") for name, place in places}
     grades = ["", *get_args(Grade)]
     columns = st.columns(3)
     chosen = fields.kept(key("grade"), dirt.grade or "")
@@ -238,6 +234,11 @@ def _take_photo_away(file: str) -> None:
 def _put(record: Job) -> None:
     """Change the record under its widgets; for a callback."""
     st.session_state[RECORD] = record
+
+
+def _texts(table: Record) -> list[str]:
+    """Return the names of the fields of a table that hold text, in the record's order."""
+    return [name for name, field in type(table).model_fields.items() if field.default == ""]
 
 
 def _line(place: Any, name: str, value: str) -> str:
