@@ -42,7 +42,7 @@ _UNSEALED = "0" * 64
 _SEALED = re.compile(rf'name="{PROPERTY}"><vt:lpwstr>([a-z ]+) ([0-9a-f]{{64}})</vt:lpwstr>')
 _PDF = re.compile(rb"<pdf:Keywords>atleak [^<]+</pdf:Keywords>")
 _MADE = re.compile(rb"<xmp:ModifyDate>([^<]+)</xmp:ModifyDate><xmp:CreateDate>\1</xmp:CreateDate>")
-_RECORD_LIMIT = 16 << 20  # bytes of JSON
+RECORD_LIMIT = 16 << 20  # bytes of a job record, and of a result
 _TAIL = 1 << 20  # bytes at the end of a PDF: its metadata and table of contents
 _ENTRIES = 1000  # most entries of an archive that is looked at
 _DIRECTORY = 1 << 20  # bytes of an archive's table of contents
@@ -138,12 +138,12 @@ def _kind(path: Path) -> SealedKind | None:
         if start[:1] != b"{" and start[:1] != b"[":
             return None
         stream.seek(0)
-        return _record(stream.read(_RECORD_LIMIT + 1))
+        return _record(stream.read(RECORD_LIMIT + 1))
 
 
 def _record(content: bytes) -> SealedKind | None:
     """Recognise a record: it names its format and atleak; in a list every entry has an id and names atleak."""
-    if len(content) > _RECORD_LIMIT:
+    if len(content) > RECORD_LIMIT:
         return None
     try:
         data = json.loads(content)
@@ -169,7 +169,7 @@ def _archive(stream: BinaryIO, size: int) -> SealedKind | None:
         return None
     try:
         with zipfile.ZipFile(stream) as bundle:
-            if (record := _beginning(bundle, "job.json", _RECORD_LIMIT + 1)) is not None:
+            if (record := _beginning(bundle, "job.json", RECORD_LIMIT + 1)) is not None:
                 return "job file" if _record(record) else None
             mark = _SEALED.search((_beginning(bundle, _PART, _PROPERTIES) or b"").decode("utf-8", "replace"))
             if mark is None or mark[2] != _seal(bundle.infolist()):

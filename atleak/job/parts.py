@@ -21,6 +21,7 @@ from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import InputError, Place
 from atleak.common.file_faults import validated
+from atleak.common.seals import RECORD_LIMIT
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR
@@ -38,7 +39,6 @@ from atleak.report.json.diagnosis import diagnosis_record
 from atleak.version import __version__
 
 JOB_FORMAT: Literal[1] = 1
-_RECORD_LIMIT = 16 << 20  # bytes
 
 
 # --- everything of a job but its files
@@ -383,7 +383,7 @@ def json_of(content: bytes, name: str) -> Any:
     InputError
         naming what is too large or no JSON.
     """
-    if len(content) > _RECORD_LIMIT:
+    if len(content) > RECORD_LIMIT:
         raise InputError(Sentence("too large"), place=Place(file=name))
     try:
         return _encodable(json.loads(content.decode("utf-8-sig")))

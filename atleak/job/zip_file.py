@@ -13,7 +13,7 @@ from typing import IO, Any
 from atleak.common.damage import DAMAGE, own_errors_only, own_line
 from atleak.common.errors import AtleakError, InputError, Place, reason_of, text_reason
 from atleak.common.file_faults import validated
-from atleak.common.seals import PACKINGS
+from atleak.common.seals import PACKINGS, RECORD_LIMIT
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import OWN_FILES, SLOTS, Case
@@ -23,12 +23,11 @@ from atleak.measurements.job_card import Job, picture_name
 
 SIZE_LIMIT = 1 << 30  # bytes of all files of a job, unpacked
 _PICTURE_LIMIT = 40 << 20
-_RECORD_LIMIT = 16 << 20
 _OF_BOOK = "book.json"
 _LIMITS = {  # bytes of a file of the job's own, unpacked, where it is no table; a workbook of readings may hold photos
-    "job.json": _RECORD_LIMIT,
-    "result.json": _RECORD_LIMIT,
-    _OF_BOOK: _RECORD_LIMIT,
+    "job.json": RECORD_LIMIT,
+    "result.json": RECORD_LIMIT,
+    _OF_BOOK: RECORD_LIMIT,
     "road_test": 800 << 20,
 }
 _TABLE_LIMIT, _CATALOGUE_LIMIT = 200 << 20, 4 << 20
@@ -65,7 +64,7 @@ def load_job(path: str | Path) -> Job:
         problem = Sentence("cannot be read: {reason}", reason=reason_of(error))
         expected = Sentence("a job record in TOML or JSON")
         raise InputError(problem, place=Place(file=str(path)), expected=expected) from error
-    if len(content) > _RECORD_LIMIT:
+    if len(content) > RECORD_LIMIT:
         raise InputError(Sentence("too large for a job record"), place=Place(file=path.name))
     job = parse_job(content, path.name)
     return job.with_pictures({name: _picture_beside(path, name) for name in job.picture_names})
