@@ -153,7 +153,7 @@ MOST = replace(STATED_INKS, marker="triangle-left", shape=SignShape(((0.8, -0.9)
 EDGE = "#C5CDD5"  # of a drawing's card without a flagged land
 CLEAR = "rgba(0,0,0,0)"  # a figure's ground on the screen: the page's own
 HATCHING = "rgba(255,255,255,0.7)"  # strokes of a pattern on the screen
-FAINT_GRID = "rgba(128,128,128,0.25)"
+FAINT_GRID = "rgba(128,128,128,0.25)"  # seen on white and on black
 # maps from little to much; spelled out, since plotly's named scales run the other way in the browser
 SCALE_OF_SHARES = [[0.0, "#ffffcc"], [0.5, "#fd8d3c"], [1.0, "#800026"]]
 SCALE_OF_TIME = [[0.0, "#deebf7"], [1.0, "#08519c"]]

@@ -38,7 +38,7 @@ from atleak.fleet.sums import FleetSummary, LandOverMileage, ValveBody
 from atleak.report.sheets.paging import LINE_OF_A_BOOK, row_height
 from atleak.report.tables.table import VERDICT, Column, Table
 from atleak.report.xlsx import report_workbook
-from atleak.report.xlsx.book import ReportBook, cell_span
+from atleak.report.xlsx.book import HIGHEST_ROW, ReportBook, cell_span
 from atleak.report.xlsx.summary import SummaryPage
 
 _ROWS = 22  # that a chart takes, the free ones below it with them
@@ -258,7 +258,6 @@ _NUMBER, _LEAST, _MOST, _WIDEST = 12, 10, 48, 90  # [characters] of columns: num
 _LONG, _BARS = "message", "pair_replace.percent"  # columns of long texts, and of bars behind their numbers
 _ON_A_PAGE = 240  # characters that a page has room for side by side, at six tenths of their size
 _SIDE = 0.4  # [in] margins
-_HIGHEST = 409.0  # [pt] that Excel allows
 
 
 def write_summary_workbook(
@@ -360,7 +359,7 @@ class _Writer:
         form = book.form(number_form) if column.is_number else book.form(text_wrap=long)
         for line, value in enumerate(values, start=1):
             if long:
-                sheet.set_row(line, min(row_height([(str(value), _WIDEST)], line=LINE_OF_A_BOOK), _HIGHEST))
+                sheet.set_row(line, min(row_height([(str(value), _WIDEST)], line=LINE_OF_A_BOOK), HIGHEST_ROW))
             if isinstance(value, dt.date):
                 moment = dt.datetime.combine(value, dt.time())
                 sheet.write_datetime(line, number, moment, book.form(_DATE, align="left"))

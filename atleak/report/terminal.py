@@ -30,7 +30,7 @@ from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.measurements.gauge_readings import LINE_TAP
 from atleak.measurements.readings import LENGTHS_MEASURED, REPAIR_FITTED
-from atleak.report.tables.complaint import finding, measure_first, reason
+from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
 from atleak.report.tables.first_sentence import impossible_part, may_parts, pump_sentence, shown_verdict, worn_pump
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.lands import ON_PAPER, leaking_worst_first, matrix_table, pair_table
@@ -57,7 +57,6 @@ from atleak.report.tables.table import Text as Paragraph
 CONDITIONS_ABREAST = 6  # columns of the matrix that fit beside one another
 LARGEST = 5  # lands of the matrix where none is flagged
 GAUGES_ABREAST = 8  # columns of gauge readings that fit beside one another
-_MEASURE_FIRST = 6  # lands named for a complaint
 
 
 class TerminalConsole(Console):
@@ -350,10 +349,10 @@ def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
     shows = "; ".join(each.condition.label for each in diagnosis.complained)
     ranked = measure_first(diagnosis)
     yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. {finding(diagnosis, wording('en'))}"
-    for each in ranked[:_MEASURE_FIRST]:
+    for each in ranked[:MEASURE_FIRST]:
         yield f"  {_named(diagnosis, each.land)}: {reason(each, wording('en'))}"
-    if len(ranked) > _MEASURE_FIRST:
-        yield f"  … and {len(ranked) - _MEASURE_FIRST} more that leak there"
+    if len(ranked) > MEASURE_FIRST:
+        yield f"  … and {len(ranked) - MEASURE_FIRST} more that leak there"
 
 
 def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterator[str]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from atleak.analysis.gauge_study import ACCEPTED, MARGINAL, GaugeStudy
 from atleak.analysis.source_study import CURVES_WEAR, TemperatureCurve, VariantResult
-from atleak.common.style import AS_NEW, CURVES, SCREEN, Look, look_of
+from atleak.common.style import AS_NEW, CURVES, FAINT_GRID, SCREEN, Look, look_of
 from atleak.common.thinning import thinned
 from atleak.common.units import DM3_MIN, PERCENT, UM
 from atleak.common.verdicts import Verdict
@@ -25,7 +25,6 @@ from atleak.report.charts.figure import Figure, framed
 MOST_POINTS = 2000  # that a line may have before it is thinned
 _MOST_GEARS = 40  # stretches in one gear that are named
 _HEIGHT, _UPPER = 520, 0.28
-_GRID = "rgba(128,128,128,0.25)"  # seen on white and on black
 _LOOKS = {
     "W1": (CURVES["blue"], "solid"),
     "W2": (CURVES["green"], "dash"),
@@ -209,8 +208,8 @@ def _laid_out(drawn: Figure, x_title: str, y_title: str, *, log_y: bool = False)
     framed(drawn, _HEIGHT + 140 * (drawn.rows - 1), 30)
     legend = {"orientation": "h", "yref": "container", "yanchor": "bottom", "y": 0.0, "x": 0.0}
     drawn.update_layout(legend=legend | {"groupclick": "togglegroup"})
-    drawn.update_xaxes(gridcolor=_GRID)
-    drawn.update_yaxes(gridcolor=_GRID, zeroline=True, zerolinecolor=_GRID)
+    drawn.update_xaxes(gridcolor=FAINT_GRID)
+    drawn.update_yaxes(gridcolor=FAINT_GRID, zeroline=True, zerolinecolor=FAINT_GRID)
     drawn.update_xaxes(title=x_title, row=drawn.rows)
     drawn.update_yaxes(type="log" if log_y else None, rangemode=None if log_y else "tozero")
     drawn.update_yaxes(title=y_title, row=drawn.rows)

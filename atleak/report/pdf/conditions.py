@@ -17,7 +17,7 @@ from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.charts.paper_curves import pump_chart, road_chart
 from atleak.report.pdf.blocks import Block, bullets, ends, joined, named_facts, picture, printed, text
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
-from atleak.report.tables.complaint import finding, measure_first, reason
+from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
 from atleak.report.tables.first_sentence import pump_sentence
 from atleak.report.tables.gauges import permissible_text
 from atleak.report.tables.lands import MatrixRow, leaking_worst_first, matrix_table
@@ -30,7 +30,6 @@ from atleak.report.tables.sentences import circuit_sentence, shares_add_up
 from atleak.report.tables.table import Column, Table
 
 ABREAST = 5  # conditions beside one another in a table
-_MEASURE_FIRST = 6  # lands named for a complaint
 
 
 class Conditions(PrintedPart):
@@ -45,9 +44,9 @@ class Conditions(PrintedPart):
             return None
         at = joined((self.say.condition(each.condition) for each in diagnosis.complained), "; ")
         ranked = measure_first(diagnosis)
-        items = [f"{self.names.land_name(each.land)}: {reason(each, say)}" for each in ranked[:_MEASURE_FIRST]]
-        if len(ranked) > _MEASURE_FIRST:
-            items.append(say("complaint.more", count=len(ranked) - _MEASURE_FIRST))
+        items = [f"{self.names.land_name(each.land)}: {reason(each, say)}" for each in ranked[:MEASURE_FIRST]]
+        if len(ranked) > MEASURE_FIRST:
+            items.append(say("complaint.more", count=len(ranked) - MEASURE_FIRST))
         shows = say("complaint.shows", label=say.name(diagnosis.complaint.label), conditions=at)
         return {"sentence": f"{shows} {finding(diagnosis, say)}", "items": items}
 

@@ -17,11 +17,6 @@ from atleak.report.sheets.paging import HEADER, PagedTable, Tab, only, put
 from atleak.report.tables.gauges import permissible_text, tap_text
 
 PRESSURES_TITLE = Sentence("Pressures")
-_ENGINES = {
-    Engine.SLOW_IDLE: Sentence("slow idle"),
-    Engine.FAST_IDLE: Sentence("fast idle"),
-    Engine.STALL: Sentence("stall"),
-}
 _TEMPERATURE = (3, 2)  # row and column of the field
 _HIGHEST = 6000  # [kPa] that the cells take
 _RANGE, _TAP, _READ = range(3)  # columns, from 0; the last with one for every state of the engine
@@ -75,8 +70,8 @@ def write_pressures(tab: Tab, controller: Controller, readings: PressureTable | 
 def _headings(say: Wording) -> list[str]:
     unit = say.unit("pressure")
     headings = [Sentence("Range"), Sentence("Tap")]
-    headings += [Sentence("{engine} [{unit}]", engine=_ENGINES[engine], unit=unit) for engine in Engine]
-    headings += [Sentence("Permissible at {engine} [{unit}]", engine=_ENGINES[engine], unit=unit) for engine in Engine]
+    headings += [Sentence("{engine} [{unit}]", engine=engine.label, unit=unit) for engine in Engine]
+    headings += [Sentence("Permissible at {engine} [{unit}]", engine=engine.label, unit=unit) for engine in Engine]
     return list(map(say.sentence, headings))
 
 

@@ -122,6 +122,9 @@ def reason(each: MeasureFirst, say: Wording) -> str:
     return say(f"complaint.{each.doubt}", carried=carried)
 
 
+MEASURE_FIRST = 6  # lands that a report names: choice of this project
+
+
 def measure_first(diagnosis: Diagnosis) -> tuple[MeasureFirst, ...]:
     """Return the lands that can explain the complaint of a diagnosis and are not measured yet on both parts.
 

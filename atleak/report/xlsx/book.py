@@ -19,6 +19,7 @@ from atleak.measurements.job_card import clean_text
 from atleak.report.tables.table import VERDICT, Table
 
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
+HIGHEST_ROW = 409.0  # [pt] that Excel allows
 NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity
 _NOTHING, _DEMAND = Sentence("pump delivers nothing"), Sentence("demand")
 
@@ -211,7 +212,7 @@ class ReportBook:
             if width is not None:
                 lines = sum(1 + len(each) // width for each in part.split("\n"))
                 if lines > 1:
-                    sheet.set_row(row + line, min(15.0 * lines, 409.0))
+                    sheet.set_row(row + line, min(15.0 * lines, HIGHEST_ROW))
         return row + len(parts) - 1
 
 

@@ -18,6 +18,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.controller import Land
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.repairs import LandKey
+from atleak.catalogue.words import PART_WORDS
 from atleak.common.sentences import Sentence
 from atleak.common.units import MM, UM
 from atleak.common.wording import Wording
@@ -47,7 +48,6 @@ if TYPE_CHECKING:
     from atleak.report.xlsx.lands import LiveSheets
 
 READINGS = Sentence("Readings")
-READ_PART_NAMES: dict[Part, Sentence] = {"spool": Sentence("spool"), "sleeve": Sentence("sleeve")}
 _ENTERED = {
     "component": Sentence("component"),
     "land": Sentence("land"),
@@ -237,7 +237,7 @@ class ReadingCells:
         values = {
             "component": reading.component,
             "land": place.land.land if place else None,
-            "part": READ_PART_NAMES[reading.part],
+            "part": PART_WORDS[reading.part],
             "plane": reading.plane,
             "direction": reading.direction,
             "repeat": reading.repeat,

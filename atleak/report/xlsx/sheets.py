@@ -16,7 +16,7 @@ from atleak.common.units import DM3_MIN, PERCENT
 from atleak.common.verdicts import BANDS, VERDICTS, Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job, Record
-from atleak.report.tables.complaint import finding, measure_first, reason
+from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
 from atleak.report.tables.estimate import EstimateWords, open_words
 from atleak.report.tables.first_sentence import first_sentence
 from atleak.report.tables.lands import MatrixRow, condition_matrix
@@ -65,7 +65,6 @@ _HOW_TO_CHANGE = (
 _LEVELS: dict[MessageLevel, Sentence] = {"info": Sentence("info"), "warning": Sentence("warning")}
 _LEAST = 10  # columns of the summary: what stands alone is a long text
 _WORDED = ("name", "representative_note", "source")  # of an entry of the catalogue, in words
-_MEASURE_FIRST = 6  # lands named for a complaint
 ESTIMATE_SHEET = Sentence("Estimate")
 _WIDTHS = (30, 34, 18, 12, 10, 12, 12, 14, 30, 60)
 
@@ -144,7 +143,7 @@ class Sheets:
             return []
         ranked = measure_first(diagnosis)
         say = self.say
-        lands = [f"{each.land.key[0]}/{each.land.key[1]}: {reason(each, say)}" for each in ranked[:_MEASURE_FIRST]]
+        lands = [f"{each.land.key[0]}/{each.land.key[1]}: {reason(each, say)}" for each in ranked[:MEASURE_FIRST]]
         return [
             (Sentence("complaint"), say.name(diagnosis.complaint.label)),
             (Sentence("shows at"), "; ".join(say.condition(each.condition) for each in diagnosis.complained)),

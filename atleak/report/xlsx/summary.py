@@ -22,7 +22,7 @@ from atleak.diagnosis.land import LandDiagnosis
 from atleak.report.sheets.paging import LINE_OF_A_BOOK, row_height
 from atleak.report.tables.first_sentence import lands_part, total_part
 from atleak.report.tables.table import Column, Facts, Points, Section, Table, Text
-from atleak.report.xlsx.book import ReportBook, cell_span, formula
+from atleak.report.xlsx.book import HIGHEST_ROW, ReportBook, cell_span, formula
 from atleak.report.xlsx.lands import LiveSheets
 from atleak.report.xlsx.live_sheet import NOTHING_DELIVERED, RANKED, ColumnKey, LiveCell, quote, write_cell
 
@@ -30,7 +30,6 @@ _LABELS = 25, 42  # [characters] least and most width of the first column
 _NAMES, _VERDICTS, _OTHERS = 22, 15, 12  # width of the second, the third and any other
 _ROOM = 190  # of all columns, which prints at three quarters of its size on A4
 _SIDES, _TOP = 0.3, 0.5  # [in] margins
-_HIGHEST = 409.0  # [pt] that Excel allows
 _PLACE = re.compile("\x01([^\x01]+)\x01")  # where a formula stands in a sentence
 OF_A_LAND = (Sentence("component"), Sentence("name"), Sentence("verdict"), Sentence("land"))
 _COLUMNS: tuple[ColumnKey, ...] = ("component", "name", "verdict", "land")  # the same on the sheet of lands
@@ -155,7 +154,7 @@ class SummaryPage:
         return sum(self.widths[column : (column if last is None else last) + 1])
 
     def _grow(self, row: int, cells: Iterable[tuple[str, float]], *, bold: bool) -> None:
-        height = min(row_height(cells, bold=bold, line=LINE_OF_A_BOOK), _HIGHEST)
+        height = min(row_height(cells, bold=bold, line=LINE_OF_A_BOOK), HIGHEST_ROW)
         if height > self._heights.get(row, LINE_OF_A_BOOK):
             self._heights[row] = height
             self.sheet.set_row(row, height)

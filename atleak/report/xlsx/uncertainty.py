@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.instruments import Instrument, Part
+from atleak.catalogue.words import PART_WORDS
 from atleak.common.sentences import Name, Sentence
 from atleak.common.units import PERCENT, UM
 from atleak.common.wording import Wording
@@ -40,7 +41,7 @@ from atleak.report.xlsx.live_sheet import (
     quote,
     write_cell,
 )
-from atleak.report.xlsx.readings import READ_PART_NAMES, ReadingCells
+from atleak.report.xlsx.readings import ReadingCells
 
 if TYPE_CHECKING:
     from atleak.report.xlsx.lands import LiveSheets
@@ -79,7 +80,7 @@ class InstrumentCells:
 
     def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write a column for each part, every cell a name that budgets ask for."""
-        headings = (Sentence("quantity"), Sentence("unit"), *(READ_PART_NAMES[part] for part in PARTS))
+        headings = (Sentence("quantity"), Sentence("unit"), *(PART_WORDS[part] for part in PARTS))
         book.headings(sheet, 0, headings, lines=1)
         instruments = self.uncertainty.instruments
         book.put(sheet, 1, 0, Sentence("instrument"), book.bold)
@@ -160,7 +161,7 @@ class InstrumentCells:
     def _summed(self, part: Part, column: str) -> str:
         """Return the formula of the sum of a column of the readings over one part."""
         parts, values = self.readings.whole("part"), self.readings.whole(column)
-        return "0" if values is None else f"SUMIF({parts},{quote(self.say.sentence(READ_PART_NAMES[part]))},{values})"
+        return "0" if values is None else f"SUMIF({parts},{quote(self.say.sentence(PART_WORDS[part]))},{values})"
 
     # --- Newton's steps
 
@@ -177,7 +178,7 @@ class InstrumentCells:
             book.put(sheet, first + number, 1, number + 1)
         for column, part in zip((_FIRST, _FIRST + 3), PARTS, strict=True):
             spread = self.uncertainty.repeats[part]
-            book.put(sheet, row, column, READ_PART_NAMES[part], book.bold)
+            book.put(sheet, row, column, PART_WORDS[part], book.bold)
             for at, step in enumerate(_newton(spread), start=first):
                 for offset, content in enumerate(self._step(part, step, at, column, first)):
                     write_cell(book, sheet, at, column + offset, content)
@@ -430,7 +431,7 @@ class _Budget:
         """Write it beside the sources, a column for each part; return the last row."""
         book, sheet = self.book, self.sheet
         measured = [part for part in PARTS if part in self.sources.plans]
-        headings = [Sentence("what its readings give"), *(READ_PART_NAMES[part] for part in measured)]
+        headings = [Sentence("what its readings give"), *(PART_WORDS[part] for part in measured)]
         for column, name in enumerate(headings, start=_BESIDE):
             book.put(sheet, row, column, name, book.heading)
         below = row
