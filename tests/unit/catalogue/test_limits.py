@@ -51,6 +51,12 @@ def test_default_limits_and_their_origins(limits: Limits) -> None:
     ]
 
 
+def test_the_set_with_a_clearance_states_the_other_limits_as_the_default_does(limits: Limits) -> None:
+    other = load_limits("new_part_clearance")
+    assert other.clearance is not None
+    assert replace(other, clearance=None).rules == limits.rules
+
+
 def band_of(limits: Limits, share: float, new: float) -> str:
     """The band of a total share beside that of the same unit new."""
     steps = limits.total_share
