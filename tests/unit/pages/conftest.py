@@ -12,6 +12,7 @@ from streamlit.components.v2 import manifest_scanner
 from streamlit.testing.v1 import AppTest
 
 ROOT = Path(__file__).resolve().parents[3]
+XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -97,6 +98,10 @@ def settle(app: AppTest, page: str, label: str, value: object) -> AppTest:
 
 def choice(app: AppTest, label: str):
     return next(widget for widget in (*app.sidebar.selectbox, *app.selectbox) if widget.label == label)
+
+
+def press(app: AppTest, label: str) -> AppTest:
+    return next(widget for widget in app.button if widget.label.replace("\\", "") == label).click().run()
 
 
 def number(app: AppTest, label: str):

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from streamlit.testing.v1 import AppTest
 
 from pages.shared.show import in_chart, plain, with_links
+from tests.unit.pages.conftest import uploader
 
 
 @pytest.mark.parametrize(
@@ -49,3 +53,13 @@ def test_no_name_in_a_chart_is_a_link_and_its_own_line_breaks_stay():
 def test_the_numbers_of_a_chart_are_handed_on_as_they_are():
     numbers = np.arange(3.0)
     assert in_chart({"x": numbers})["x"] is numbers
+
+
+@pytest.mark.page("2_Readings")
+def test_a_files_name_is_shown_sign_for_sign(app: AppTest, sample_log: Path) -> None:
+    name = "<b>x $y$ :red[z] *w* [a](b) `c`.csv"
+    uploader(app, "Road-test log").upload(name, sample_log.read_bytes(), "text/csv").run()
+    assert not app.exception
+    shown = next(widget.value for widget in app.sidebar.caption if "1201 rows" in widget.value)
+    for sign in ("\\<b\\>", "\\$y\\$", "\\:red\\[z\\]", "\\*w\\*", "\\`c\\`"):
+        assert sign in shown
