@@ -47,7 +47,7 @@ def test_a_german_browser_reads_german_with_commas_and_keeps_the_us_units_it_cho
         chosen(page, "Einheiten", "^US")
         expect(page.get_by_role("textbox", name="Temperatur [°F]")).to_have_value("203,9")
         page.goto(f"{server}/Uncertainty")  # as after a reload: another session
-        expect(page.get_by_text("radiales Spiel [0.0001 in], 95 %-Intervall").first).to_be_visible()
+        expect(page.get_by_text("Radialspiel [0.0001 in], 95 %-Intervall").first).to_be_visible()
         assert {each["name"]: each["value"] for each in context.cookies()}["atleak-units"] == "us"
         from_menu(page, "Mehr", "Einstellungen")
         chosen(page, "Sprache", "English")

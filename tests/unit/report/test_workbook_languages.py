@@ -41,11 +41,11 @@ def test_no_cell_stays_in_english(worn_clutch, language):
 
 def test_sheets_verdicts_and_conditions_have_the_words_of_the_report(worn_clutch, german):
     say, book = wording("de"), openpyxl.load_workbook(io.BytesIO(german), data_only=True)
-    assert book.sheetnames[:3] == ["Übersicht", "Bünde", "Bund je Zustand"]
+    assert book.sheetnames[:3] == ["Übersicht", "Bünde", "Bund je Betriebspunkt"]
     summary = book["Übersicht"]
     assert summary["B2"].value == say.signed(worn_clutch.verdict)
     assert summary["B4"].value.startswith(f"{say.signed(worn_clutch.verdict)}: ")
-    headings = {str(cell.value) for cell in book["Bund je Zustand"][1]}
+    headings = {str(cell.value) for cell in book["Bund je Betriebspunkt"][1]}
     assert f"Befund des Anteils, {say.condition(worn_clutch.worst.condition)}" in headings
 
 
