@@ -420,10 +420,10 @@ class Diagnosis:
         """Tell whether leakage is an upper bound, as the controller's file does not say where all of its lands leak."""
         return bool(self.controller.gaps_not_described)
 
-    def _decision_on(self, each: LandDiagnosis | PumpDiagnosis | Rule) -> Decision | None:
-        if isinstance(each, LandDiagnosis):
-            return each.decision
-        rule = each.deciding if isinstance(each, PumpDiagnosis) else each
+    def _decision_on(self, judged: LandDiagnosis | PumpDiagnosis | Rule) -> Decision | None:
+        if isinstance(judged, LandDiagnosis):
+            return judged.decision
+        rule = judged.deciding if isinstance(judged, PumpDiagnosis) else judged
         decided = None if rule is None else self.decided(rule)
         return decided.decision if decided else None
 

@@ -330,11 +330,11 @@ class _Checker:
         follows = circuit is not None and circuit.set_pressure is None and beside is not None and beside.pressure > 0.0
         return reading.pressure * highest / beside.pressure if follows and beside else reading.pressure
 
-    def with_loss(self, checked: CheckedReading, found: dict[tuple[str, OperatingPoint], Lost]) -> CheckedReading:
+    def with_loss(self, checked: CheckedReading, losses: dict[tuple[str, OperatingPoint], Lost]) -> CheckedReading:
         """Return a reading with what its circuit or the line lost, judged; one that is judged already as it is."""
         reading, steps, tap = checked.reading, self.limits.circuit_loss, checked.cell.tap
         circuit, point = circuit_at(self.controller, tap), self._drawn_at(reading)
-        lost = None if point is None else found.get((_section(tap), point))
+        lost = None if point is None else losses.get((_section(tap), point))
         if steps is None or checked.decisions:
             return checked
         if lost is None:

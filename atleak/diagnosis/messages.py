@@ -105,14 +105,14 @@ def common_shift(lands: Sequence[LandSources]) -> CommonShift | None:
         return None
     shift, u_shift = _agreed(opened, own)
     agreeing = sum(abs(each - shift) <= 2.0 * u for each, u in zip(opened, own, strict=True))
-    found = CommonShift(shift, u_shift, _common_error(pairs), len(pairs), agreeing)
+    common = CommonShift(shift, u_shift, _common_error(pairs), len(pairs), agreeing)
     others = len(pairs) - agreeing
-    if others > OTHERS * (len(pairs) - FEWEST_PAIRS) or abs(shift) <= FAR * math.hypot(found.common_error, u_shift):
+    if others > OTHERS * (len(pairs) - FEWEST_PAIRS) or abs(shift) <= FAR * math.hypot(common.common_error, u_shift):
         return None
     new = [land.state.land.new_clearance for land in pairs]
     if shift > 0.0 and (shift < RESOLVED * median(own) or _is_growth(opened, own, new, shift)):
         return None
-    return found
+    return common
 
 
 def _agreed(values: Sequence[float], own: Sequence[float]) -> tuple[float, float]:
@@ -151,20 +151,20 @@ def _is_growth(opened: Sequence[float], own: Sequence[float], new: Sequence[floa
 
 
 def _shifted(lands: Sequence[LandSources], place: Place) -> Iterator[Message]:
-    found = common_shift(lands)
-    if found is None:
+    common = common_shift(lands)
+    if common is None:
         return
     text = Sentence(
         "All pairs moved alike: {agreeing} of {pairs} measure {shift} ± {uncertainty} {uncertainty.unit} {way} than "
         "their mounting clearance. Wear differs from pair to pair; a setting ring, a zero or a temperature moves all "
         "by the same amount (the instruments' certificates allow {allowed} {allowed.unit}). Nothing was corrected: "
         "check the gauges and the mounting clearances",
-        agreeing=found.agreeing,
-        pairs=found.pairs,
-        shift=_um(abs(found.shift)),
-        uncertainty=_um(2.0 * found.standard_uncertainty),
-        way=Sentence("wider") if found.shift > 0.0 else Sentence("tighter"),
-        allowed=_um(2.0 * found.common_error),
+        agreeing=common.agreeing,
+        pairs=common.pairs,
+        shift=_um(abs(common.shift)),
+        uncertainty=_um(2.0 * common.standard_uncertainty),
+        way=Sentence("wider") if common.shift > 0.0 else Sentence("tighter"),
+        allowed=_um(2.0 * common.common_error),
     )
     yield Message("warning", "pairs_moved_alike", text, place)
 

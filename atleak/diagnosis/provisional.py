@@ -97,8 +97,8 @@ class Representative:
 
     def bases(self, rules: Iterable[tuple[Rule, Iterable[Land]]]) -> tuple[AssumedBasis, ...]:
         """Return which of them some rules rest on, each once; a rule comes with the lands that take part in it."""
-        found = {basis for rule, lands in rules for basis in self._of_rule(rule, tuple(lands))}
-        return tuple(basis for basis in AssumedBasis if basis in found)
+        assumed = {basis for rule, lands in rules for basis in self._of_rule(rule, tuple(lands))}
+        return tuple(basis for basis in AssumedBasis if basis in assumed)
 
     def _of_rule(self, rule: Rule, lands: Sequence[Land]) -> Iterator[AssumedBasis]:
         if rule.condition is None and rule.kind is RuleKind.PERMISSIBLE_PRESSURE:  # gauges or a log measured it

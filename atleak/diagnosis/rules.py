@@ -67,8 +67,8 @@ class Rule:
     @property
     def growth(self) -> float | None:
         """Return how much the share has grown over that of a new one, as a fraction; None where that is no number."""
-        known = self.new is not None and self.kind.is_share and math.isfinite(self.value)
-        return self.value / self.new - 1.0 if known and self.new and 0.0 < self.new < math.inf else None
+        comparable = self.new is not None and self.kind.is_share and math.isfinite(self.value)
+        return self.value / self.new - 1.0 if comparable and self.new and 0.0 < self.new < math.inf else None
 
     @property
     def severity(self) -> float:

@@ -129,7 +129,7 @@ def _places(
     label_column, value_column, known_column = headed[words(FIELD)], headed[words(VALUE)], headed.get(words(HOW_KNOWN))
     every = (*(UNIT_LINES if declared is HEAD else ()), *declared.columns)
     lines = {words(line.heading): line for line in every if not line.how_known}
-    known = {line.how_known: line for line in every if line.how_known}
+    basis_lines = {line.how_known: line for line in every if line.how_known}
     places: dict[SheetColumn, tuple[int, int]] = {}
     for row in rows:
         label = as_text(sheet.cell(row, label_column))
@@ -140,7 +140,7 @@ def _places(
                 nearest = nearest_name(label, headings)
                 into.faults.append(SheetFault(spot, Sentence("unknown field"), label, one_of(headings), nearest))
             continue
-        for column, asked in ((value_column, line), (known_column, known.get(line.key))):
+        for column, asked in ((value_column, line), (known_column, basis_lines.get(line.key))):
             if asked is None or column is None:
                 continue
             if places.setdefault(asked, (row, column))[0] != row and _raw(sheet, row, column) is not None:
@@ -456,9 +456,9 @@ def _matched(sheets: list[Sheet], into: Description) -> dict[str, Sheet]:
     by_name = {words(sheet.name or ""): sheet for sheet in reversed(sheets)}
     matched = {declared.name: by_name[words(declared.name)] for declared in SHEETS if words(declared.name) in by_name}
     taken = {id(sheet) for sheet in matched.values()}
-    known = {words(INSTRUCTIONS), words(LISTS)}
+    without_entries = {words(INSTRUCTIONS), words(LISTS)}
     for sheet in sheets:
-        if id(sheet) in taken or words(sheet.name or "") in known or not any(any(row) for row in sheet.rows):
+        if id(sheet) in taken or words(sheet.name or "") in without_entries or not any(any(row) for row in sheet.rows):
             continue
         likeness = {declared.name: _likeness(sheet, declared) for declared in SHEETS if declared.name not in matched}
         best = max(likeness, key=lambda name: likeness[name], default=None)

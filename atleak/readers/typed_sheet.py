@@ -83,11 +83,11 @@ class Typed:
         """Return this with other texts in several cells, as one step."""
         new = dict(self.entries)
         for cell, text in texts.items():
-            said = " ".join(text.split())[:_LONGEST]
-            if not said:
+            entry = " ".join(text.split())[:_LONGEST]
+            if not entry:
                 new.pop(cell, None)
-            elif cell not in new or new[cell].text != said:
-                new[cell] = TypedEntry(said)
+            elif cell not in new or new[cell].text != entry:
+                new[cell] = TypedEntry(entry)
         if new == self.entries:
             return self
         return replace(self, entries=new, earlier=(*self.earlier, self.entries)[-MOST_STEPS:])
@@ -271,8 +271,8 @@ class _Judging:
         now = self.together()
         wrong = contradictions(now, self.controller)
         if now.unworn:
-            known = {land.key for land, _ in wrong}
-            wrong += [each for each in contradictions(now.when_new, self.controller) if each[0].key not in known]
+            keys = {land.key for land, _ in wrong}
+            wrong += [each for each in contradictions(now.when_new, self.controller) if each[0].key not in keys]
         for land, error in wrong:
             self._refuse(land.key, error)
 
@@ -296,10 +296,10 @@ class _Judging:
 
     def doubt(self, states: Collection[LandClearance]) -> None:
         """Doubt what counts and is unusual nevertheless: alone, or beside the other readings of its land."""
-        said: dict[PlanCell, Sentence] = {}
+        doubts: dict[PlanCell, Sentence] = {}
         for cell, text in self._unusual(states):
-            said[cell] = Sentence("{first}; {second}", first=said[cell], second=text) if cell in said else text
-        for cell, text in said.items():
+            doubts[cell] = Sentence("{first}; {second}", first=doubts[cell], second=text) if cell in doubts else text
+        for cell, text in doubts.items():
             self.doubts.setdefault(cell, _Doubt(text, True))
 
     def _unusual(self, states: Collection[LandClearance]) -> Iterator[tuple[PlanCell, Sentence]]:
@@ -315,12 +315,12 @@ class _Judging:
 
 def _said(error: InputError) -> Sentence:
     """Return what is wrong without a place: it stands at its cell."""
-    said = error.problem
+    sentence = error.problem
     if error.value is not None:
-        said = Sentence("{problem} ({value})", problem=said, value=error.value)
+        sentence = Sentence("{problem} ({value})", problem=sentence, value=error.value)
     if error.expected:
-        said = Sentence("{problem}; expected {expected}", problem=said, expected=error.expected)
-    return said
+        sentence = Sentence("{problem}; expected {expected}", problem=sentence, expected=error.expected)
+    return sentence
 
 
 TYPED_FILE = "typed readings.csv"

@@ -54,9 +54,9 @@ def nearest_heading(heading: str) -> str | None:
     ('Schieberkasten', None, None)
     """
     written = {words(name): name for _, name in spellings()}
-    said = words(heading)
-    near = get_close_matches(said, [name for name in written if len(name) >= _SHORT], n=1, cutoff=_NEAR)
-    return written[near[0]] if near and len(said) >= _SHORT else None
+    heading_words = words(heading)
+    near = get_close_matches(heading_words, [name for name in written if len(name) >= _SHORT], n=1, cutoff=_NEAR)
+    return written[near[0]] if near and len(heading_words) >= _SHORT else None
 
 
 def column_meant(heading: str) -> str | None:
@@ -167,14 +167,14 @@ _Rows = list[tuple[int, Sequence[Cell]]]  # each with its number in the file
 
 def _understood(file: str, sheet: str | None, rows: _Rows) -> UnitTable:
     place = Place(file, sheet)
-    found = _headings(rows)
-    if found is None:
+    header = _headings(rows)
+    if header is None:
         first = next((cells for _, cells in rows if any(map(_said, cells))), ())
         value = ", ".join(_said(cell) for cell in first if _said(cell))[:200] or None
         raise InputError(
             Sentence("no headings of a table of units are found"), place=place, value=value, expected=_EXPECTED
         )
-    at, columns = found
+    at, columns = header
     _check_columns(columns, Place(file, sheet, rows[at][0]))
     below = [TableRow(number, cells) for number, cells in rows[at + 1 :] if any(map(_said, cells))]
     if not below:
@@ -226,8 +226,8 @@ def _text(data: bytes, file: str) -> tuple[None, _Rows]:
     stated = first[4] if first.startswith("sep=") and first[4:5] and first[4] in _DELIMITERS else None
 
     def understood(delimiter: str) -> int:
-        found = _headings(list(_records(content, delimiter, _LOOKED_AT)))
-        return 0 if found is None else sum(column.meaning is not None for column in found[1])
+        header = _headings(list(_records(content, delimiter, _LOOKED_AT)))
+        return 0 if header is None else sum(column.meaning is not None for column in header[1])
 
     best = stated or max(_DELIMITERS, key=understood)
     rows = list(_records(content, best, _ROWS + _LOOKED_AT + 1))

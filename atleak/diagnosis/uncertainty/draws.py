@@ -119,14 +119,14 @@ def directions(bits: int) -> np.ndarray:
     numbers = np.empty((DIMENSIONS, bits), np.int64)
     numbers[0] = [1 << (bits - 1 - k) for k in range(bits)]
     for row, (degree, coefficients, first) in zip(numbers[1:], _JOE_KUO, strict=True):
-        known = list(first[:bits])
+        odd = list(first[:bits])
         for k in range(degree, bits):
-            number = known[k - degree] ^ (known[k - degree] << degree)
+            number = odd[k - degree] ^ (odd[k - degree] << degree)
             for j in range(1, degree):
                 if coefficients >> (degree - 1 - j) & 1:
-                    number ^= known[k - j] << j
-            known.append(number)
-        row[:] = [number << (bits - 1 - k) for k, number in enumerate(known)]
+                    number ^= odd[k - j] << j
+            odd.append(number)
+        row[:] = [number << (bits - 1 - k) for k, number in enumerate(odd)]
     numbers.flags.writeable = False
     return numbers
 

@@ -84,7 +84,7 @@ def changes(
     deviates = deviates_of_factors(shared)
     fraction = one_sided_fraction(shared, before.model, assumptions)
     drawn = list(_drawn_lands(before, after, deviates, fraction, assumptions, seed))
-    found = []
+    spreads = []
     for pair in zip(before.projections, after.projections, strict=True):
         (first, circuits), (second, others) = (
             _held(visit.model, projection, lands, assumptions, deviates)
@@ -94,8 +94,8 @@ def changes(
             name: _change(pressure, others[name], coverage) for name, pressure in circuits.items() if name in others
         }
         quantities = {name: _change(value, second[name], coverage) for name, value in first.items()}
-        found.append(ChangeSpread(**quantities, circuits=of_circuits))
-    return tuple(found)
+        spreads.append(ChangeSpread(**quantities, circuits=of_circuits))
+    return tuple(spreads)
 
 
 def _change(before: np.ndarray, after: np.ndarray, coverage: float) -> Interval:

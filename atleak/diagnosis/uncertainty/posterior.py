@@ -220,8 +220,8 @@ class PosteriorUnit:
         """Draw units; ``draws`` is a power of two."""
         deviates, wear = proposal.draw(stream_of(SEED, 11, seed), draws)
         shared = Draws(Cube(draws, SEED, 12, seed))
-        known = [land for land in self.sources if land.state.measured]
-        common, fraction = common_errors(shared, known), one_sided_fraction(shared, self.model, self.assumptions)
+        measured = [land for land in self.sources if land.state.measured]
+        common, fraction = common_errors(shared, measured), one_sided_fraction(shared, self.model, self.assumptions)
         own = Beside(Cube(draws, SEED, 13, seed), fraction)
         positions = Positions(self.model, own, SEED + seed)
         return _Drawn(
@@ -232,7 +232,7 @@ class PosteriorUnit:
                 land.key: land_draws(
                     own.draws(SEED, 14, seed, number), land, common, fraction, self.assumptions, positions.of(land)
                 )
-                for number, land in enumerate(known)
+                for number, land in enumerate(measured)
             },
             {land.key[0]: positions.of(land) for land in self._open},
         )
@@ -343,14 +343,14 @@ class PosteriorUnit:
         """Return which quantities and which causes act on a circuit first: its own and those of what feeds it."""
         controller = self.model.controller
         following = controller.line.following if controller.line else None
-        sections, found = {circuit} | ({following.section} if following else set()), 0
-        while len(sections) > found:
-            found = len(sections)
+        sections, count = {circuit} | ({following.section} if following else set()), 0
+        while len(sections) > count:
+            count = len(sections)
             sections |= {feed.source for each in self._fed if each.id in sections for feed in each.feeds} - {LINE}
         lands = {gap.key for gap in controller.gaps if {gap.high.section, gap.low.section} & sections}
 
-        def acts(each: Cause) -> bool:
-            return len(each) == 1 or each[1] in (lands if each[0] == _LAND else sections)
+        def acts(cause: Cause) -> bool:
+            return len(cause) == 1 or cause[1] in (lands if cause[0] == _LAND else sections)
 
         return np.array([acts(each) for each in self.quantities]), np.array([acts(each) for each in self.causes])
 
@@ -378,14 +378,14 @@ def losses(
         asked.setdefault(circuit, []).append(point)
     first = unit.draw(unit.prior, draws, 0)
     held = {point: unit.pressures(first, point) for point in unit.conditions}
-    found = {}
+    lost = {}
     for circuit, points in asked.items():
         draws_of = _WeighedDraws(unit, circuit, shown)
         draws_of.add(unit.prior, first, held)
         while draws_of.effective < ENOUGH and len(draws_of.parts) <= _ROUNDS:
             draws_of.add_around(points)
-        found.update({(circuit, point): draws_of.lost(point) for point in points})
-    return found
+        lost.update({(circuit, point): draws_of.lost(point) for point in points})
+    return lost
 
 
 class _WeighedDraws:

@@ -183,14 +183,14 @@ def _of_factors(values: np.ndarray) -> dict[str, np.ndarray]:
 def _one_side_effect(values: np.ndarray) -> np.ndarray:
     """Return the standard deviation over none, half and all of the wear to one side, all three alike likely."""
     three = values[:, [-1, _HALF_ASIDE, _ALL_ASIDE]]
-    known = np.isfinite(three).all(axis=1)
-    return np.where(known, np.where(known[:, None], three, 0.0).std(axis=1), math.nan)
+    finite = np.isfinite(three).all(axis=1)
+    return np.where(finite, np.where(finite[:, None], three, 0.0).std(axis=1), math.nan)
 
 
 def _difference(values: np.ndarray, column: int) -> np.ndarray:
     first, second = values[:, column], values[:, column + 1]
-    known = np.isfinite(first) & np.isfinite(second)
-    return np.where(known, 0.5 * (np.where(known, first, 0.0) - np.where(known, second, 0.0)), math.nan)
+    finite = np.isfinite(first) & np.isfinite(second)
+    return np.where(finite, 0.5 * (np.where(finite, first, 0.0) - np.where(finite, second, 0.0)), math.nan)
 
 
 SEED = 7667
@@ -275,30 +275,30 @@ def propagate(
         A condition's temperature outside the fluid's data.
     """
 
-    def key(which: str, each: Projection) -> Any:
-        return which, each.condition, coverage, draws, seed
+    def key(which: str, at: Projection) -> Any:
+        return which, at.condition, coverage, draws, seed
 
     asked = {key("unit", each): each for each in projections} | {key("instant", each): each for each in instants}
     cache = {} if cache is None else cache
-    found = {each: before for each in asked if (before := cache.get(each)) is not None}
-    if len(found) < len(asked):
+    spreads = {each: before for each in asked if (before := cache.get(each)) is not None}
+    if len(spreads) < len(asked):
         # at one and the same condition, so that what else is asked for does not change what is drawn
         first = model.controller.operating_points[0]
         leading = next((each for each in projections if each.condition == first), projections[0])
         trials = _Trials(model, sources, assumptions, leading, draws, seed)
         for each, projection in asked.items():
-            if each not in found:
-                found[each] = (
+            if each not in spreads:
+                spreads[each] = (
                     trials.unit(projection, limits, coverage)
                     if each[0] == "unit"
                     else trials.instant(projection, coverage)
                 )
     for each in asked:
         cache.pop(each, None)
-        cache[each] = found[each]
+        cache[each] = spreads[each]
     for each in list(cache)[:-MOST_KEPT]:  # another thread may take out the same
         cache.pop(each, None)
-    return [found[key("unit", each)] for each in projections], [found[key("instant", each)] for each in instants]
+    return [spreads[key("unit", each)] for each in projections], [spreads[key("instant", each)] for each in instants]
 
 
 class _Trials:
@@ -352,8 +352,8 @@ class _Trials:
         for each, slopes in zip(every, linear.lands, strict=True):
             flow, drawn = now.count(*each.now)
             as_new = drawn if same_pressures and each.bore is each.new_bore else new.flow(*each.new)[1]
-            known = (same_pressures or same_bores) and each.unworn_bore is each.new_bore
-            as_unworn = as_new if known else unworn.flow(*each.unworn)[1]
+            same_flow = (same_pressures or same_bores) and each.unworn_bore is each.new_bore
+            as_unworn = as_new if same_flow else unworn.flow(*each.unworn)[1]
             new.leakage += as_new
             unworn.leakage += as_unworn
             shares = flow_ratio(drawn, given.capacity), flow_ratio(as_unworn, given.capacity)

@@ -57,11 +57,11 @@ def read_text(data: bytes, file: str, score: Callable[[Sheet], float], knows: Kn
     best: tuple[float, str, str, str] | None = None
     for encoding, text in _decoded(data, file, knows):
         lines = text.splitlines(keepends=True)
-        found = _best_delimiter("".join(lines[:_LOOKED_AT]), file, score)
-        if found[0] <= 0.0 and len(lines) > _LOOKED_AT:
-            found = _best_delimiter("".join(lines[:_LOOKED_AT_NEXT]), file, score)
-        if best is None or found[0] > best[0]:
-            best = (*found, encoding, text)
+        likeliest = _best_delimiter("".join(lines[:_LOOKED_AT]), file, score)
+        if likeliest[0] <= 0.0 and len(lines) > _LOOKED_AT:
+            likeliest = _best_delimiter("".join(lines[:_LOOKED_AT_NEXT]), file, score)
+        if best is None or likeliest[0] > best[0]:
+            best = (*likeliest, encoding, text)
     assert best is not None  # at least one encoding decodes
     _, delimiter, encoding, text = best
     note = Sentence(
@@ -78,8 +78,8 @@ def _best_delimiter(start: str, file: str, score: Callable[[Sheet], float]) -> t
         sheet = _sheet(start, file, delimiter)
         return score(sheet) if excess(sheet.rows) is None else -1.0
 
-    found = [(likeness(delimiter), delimiter) for delimiter in _delimiters(start)]
-    best = max(found, key=lambda scored: scored[0])
+    candidates = [(likeness(delimiter), delimiter) for delimiter in _delimiters(start)]
+    best = max(candidates, key=lambda scored: scored[0])
     if best[0] < _COMPLETE and " " in start:
         by_spaces = [(likeness(spaces), spaces) for spaces in (_ALIGNED, _WORDS)]
         best = max([best, *(scored for scored in by_spaces if scored[0] >= _COMPLETE)], key=lambda scored: scored[0])
@@ -129,7 +129,7 @@ def _by_words(data: bytes, knows: Knows) -> Sequence[str]:
     start = b"\n".join(lines)[: 1 << 16]
     scores = {encoding: _known(start.decode(encoding, "replace"), knows) for encoding in _CODE_PAGES}
     best = max(scores.values())
-    return [encoding for encoding, known in scores.items() if known == best][: len(_USUAL)]
+    return [encoding for encoding, score in scores.items() if score == best][: len(_USUAL)]
 
 
 def _known(text: str, knows: Knows) -> int:

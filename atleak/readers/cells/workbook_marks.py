@@ -186,8 +186,8 @@ def _coloured_styles(xml: bytes) -> dict[int, str]:
     """Return the colours of ground and letters of the styles that have others than the first one, the plain."""
     grounds = [_colour(fill, b"fgColor") for fill in _elements(_inside(xml, b"fills"), b"fill")]
     letters = [_colour(font, b"color") for font in _elements(_inside(xml, b"fonts"), b"font")]
-    found = ["".join(grounds[fill : fill + 1] + letters[font : font + 1]) for font, fill in _styles(xml)]
-    return {number: colour for number, colour in enumerate(found) if colour != found[0]}
+    colours = ["".join(grounds[fill : fill + 1] + letters[font : font + 1]) for font, fill in _styles(xml)]
+    return {number: colour for number, colour in enumerate(colours) if colour != colours[0]}
 
 
 def _colour(element: bytes, name: bytes) -> str:

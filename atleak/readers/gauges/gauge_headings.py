@@ -169,13 +169,13 @@ class GaugeWords:
         speed = _SPEED.search(text)
         tokens = tuple(words(_SPEED.sub(" ", text)).split())
         tables = {"range": _phrases("ranges"), "engine": _phrases("engine"), "tap": self.taps}
-        known = {phrase: (name, value) for name in reversed(about) for phrase, value in tables[name].items()}
-        known = {**dict.fromkeys(_phrases("filler"), ("filler", "")), **known}
+        meanings = {phrase: (name, value) for name in reversed(about) for phrase, value in tables[name].items()}
+        meanings = {**dict.fromkeys(_phrases("filler"), ("filler", "")), **meanings}
         if heading:
-            known = {**dict.fromkeys(_phrases("pressure"), ("pressure", "")), **known}
+            meanings = {**dict.fromkeys(_phrases("pressure"), ("pressure", "")), **meanings}
         said: dict[str, str] = {}
         before = ""
-        for name, value in _read(tokens, known):
+        for name, value in _read(tokens, meanings):
             if name == "range" and before == "pressure" and value.isdigit():
                 name = "repeat"
             if name is None or said.get(name, value) != value:
@@ -199,15 +199,15 @@ def _is_number(text: str) -> bool:
     return len(text.strip()) > 1 and not any(map(str.isalpha, text))
 
 
-def _read(tokens: Tokens, known: Mapping[Tokens, tuple[str, str]]) -> Iterator[tuple[str | None, str]]:
+def _read(tokens: Tokens, meanings: Mapping[Tokens, tuple[str, str]]) -> Iterator[tuple[str | None, str]]:
     """Yield what the longest known phrases say, one after the other; (None, word) for a word that is none."""
-    longest = max(map(len, known), default=1)
+    longest = max(map(len, meanings), default=1)
     at = 0
     while at < len(tokens):
         for length in range(min(longest, len(tokens) - at), 0, -1):
             phrase = tokens[at : at + length]
-            if phrase in known:
-                yield known[phrase]
+            if phrase in meanings:
+                yield meanings[phrase]
                 at += length
                 break
         else:
@@ -302,7 +302,7 @@ def find_gauge_tables(sheet: Sheet, words: GaugeWords) -> list[GaugeTable]:
     texts = {cell for row in sheet.rows for cell in row if isinstance(cell, str)}
     if not any((heading := words.heading(text)).said.engine or heading.kind == "engine" for text in texts):
         return []  # as on every sheet of diameters
-    found: list[tuple[int, Mapping[int, _Heading], _Head]] = []
+    headers: list[tuple[int, Mapping[int, _Heading], _Head]] = []
     free = 0  # first row that may stand above the next headings
     for row in range(len(sheet.rows)):
         headings = _headings(sheet, row, words)
@@ -310,14 +310,14 @@ def find_gauge_tables(sheet: Sheet, words: GaugeWords) -> list[GaugeTable]:
             continue
         head = _head(sheet, range(max(free, row - _TITLES), row), words)
         complete = _complete(sheet, row, _with_row_above(sheet, row, free, headings, words), head, words)
-        if len(found) == MOST_TABLES:
+        if len(headers) == MOST_TABLES:
             break
         if complete is not None:
-            found.append((row, complete, head))
+            headers.append((row, complete, head))
             free = row + 1
-    ends = [_before_titles(sheet, row) for row, _, _ in found[1:]] + [len(sheet.rows) - 1]
+    ends = [_before_titles(sheet, row) for row, _, _ in headers[1:]] + [len(sheet.rows) - 1]
     return [
-        GaugeTable(sheet, row, end, headings, head) for (row, headings, head), end in zip(found, ends, strict=False)
+        GaugeTable(sheet, row, end, headings, head) for (row, headings, head), end in zip(headers, ends, strict=False)
     ]
 
 

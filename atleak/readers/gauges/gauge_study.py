@@ -209,9 +209,9 @@ def _value(table: StudyTable, row: int, column: int, stated: Unit | None, cells:
         number = decimal_number(cell) if isinstance(cell, str) else float(cell)
     if number is not None and np.isfinite(number):
         return float((stated or table.units.get(column) or unit("mm", "length")).to_si(number))
-    place, found = _place(table, row, column), str(cell) if fault is None else fault
+    place, shown = _place(table, row, column), str(cell) if fault is None else fault
     expected = Sentence("a number such as 12.345 or 12,345; an empty cell where nothing was read is a gap in the study")
-    cells.problems.append(GaugeStudyError(problem, place=place, value=found, expected=expected))
+    cells.problems.append(GaugeStudyError(problem, place=place, value=shown, expected=expected))
     return None
 
 

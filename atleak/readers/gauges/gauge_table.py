@@ -71,15 +71,15 @@ class _Rows:
         problem: Sentence,
         place: Place,
         value: object = None,
-        known: Sequence[str] = (),
+        accepted: Sequence[str] = (),
         expected: Sentence | None = None,
         once: bool = False,
     ) -> None:
-        """Note a problem, ``once`` at its place; ``known`` are the names that would have been valid."""
+        """Note a problem, ``once`` at its place; ``accepted`` are the names that would have been valid."""
         if once and any(each.place == place for each in self.problems):
             return
-        nearest = nearest_name(str(value), known) if known and value is not None else None
-        wanted = expected or one_of(known)
+        nearest = nearest_name(str(value), accepted) if accepted and value is not None else None
+        wanted = expected or one_of(accepted)
         self.problems.append(PressureTableError(problem, place=place, value=value, expected=wanted, nearest=nearest))
 
     def count_repeats(self) -> None:
@@ -200,8 +200,8 @@ class _Reader:
     def _named(self, row: int) -> Said | None:
         """Return what the cells of a row say of its readings; None where one of them is not understood."""
         named, understood = Said(), True
-        known = {"range": self.ranges, "engine": engine_words(), "tap": self.words.tap_ids}
-        for kind, names in known.items():
+        accepted = {"range": self.ranges, "engine": engine_words(), "tap": self.words.tap_ids}
+        for kind, names in accepted.items():
             column = self.columns[kind]
             if column is None:
                 continue
@@ -220,7 +220,7 @@ class _Reader:
         place, cell = self._place(row, column), self.sheet.cell(row, column)
         fault = self.sheet.faults.get((row, column))
         template, value, expected = Sentence("{cell}: not a pressure"), str(cell), None
-        known = None
+        unit = None
         if fault is not None:
             template, value = Sentence("{cell}: a formula without a usable result"), fault
             expected = Sentence("a pressure")
@@ -229,13 +229,13 @@ class _Reader:
             expected = Sentence("a pressure: format the cell as number or text and type it again")
         else:
             text, written = _split(cell)
-            known = find_unit(written, "pressure") if written else self._unit(row, column)
-            if known is not None:
-                number = _written(cell, text, asked_pressure(known))
+            unit = find_unit(written, "pressure") if written else self._unit(row, column)
+            if unit is not None:
+                number = _written(cell, text, asked_pressure(unit))
                 expected = number.reason
                 if number.value is not None:
-                    self.rows.units[known.name] = None
-                    return float(known.to_si(number.value))
+                    self.rows.units[unit.name] = None
+                    return float(unit.to_si(number.value))
             elif written:
                 units = one_of(unit_names("pressure"))
                 expected = Sentence("a number, and behind it nothing or {units}", units=units)
@@ -255,12 +255,12 @@ class _Reader:
             name, place = head[0], self._place(*head[1:])
         else:
             name, place = heading.wrong_unit or "", self._place(self.table.row, column)
-        known = find_unit(name, "pressure") if name else None
-        if known is None:
+        unit = find_unit(name, "pressure") if name else None
+        if unit is None:
             problem = Sentence("unknown unit of pressure") if name else Sentence("no unit of the pressures")
             expected = Sentence("{units}, in the heading as in 'slow idle [kPa]'", units=one_of(unit_names("pressure")))
             self.rows.refuse(problem, place, name or heading.text or None, expected=expected, once=True)
-        return known
+        return unit
 
     def _number(self, row: int, kind: str, asked: AskedNumber) -> float | None:
         """Return the number of a row in SI, °C for a temperature; None where there is none or it is a problem."""
@@ -274,12 +274,12 @@ class _Reader:
         kind = "temperature" if asked is TEMPERATURE else "rotational_speed"
         usual = unit(asked.unit, kind)
         text, written = _split(cell)
-        known = find_unit(written, kind) if written else (stated or usual)
-        if known is not None:
-            low, high = (known.from_si(usual.to_si(end)) for end in asked.limits)
-            number = _written(cell, text, AskedNumber(asked.name, known.name, asked.example, (low, high)))
+        shown = find_unit(written, kind) if written else (stated or usual)
+        if shown is not None:
+            low, high = (shown.from_si(usual.to_si(end)) for end in asked.limits)
+            number = _written(cell, text, AskedNumber(asked.name, shown.name, asked.example, (low, high)))
             if number.value is not None:
-                return float(known.to_si(number.value))
+                return float(shown.to_si(number.value))
         low, high = asked.limits
         expected = Sentence("{low:g} to {high:g} {unit}", low=low, high=high, unit=asked.unit)
         problem = Sentence("not one temperature") if asked is TEMPERATURE else Sentence("not one engine speed")
@@ -313,7 +313,7 @@ class _Reader:
     def _unknown_columns(self) -> None:
         """Refuse a column of numbers whose heading says nothing known; name what is left aside."""
         aside = []
-        known = {*self.ranges, *engine_words(), *self.words.tap_ids}
+        labels = {*self.ranges, *engine_words(), *self.words.tap_ids}
         for column in range(self.sheet.width):
             heading = self.table.headings.get(column)
             if heading is not None and heading.kind not in (None, "aside"):
@@ -323,7 +323,7 @@ class _Reader:
             if heading is None or heading.kind == "aside":
                 aside.append(column_letter(column) if heading is None else heading.text)
             else:
-                names = one_of(sorted(known, key=len))
+                names = one_of(sorted(labels, key=len))
                 expected = Sentence("{names}; or 'note' over what is no reading", names=names)
                 place = self._place(self.table.row, column)
                 problem = Sentence("no such column of a pressure table")
@@ -407,12 +407,12 @@ def read_pressure_table(
         cell given twice; or where the file as a whole holds no such table, or none filled in.
     """
     data, file, sheets = open_sheets(source, name, likeness_of(controller), PressureTableError, _WANTED)
-    found = find_tabs(sheets, controller)
-    if not found.tables:
+    tabs = find_tabs(sheets, controller)
+    if not tabs.tables:
         raise PressureTableError(Sentence("holds no table of gauge readings"), place=Place(file), expected=_HEADINGS)
-    table = found.read(file, data)
+    table = tabs.read(file, data)
     if table is None:
-        first = found.tables[0]
+        first = tabs.tables[0]
         place = Place(file, first.sheet.name, first.sheet.row_number(first.row))
         expected = Sentence("at least one gauge reading")
         raise PressureTableError(Sentence("no pressure is filled in"), place=place, expected=expected)

@@ -66,13 +66,13 @@ def numeric_clock(values: np.ndarray, unit: str | None, motions: Sequence[Motion
     if not len(finite):
         return Clock(values, unit or "s", unit is None)
     middle = float(np.median(finite[:: max(1, len(finite) // 10_000)]))
-    known, epoch = find_unit(unit, "time") if unit else None, _epoch(middle)
-    if epoch is not None and (known is None or known.name in ("s", "ms")):
-        known = find_unit(epoch, "time")
-    if known is not None and known.name == HHMMSS:
+    step, epoch = find_unit(unit, "time") if unit else None, _epoch(middle)
+    if epoch is not None and (step is None or step.name in ("s", "ms")):
+        step = find_unit(epoch, "time")
+    if step is not None and step.name == HHMMSS:
         return _clock_of_digits(values)
-    if known is not None:
-        return _epoch_clock(values, known, middle) if epoch else Clock(_scaled(values, known.factor), known.name)
+    if step is not None:
+        return _epoch_clock(values, step, middle) if epoch else Clock(_scaled(values, step.factor), step.name)
     part = finite[:_PART]
     part = part[~strays_of(part)]
     if _excel_days(part):

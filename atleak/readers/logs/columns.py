@@ -288,11 +288,11 @@ class Assigner:
         stride = max(1, len(speed.values) // 20_000)
         gear, engine = (each.fit.to_si(each.values[::stride]) for each in rows if each is not None)
         there = speed.values[::stride]
-        known = (there > _DRIVES) & (engine * 60 > _DRIVES_AT)
-        top = next((each for each in _AT_100 if np.count_nonzero(known & (gear == each)) >= _DRIVEN_ROWS), None)
+        driving = (there > _DRIVES) & (engine * 60 > _DRIVES_AT)
+        top = next((each for each in _AT_100 if np.count_nonzero(driving & (gear == each)) >= _DRIVEN_ROWS), None)
         if top is None or speed.fit.unit is None:
             return None
-        in_top = known & (gear == top)
+        in_top = driving & (gear == top)
         low, middle, high = np.percentile(engine[in_top] * 60 / there[in_top], (25, 50, 75)).tolist()
         at_100 = {name: 100 / 3.6 / unit(name, "speed").factor * middle for name in ("km/h", "mph")}
         right = {name for name, rpm in at_100.items() if _AT_100[top][0] <= rpm <= _AT_100[top][1]}

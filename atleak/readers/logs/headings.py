@@ -203,8 +203,8 @@ def _in_sections(rows: Sequence[HeadRow], width: int) -> tuple[Heading, ...] | N
     section = ""
     for row in rows:
         line = " ".join(cell for cell in row if cell)
-        if found := _SECTION.match(line):
-            section = found[1].strip().lower()
+        if match := _SECTION.match(line):
+            section = match[1].strip().lower()
         elif line:
             sections.setdefault(section, []).append(line)
     if "header" not in sections and "column names" not in sections:

@@ -144,9 +144,9 @@ def quoted(cell: object) -> str:
     return text if len(text) <= _LONGEST_QUOTE else text[:_LONGEST_QUOTE] + "…"
 
 
-def holds(column: str, what: Sentence, found: str) -> Sentence:
+def holds(column: str, what: Sentence, example: str) -> Sentence:
     """Return the sentence that a column is not used, and for which cells."""
-    return Sentence("{column!r} holds {what} ({found}): it is not used", column=column, what=what, found=found)
+    return Sentence("{column!r} holds {what} ({found}): it is not used", column=column, what=what, found=example)
 
 
 def cause(cells: pd.Series, values: np.ndarray, decimal: Decimal) -> tuple[Sentence, str]:
@@ -164,8 +164,8 @@ def cause(cells: pd.Series, values: np.ndarray, decimal: Decimal) -> tuple[Sente
     numbers = [match for text in few if (match := _THOUSANDS.match(text))]
     if 2 * len(numbers) > len(few):
         sign, shown = numbers[0]["sign"], quoted(numbers[0][0])
-        known = values[np.isfinite(values)]
-        if sign not in ".," or any(match["rest"] for match in numbers) or (len(known) and np.median(known) > 100):
+        finite = values[np.isfinite(values)]
+        if sign not in ".," or any(match["rest"] for match in numbers) or (len(finite) and np.median(finite) > 100):
             return Sentence("numbers in which {sign!r} parts thousands", sign=sign), shown
         return Sentence("numbers in which {sign!r} parts thousands or is the decimal sign", sign=sign), shown
     if sum(kind_of_cells(text, _OTHER[decimal]) == "number" for text in few) * 2 > len(few):

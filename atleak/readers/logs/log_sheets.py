@@ -85,10 +85,10 @@ class LogSheet(LogTable):
         split = split_unit(self.name)
         result = []
         for heading in self.layout.headings:
-            known = any(match_name(name) for name in heading.names)
+            has_quantity = any(match_name(name) for name in heading.names)
             if heading.index == 0 and self._is_a_pair_without_names:
                 heading = replace(heading, names=("time",))
-            elif not known and _plain(heading) in _GENERIC_NAMES:
+            elif not has_quantity and _plain(heading) in _GENERIC_NAMES:
                 heading = Heading(heading.index, self.name, (split.text,), heading.unit or split.unit)
             result.append(heading)
         return tuple(result)

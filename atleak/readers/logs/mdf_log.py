@@ -80,8 +80,8 @@ def decode_obd2(
             places.setdefault(row[at], []).append((frame, at))
             at += 1 + pid.size
     result = {}
-    for code, found in places.items():
-        frames, starts = np.array(found).T
+    for code, answers in places.items():
+        frames, starts = np.array(answers).T
         first = identifiers[frames] == identifiers[frames[0]]
         frames, starts, pid = frames[first], starts[first], PIDS[code]
         result[code] = time[frames], pid.value(data[frames[:, None], starts[:, None] + 1 + np.arange(pid.size)])

@@ -191,12 +191,12 @@ def match_name(name: str) -> Match | None:
     if entry is not None:
         quantity, tier, kind = entry
         return Match(quantity, tier, _pressure_kind(quantity, text, kind), _own_unit(name, quantity))
-    for known in QUANTITIES.values():
-        ending = unit_at_the_end(name, known.unit_kind)
+    for candidate in QUANTITIES.values():
+        ending = unit_at_the_end(name, candidate.unit_kind)
         if ending is None or not ending.text:
             continue
         inner = match_name(ending.text)
-        if inner and inner.quantity == known.name:
+        if inner and inner.quantity == candidate.name:
             return Match(inner.quantity, inner.tier, inner.kind, ending.unit)
     return _offer(text, bare)
 

@@ -66,8 +66,8 @@ class ParquetLog(LogTable):
 
 def open_parquet(source: LogFile) -> ParquetLog:
     """Return the table of a Parquet file, of which only what it says of itself and the first rows are read."""
-    ((_, told),) = read_apart(parquet_parts, source.apart, source.file, RoadTestError, PARQUET)
-    columns, rows = told["columns"], told["rows"]
+    ((_, parts),) = read_apart(parquet_parts, source.apart, source.file, RoadTestError, PARQUET)
+    columns, rows = parts["columns"], parts["rows"]
     if not rows or not columns:
         problem = Sentence("holds no rows: the logger wrote nothing")
         raise RoadTestError(problem, place=Place(file=source.file))

@@ -138,8 +138,8 @@ def with_units_stated_again(
         silent, telling = (before, after) if again.unit is not None else (after, before)
         unit = again.unit or channel.unit or ""
         guess = fit(channel.quantity, None, silent, assigner.neighbours)
-        known = guess.unit is not None and guess.doubt is None and same_unit(guess.unit.name, unit, kind)
-        if np.isfinite(silent).any() and (not known or fit(channel.quantity, unit, telling).problem):
+        agrees = guess.unit is not None and guess.doubt is None and same_unit(guess.unit.name, unit, kind)
+        if np.isfinite(silent).any() and (not agrees or fit(channel.quantity, unit, telling).problem):
             raise _asked(channel, again, unit, assigner)
         if again.unit is not None:
             assigner.say("unit_stated_later", Sentence(
@@ -394,8 +394,8 @@ def _numbers_but_for_few(
 ) -> bool:
     """Tell whether few cells of a column are no numbers, and say how many."""
     if len(words) > _FEW_WORDS * len(values) or any(is_destroyed(str(cell)) for cell in words.head(50)):
-        what, found = cause(words, values[:: max(1, len(values) // 50_000)], decimal)
-        assigner.refuse(candidate, "column_refused", holds(candidate.label, what, found))
+        what, example = cause(words, values[:: max(1, len(values) // 50_000)], decimal)
+        assigner.refuse(candidate, "column_refused", holds(candidate.label, what, example))
         return False
     text = Sentence(
         "{column!r}: {count} cell(s) are no numbers ({found}) and left out",

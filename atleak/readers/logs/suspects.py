@@ -60,9 +60,9 @@ def sentinel(series: pd.Series) -> pd.Series:
     """
     values = series.to_numpy()
     result = np.zeros(len(values), bool)
-    found = np.isin(values, SENTINELS)
-    if len(values) and np.mean(found) <= 0.5:  # else it is an ordinary value of this channel
-        result = found
+    codes = np.isin(values, SENTINELS)
+    if len(values) and np.mean(codes) <= 0.5:  # else it is an ordinary value of this channel
+        result = codes
     return pd.Series(result, series.index)
 
 

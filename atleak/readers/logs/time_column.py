@@ -73,9 +73,9 @@ def _clock_of_numbers(
     whole = len(values) > 0 and bool(np.isfinite(values).all())
     if len(words) > 0.05 * len(values) or (not whole and np.isfinite(values).sum() < 0.5 * len(values)):
         if len(words):  # say what is wrong with its numbers, where they are any
-            what, found = cause(words, values[:: max(1, len(values) // 50_000)], table.decimal)
+            what, example = cause(words, values[:: max(1, len(values) // 50_000)], table.decimal)
             if what != TEXT:
-                assigner.say("column_refused", holds(candidate.label, what, found), "warning", candidate.label)
+                assigner.say("column_refused", holds(candidate.label, what, example), "warning", candidate.label)
         return None
     sampled = [cell for cell in table.sampled(candidate.heading.index) if cell]
     destroyed = list(filter(is_destroyed, sampled))

@@ -64,16 +64,16 @@ def same_unit(one: str, other: str, kind: str | None) -> bool:
     first, second = clean_unit(first), clean_unit(second)
     if absolute != other_absolute:
         return False
-    known = find_unit(first, kind) if kind else None
-    return first.lower() == second.lower() or (known is not None and known == find_unit(second, kind or ""))
+    unit = find_unit(first, kind) if kind else None
+    return first.lower() == second.lower() or (unit is not None and unit == find_unit(second, kind or ""))
 
 
 def given(quantity: str, name: str) -> Fit:
     """Return the unit that the user states for a quantity."""
     kind = QUANTITIES[quantity].unit_kind
     if kind is None:
-        said = QUANTITIES[quantity].said
-        raise InputError(Sentence("{quantity} is a plain number and has no unit", quantity=said), value=name)
+        label = QUANTITIES[quantity].said
+        raise InputError(Sentence("{quantity} is a plain number and has no unit", quantity=label), value=name)
     base, absolute = split_absolute(name) if kind == "pressure" else (name, False)
     return Fit(unit(base, kind), absolute=absolute)
 

@@ -83,8 +83,8 @@ class _StatedNumbers:
             if stated is not None:
                 yield row, readings, stated[0], stated[1] or unit
 
-    def warnings(self, index: int, what: str, found: Iterator[Contradiction]) -> Iterator[Message]:
-        contradictions, heading = list(found), self.table.heading(index)
+    def warnings(self, index: int, what: str, disagreeing: Iterator[Contradiction]) -> Iterator[Message]:
+        contradictions, heading = list(disagreeing), self.table.heading(index)
         for row, stated, computed in contradictions[:_SHOWN]:
             text = Sentence(
                 "row {row}: column {heading!r} says {stated}, and the diameters make {computed}: a slip in one of them",
@@ -110,14 +110,14 @@ class _StatedNumbers:
             beside = readings
             if len({reading.part for reading in readings}) < 2:
                 beside = self.lands[readings[0].component, readings[0].plane]
-            known = _differences(beside)
+            differences = _differences(beside)
             units = [unit] if unit else _UNITS
-            sizes = [difference * share for difference in known for share in ((0.5,) if radial else (1.0, 0.5))]
-            if not known or any(
+            sizes = [difference * share for difference in differences for share in ((0.5,) if radial else (1.0, 0.5))]
+            if not differences or any(
                 abs(value * scale.factor - size) <= _rounded(value, scale) for scale in units for size in sizes
             ):
                 continue
-            difference, unit_name = units[0].from_si(known[0] * (0.5 if radial else 1.0)), units[0].said
+            difference, unit_name = units[0].from_si(differences[0] * (0.5 if radial else 1.0)), units[0].said
             computed = Sentence("{size:.6g} {unit}", size=difference, unit=unit_name)
             yield row, Sentence("{size:g} {unit}", size=value, unit=unit_name), computed
 
@@ -158,15 +158,15 @@ class _StatedNumbers:
             return
         unit = next((written for *_, written in stated if written), None)
         sizes = sorted(size for _, size, _ in stated)
-        said = Sentence("{size:g}", size=sizes[0])
+        stated_sizes = Sentence("{size:g}", size=sizes[0])
         if sizes[-1] > sizes[0]:
-            said = Sentence("{low:g} to {high:g}", low=sizes[0], high=sizes[-1])
+            stated_sizes = Sentence("{low:g} to {high:g}", low=sizes[0], high=sizes[-1])
         heading, rows = self.table.heading(index), [row for row, *_ in stated]
         text = Sentence(
             "column {heading!r} says {said}{unit} in {rows}, where only one part was measured: it is not used, and the "
             "other part counts with its nominal diameter",
             heading=heading,
-            said=said,
+            said=stated_sizes,
             unit=Sentence(" {unit}", unit=unit.said) if unit else "",
             rows=rows_named(self.table.sheet, rows),
         )
@@ -272,7 +272,7 @@ def other_controller(
 
     ``made_for`` is the id of one from which this one was copied, and which the head may name as well.
     """
-    sheet, known = table.sheet, {plain(name) for name in catalogue_files("controllers")}
+    sheet, catalogue = table.sheet, {plain(name) for name in catalogue_files("controllers")}
     mine = {plain(name) for name in (controller.id, controller.name, made_for) if name is not None}
     for row in range(max(table.first, 0)):
         for index, cell in enumerate(sheet.rows[row]):
@@ -285,7 +285,7 @@ def other_controller(
             if named is None and not cell[match.end() :].strip(" .:"):
                 beside = text_of(sheet.cell(row, index + 1))
                 named = beside if _ID.fullmatch(beside) else None
-            if named is None or plain(named) in mine or not (sure or plain(named) in known or "_" in named):
+            if named is None or plain(named) in mine or not (sure or plain(named) in catalogue or "_" in named):
                 continue
             error = OtherControllerError(
                 Sentence(

@@ -164,7 +164,7 @@ def _wanted(every: Sequence[_SheetTables], file: str, wanted: str) -> _SheetTabl
     return chosen
 
 
-def _no_readings(every: Sequence[_SheetTables], file: str, known: ControllerNames) -> ReadingsError:
+def _no_readings(every: Sequence[_SheetTables], file: str, naming: ControllerNames) -> ReadingsError:
     sheets = [page.sheet for page in every]
     if not any(str(cell).strip() for sheet in sheets for row in sheet.rows for cell in row):
         return ReadingsError(
@@ -181,7 +181,7 @@ def _no_readings(every: Sequence[_SheetTables], file: str, known: ControllerName
             )
     headers = [*tables, *filter(None, map(best_header, sheets))]
     if headers:
-        return _incomplete(max(headers, key=lambda table: table.score), Sizes(known.controller))
+        return _incomplete(max(headers, key=lambda table: table.score), Sizes(naming.controller))
     names = [sheet.name for sheet in sheets if sheet.name is not None]
     problem = Sentence("no row of headings found: not a measuring sheet?")
     if len(names) > 1:
@@ -233,8 +233,8 @@ def _incomplete(table: HeadedTable, sizes: Sizes) -> ReadingsError:
 def _of_size(table: HeadedTable, sizes: Sizes) -> list[str]:
     """Return the headings that say nothing known, and under which most numbers are of the size of a diameter."""
     headed = (index for index in range(table.sheet.width) if table.role(index) in (None, "quantity"))
-    found = [table.heading(index) for index in headed if sizes.fill(table.cells(index).values())]
-    return list(filter(None, found))
+    headings = [table.heading(index) for index in headed if sizes.fill(table.cells(index).values())]
+    return list(filter(None, headings))
 
 
 def require_one_measurement(read: Sequence[SheetRows], file: str) -> list[ReadingsError]:

@@ -51,9 +51,9 @@ def _halves(word: str) -> tuple[str, ...]:
     if match is None:
         return (word,)
     first = match[1]
-    for known in (first, first.removesuffix("s"), first.removesuffix("en"), first.removesuffix("n")):
-        if part_of(known) is not None or known in {"aussen", "innen"}:
-            return known, match[2]
+    for singular in (first, first.removesuffix("s"), first.removesuffix("en"), first.removesuffix("n")):
+        if part_of(singular) is not None or singular in {"aussen", "innen"}:
+            return singular, match[2]
     return (word,)
 
 
@@ -139,11 +139,11 @@ _SAYS_ANGLE: tuple[Callable[[str, str, str], bool], ...] = (  # of a word, by th
 
 def _direction(role: str, tokens: Sequence[str]) -> float | None:
     angles = [word for holds in _SAYS_ANGLE for before, word, after in _around(tokens) if holds(before, word, after)]
-    found = [angle for word in angles if (angle := direction_of(word)) is not None]
-    found += [_DIRECTED[token] for token in tokens if role == "diameter" and token in _DIRECTED]
+    directions = [angle for word in angles if (angle := direction_of(word)) is not None]
+    directions += [_DIRECTED[token] for token in tokens if role == "diameter" and token in _DIRECTED]
     axes = {token[0] for token in tokens if token in _ENDS}
-    found += [0.0 if axes == {"x"} else 90.0] if len(axes) == 1 else []
-    return next(iter(found), None)
+    directions += [0.0 if axes == {"x"} else 90.0] if len(axes) == 1 else []
+    return next(iter(directions), None)
 
 
 def _counted(tokens: Sequence[str]) -> tuple[int | None, list[int]]:
@@ -442,8 +442,8 @@ class _Heading:
     @cached_property
     def role(self) -> Role | None:
         """Return what its column is by the first of the rules that holds."""
-        found = next((role for role, holds in _RULES if holds(self)), None)
-        return found or ("component" if _rank(self.words) else None)
+        stated = next((role for role, holds in _RULES if holds(self)), None)
+        return stated or ("component" if _rank(self.words) else None)
 
 
 _RULES: tuple[tuple[Role, Callable[[_Heading], bool]], ...] = (

@@ -99,9 +99,9 @@ def _component(table: HeadedTable, names: ControllerNames) -> HeadedColumn | Non
 
     def sureness(column: HeadedColumn) -> tuple[float, float, int]:
         cells = table.cells(column.index).values()
-        known = sum(names.component(cell) is not None for cell in cells)
+        named = sum(names.component(cell) is not None for cell in cells)
         numbered = sum(text_of(cell) in names.with_lands for cell in cells)
-        return known / max(len(cells), 1), numbered / max(len(cells), 1), column.rank
+        return named / max(len(cells), 1), numbered / max(len(cells), 1), column.rank
 
     columns = [column for column in table.of("component") if table.of("part") or not table.names_parts(column)]
     return max(columns, key=sureness, default=None)
@@ -109,8 +109,8 @@ def _component(table: HeadedTable, names: ControllerNames) -> HeadedColumn | Non
 
 def _plane(table: HeadedTable, names: ControllerNames) -> HeadedColumn | None:
     """Return the column of planes; of several the one whose cells the controller knows."""
-    known = {column: sum(map(names.is_plane, table.cells(column.index).values())) for column in table.of("plane")}
-    return max(known, key=lambda column: known[column], default=None)
+    planes = {column: sum(map(names.is_plane, table.cells(column.index).values())) for column in table.of("plane")}
+    return max(planes, key=lambda column: planes[column], default=None)
 
 
 def _same(table: HeadedTable, names: ControllerNames, component: HeadedColumn | None) -> Iterator[HeadedColumn]:

@@ -108,8 +108,8 @@ class ControllerNames:
     def _spellings(self) -> dict[str, str]:
         spelled: dict[str, str] = {}
         for language in languages():
-            known = own_table(language, "names")
-            names = {part: plain(known.get(name, name)) for part, name in self.controller.components.items()}
+            translations = own_table(language, "names")
+            names = {part: plain(translations.get(name, name)) for part, name in self.controller.components.items()}
             often = Counter(names.values())
             spelled |= {name: component for component, name in names.items() if often[name] == 1}
         for component in self.controller.components:
@@ -150,7 +150,7 @@ class ControllerNames:
             if self.is_named(part):
                 return self.component(part)
         folded = f" {plain(text)} "
-        components = {known for name, known in self._spellings.items() if len(name) > 3 and f" {name} " in folded}
+        components = {number for name, number in self._spellings.items() if len(name) > 3 and f" {name} " in folded}
         return components.pop() if len(components) == 1 else None
 
     def require_component(self, cell: Cell) -> str:

@@ -164,9 +164,9 @@ def _number(stated: Stated, quantity: _Quantity) -> float:
     if isinstance(number, str):
         match = _VALUE.fullmatch(re.sub(r"\s*\([^()]*\)$", "", number.strip()))
         values = possible_values(match["number"]) if match else ()
-        found = find_unit(match["unit"], quantity.kind) if match and match["unit"] else unit
-        if values and found is not None:
-            number, unit = values[0], found
+        stated_unit = find_unit(match["unit"], quantity.kind) if match and match["unit"] else unit
+        if values and stated_unit is not None:
+            number, unit = values[0], stated_unit
     if isinstance(number, bool) or not isinstance(number, int | float):
         problem = Sentence("no {what}", what=quantity.what)
         expected = Sentence("one {what}, such as {example:g} {unit}")

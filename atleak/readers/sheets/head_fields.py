@@ -64,9 +64,9 @@ def stated_values(
                 continue
             in_cell = (match["value"] or match["number"] or "").strip()
             stated = Stated(sheet, row, column, in_cell, _unit_in(match["label"], kind), match["label"])
-            found = stated if in_cell else _beside(stated, row + 1 in rows, kind)
-            if found is not None and not sheet.is_struck(found.row, found.column):
-                yield found
+            field = stated if in_cell else _beside(stated, row + 1 in rows, kind)
+            if field is not None and not sheet.is_struck(field.row, field.column):
+                yield field
 
 
 def means(label: str, meaning: Sequence[str], beside: Sequence[str]) -> bool:
@@ -77,7 +77,7 @@ def means(label: str, meaning: Sequence[str], beside: Sequence[str]) -> bool:
 
 def _unit_in(label: str, kind: str | None) -> Unit | None:
     written = [*(match[1] for match in _BRACKETS.finditer(label)), *label.split()[-1:]]
-    return next((found for text in written if (found := _unit(text.strip(), kind))), None)
+    return next((unit for text in written if (unit := _unit(text.strip(), kind))), None)
 
 
 def _unit(text: str, kind: str | None) -> Unit | None:
@@ -162,13 +162,13 @@ def read_identity(heads: Sequence[tuple[Sheet, range]]) -> tuple[SheetIdentity, 
     values: dict[str, str | float] = {}
     for name, (words, beside, what) in _OF_JOB.items():
         taken = {(stated.sheet.name, stated.row, stated.column) for stated in every}
-        found = [
+        fields = [
             stated
             for stated in stated_values(heads, words, beside, None)
             if (stated.sheet.name, stated.row, stated.column) not in taken and len(text_of(stated.value)) <= _LONGEST
         ]
-        every += found
-        by_text = {plain(text_of(stated.value)): stated for stated in found}
+        every += fields
+        by_text = {plain(text_of(stated.value)): stated for stated in fields}
         if len(by_text) > 1:
             messages.append(several([(text_of(one.value), one) for one in by_text.values()], what))
         for stated in by_text.values() if len(by_text) == 1 else ():

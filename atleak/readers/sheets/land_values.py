@@ -211,7 +211,7 @@ class _LandRows:
                     value=wanted,
                     expected=Sentence("land {names}", names=mended),
                 )
-        for other in (options[known] for of, known in fitted if of == component and known != wanted):
+        for other in (options[repair_id] for of, repair_id in fitted if of == component and repair_id != wanted):
             both = [land.land for land in lands if repair.changes(land.key) and other.changes(land.key)]
             if both:
                 problem = Sentence("{repair} stands in {where} already, for land {land} too")

@@ -89,16 +89,16 @@ class Account:
         self._slipped(rows)
         others = [index for index in others if not self._is_quantity(rows, index)]
         rivals = [index for index in others if self._is_rival(rows, index)]
-        known = len(rivals) == 1 and _is_headed(table) and _says_other(table, rivals[0])
-        if known and not self._differs(rows, rivals[0]):
+        repeats_sizes = len(rivals) == 1 and _is_headed(table) and _says_other(table, rivals[0])
+        if repeats_sizes and not self._differs(rows, rivals[0]):
             self._leave_column(table, rivals[0], self._sizes_in(rows, rivals[0]), None)
         elif rivals:
             self.problems.append(_which(table, rivals))
 
     def enter_lands(self, table: HeadedTable) -> None:
         """Account for a table of what lands themselves have: its numbers and names, and its other quantities."""
-        known = [column.index for column in table.columns if not column.holds_size]
-        self._enter(table, table.block).update((row, index) for row in table.block for index in known)
+        columns = [column.index for column in table.columns if not column.holds_size]
+        self._enter(table, table.block).update((row, index) for row in table.block for index in columns)
 
     def leave_table(self, table: HeadedTable) -> None:
         """Leave aside a table that holds no readings of this valve body."""

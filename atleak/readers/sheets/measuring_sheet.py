@@ -267,12 +267,12 @@ class _Measurement:
         return "columns" if any(len({value.group for value in rows.table.values}) > 1 for rows in self.rows) else "tidy"
 
     def _contradictions(self) -> list[Message]:
-        found: list[Message] = []
+        messages: list[Message] = []
         for rows in self.rows:
-            found += agreement.agreement_messages(rows.table, rows.columns, rows.entries, self.converted.readings)
+            messages += agreement.agreement_messages(rows.table, rows.columns, rows.entries, self.converted.readings)
         for rows in self.rows if self.head.temperature is None else ():
-            found += agreement.temperatures(rows.table, rows.columns, list(rows.of_row))
-        return list(dict.fromkeys(found))  # a message about what stands above several tables is given once
+            messages += agreement.temperatures(rows.table, rows.columns, list(rows.of_row))
+        return list(dict.fromkeys(messages))  # a message about what stands above several tables is given once
 
     def _about_sheet(self) -> Iterator[Message]:
         sheet = self.first.sheet

@@ -96,9 +96,9 @@ def _contradictions(
     yield from apart
     exchanged = list(_exchanged(gaps, by_land, readings))
     yield from exchanged
-    known = {*doubtful, *(land.key for land, _ in (*apart, *exchanged))}
+    named_lands = {*doubtful, *(land.key for land, _ in (*apart, *exchanged))}
     for gap in gaps:
-        if gap.measured and gap.land.key not in known:
+        if gap.measured and gap.land.key not in named_lands:
             for problem in _clearance(gap, by_land[gap.land.key], readings):
                 yield gap.land, problem
 
@@ -124,27 +124,27 @@ def _factor(ratio: float) -> float | None:
 def _off(readings: Readings, controller: Controller) -> tuple[list[_Off], int]:
     """Return the readings that are far from their nominal diameter, and how many there are whose land is known."""
     off: list[_Off] = []
-    known = 0
+    compared = 0
     for reading in readings.readings:
         land = controller.land_of_plane(reading.component, reading.plane)
         if land is None:
             continue
-        known += 1
+        compared += 1
         ratio = reading.diameter / land.nominal_of(reading.part)
         if not 1.0 / _FAR < ratio < _FAR:
             off.append((reading, land, ratio, _factor(ratio)))
-    return off, known
+    return off, compared
 
 
 def _factors(readings: Readings, controller: Controller) -> tuple[list[ReadingsError], set[LandKey]]:
-    off, known = _off(readings, controller)
+    off, compared = _off(readings, controller)
     doubtful = {land.key for _, land, _, _ in off}
     counts = Counter(factor for *_, factor in off if factor is not None)
     common, count = counts.most_common(1)[0] if counts else (None, 0)
     problems = []
-    if common is not None and count > 1 and count >= _WHOLE_SHEET * known:
+    if common is not None and count > 1 and count >= _WHOLE_SHEET * compared:
         first, land, *_ = next(entry for entry in off if entry[3] == common)
-        problems.append(_wrong_unit(readings, first, land, common, count, known))
+        problems.append(_wrong_unit(readings, first, land, common, count, compared))
         off = [entry for entry in off if entry[3] != common]
     return [*problems, *(_off_problem(readings, *entry) for entry in off)], doubtful
 
@@ -159,7 +159,7 @@ def _off_problem(readings: Readings, reading: Reading, land: Land, ratio: float,
     return ReadingsError(what, place=reading.place, value=value, expected=_about(readings, land, reading))
 
 
-def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, count: int, known: int) -> ReadingsError:
+def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, count: int, of: int) -> ReadingsError:
     stated = find_unit(readings.unit, "length")
     units = () if stated is None else (unit(name, "length") for name in unit_names("length"))
     close = (other for other in units if stated and abs(stated.factor / other.factor - factor) < 1e-6 * factor)
@@ -171,7 +171,7 @@ def _wrong_unit(readings: Readings, first: Reading, land: Land, factor: float, c
         Sentence(
             "{count} of {known} diameters, read as {unit}, are {times} the nominal ones: a wrong unit{fits}",
             count=count,
-            known=known,
+            known=of,
             unit=stated.said if stated else readings.unit,
             times=_times(factor),
             fits=Sentence(" ({unit}?)", unit=fits) if fits else "",

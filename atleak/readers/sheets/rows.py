@@ -290,18 +290,18 @@ class _Reader:
         if value.part is None and columns.part is not None:
             part = self._read_key(row, columns.part, "part")
         plane = self._plane(row, component, value)
-        direction, known = value.direction, True
+        direction, complete = value.direction, True
         if columns.direction is not None:
             direction = self._read_key(row, columns.direction, "direction")
-            known = direction is not None
+            complete = direction is not None
         repeat, explicit = value.repeat, False
         if columns.repeat is not None and repeat is None:
             # a mean that stands for its single readings has no number
             cell = self.sheet.filled(row, columns.repeat.index)
             explicit = repeat_of(cell) is not None or summary_of(cell, key=True) is None
             repeat = self._read_key(row, columns.repeat, "repeat") if explicit else None
-            known = known and (repeat is not None or not explicit)
-        if component is None or part is None or plane is None or not known:
+            complete = complete and (repeat is not None or not explicit)
+        if component is None or part is None or plane is None or not complete:
             return None
         return PlaceKey(component, part, plane, direction, repeat, explicit, self._is_unworn(row))
 
@@ -453,5 +453,5 @@ class _Reader:
     def _once(self, row: int, column: HeadedColumn, problem: ReadingsError) -> None:
         """Add a problem of the row once, not for each of its values."""
         place = self.table.place(row, column)
-        if place not in {known.place for known in self.rows.problems[-8:]}:
+        if place not in {earlier.place for earlier in self.rows.problems[-8:]}:
             self.rows.problems.append(at(place, problem))

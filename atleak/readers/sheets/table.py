@@ -132,8 +132,8 @@ class HeadedTable:
     @property
     def readable(self) -> bool:
         """Return whether readings can be read from the table at all."""
-        known = self.of("component") or self.component is not None
-        return bool(known and self.values and not self.left_aside)
+        has_component = self.of("component") or self.component is not None
+        return bool(has_component and self.values and not self.left_aside)
 
     @cached_property
     def span(self) -> range:
@@ -254,16 +254,16 @@ def _is_named_size(column: HeadedColumn) -> bool:
 def best_header(sheet: Sheet) -> HeadedTable | None:
     """Return the row (or up to three rows) that looks most like headings, or None where none does."""
     rows = (row for row in range(len(sheet.rows)) if _may_hold_headings(sheet, row))
-    found = [header for row in rows for header in _headers_at(sheet, row) if header.score > 2.0]
-    return max(found, key=lambda header: round(header.score, 9), default=None)
+    headers = [header for row in rows for header in _headers_at(sheet, row) if header.score > 2.0]
+    return max(headers, key=lambda header: round(header.score, 9), default=None)
 
 
 def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[HeadedTable]:
     """Return the headings of every table, from top to bottom. ``is_component`` knows the cells of readings."""
-    found = [header for first in range(len(sheet.rows)) for header in _likely_headers(sheet, first, is_component)]
+    likely = [header for first in range(len(sheet.rows)) for header in _likely_headers(sheet, first, is_component)]
     headers: list[HeadedTable] = []
     taken: set[int] = set()
-    for header in sorted(found, key=lambda header: (-round(header.score + _depth_bonus(header), 9), header.first)):
+    for header in sorted(likely, key=lambda header: (-round(header.score + _depth_bonus(header), 9), header.first)):
         rows = range(header.first, header.last + 1)
         if taken.isdisjoint(rows):
             headers.append(header)

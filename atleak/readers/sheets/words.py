@@ -93,23 +93,23 @@ class Words(tuple[str, ...]):
         >>> letters("Solldurchmesser in mm").of("specification", "specification_title")
         {'solldurchmesser'}
         """
-        known = sheet_vocabulary(*meanings)
-        return {word for word in self if word in known}
+        vocabulary = sheet_vocabulary(*meanings)
+        return {word for word in self if word in vocabulary}
 
     def any(self, *meanings: str) -> bool:
         """Return whether one of the words has one of these meanings."""
-        known = sheet_vocabulary(*meanings)
-        return any(word in known for word in self)
+        vocabulary = sheet_vocabulary(*meanings)
+        return any(word in vocabulary for word in self)
 
     def only(self, *meanings: str) -> bool:
         """Return whether every word has one of these meanings; of no words they all have."""
-        known = sheet_vocabulary(*meanings)
-        return all(word in known for word in self)
+        vocabulary = sheet_vocabulary(*meanings)
+        return all(word in vocabulary for word in self)
 
     def but(self, *meanings: str) -> Words:
         """Return the words that have none of these meanings."""
-        known = sheet_vocabulary(*meanings)
-        return Words(word for word in self if word not in known)
+        vocabulary = sheet_vocabulary(*meanings)
+        return Words(word for word in self if word not in vocabulary)
 
 
 @lru_cache(maxsize=8192)
@@ -244,8 +244,8 @@ def part_of(text: str) -> Part | None:
     if len(stripped) <= _SINGLE_LETTERS:
         return _PART_WORDS.get(stripped)
     folded = plain(stripped)
-    known = _PART_WORDS.get(folded) or _PART_WORDS.get(re.sub(r"\s*[\(\[/].*$", "", folded))
-    return known or next((part for part, stems in _PART_STEMS.items() if " " not in folded and folded in stems), None)
+    named = _PART_WORDS.get(folded) or _PART_WORDS.get(re.sub(r"\s*[\(\[/].*$", "", folded))
+    return named or next((part for part, stems in _PART_STEMS.items() if " " not in folded and folded in stems), None)
 
 
 @lru_cache(maxsize=4096)
