@@ -335,11 +335,35 @@ class Map:
     pressure_borders: Mapping[str, tuple[Border, ...]]  # under which a level begins, the mildest first
 
     def share_reaches(self, border: Border) -> np.ndarray:
-        """Return from which wear on a band is reached, at each temperature; NaN where it is not on this map."""
+        """Return from which wear on a band is reached, at each temperature; NaN where it is not on this map.
+
+        Parameters
+        ----------
+        border
+            one of `share_borders`.
+
+        Returns
+        -------
+        numpy.ndarray
+            wear as on the map's axis, shape (temperatures,).
+        """
         return _first(self.wears, self.share - border.value)
 
     def pressure_reaches(self, name: str, border: Border) -> np.ndarray:
-        """Return from which wear on the line or a circuit holds so little that a level is reached, likewise."""
+        """Return from which wear on the line or a circuit holds so little that a level is reached, likewise.
+
+        Parameters
+        ----------
+        name
+            of the line, p_g, or the id of a circuit.
+        border
+            one of `pressure_borders` of that name.
+
+        Returns
+        -------
+        numpy.ndarray
+            wear as on the map's axis, shape (temperatures,).
+        """
         return _first(self.wears, border.value - self.pressures[name])
 
 

@@ -40,6 +40,23 @@ class Pressure:
     def parse(cls, text: str) -> Pressure:
         """Read ``"p_g"``, ``"0.1*p_g"``, the id of a circuit, ``"35 kPa"``, ``"0"`` or ``"drain"``.
 
+        Parameters
+        ----------
+        text
+            as a valve body's file states it.
+
+        Returns
+        -------
+        Pressure
+            a number in kPa as a constant [Pa]; a drain as zero.
+
+        Raises
+        ------
+        NotAccepted
+            a `ValueError`: no such form, or a share that is not more than 0 and at most 1.
+
+        Examples
+        --------
         >>> Pressure.parse("0.1*p_g")
         Pressure(coefficient=0.1, section='p_g', constant=0.0)
         """
@@ -62,7 +79,18 @@ class Pressure:
         return self.section is not None and self.coefficient == 1.0
 
     def at(self, pressures: Mapping[str, Any]) -> Any:
-        """Return the pressure [Pa] from those of the sections."""
+        """Return the pressure [Pa] from those of the sections.
+
+        Parameters
+        ----------
+        pressures
+            [Pa] by section and circuit, numbers or arrays.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            [Pa]; a constant stays a number.
+        """
         return self.constant if self.section is None else self.coefficient * pressures[self.section]
 
     def __str__(self) -> str:
@@ -87,7 +115,18 @@ class PressureRelation:
         return pressure_equations.regulated_pressure(main_pressure, self.ratio, self.offset, self.limit)
 
     def line_between(self, low: float, high: float) -> tuple[float, float] | None:
-        """Return (ratio, offset) valid for all p_g between two values; None where the limit begins between them."""
+        """Return (ratio, offset) valid for all p_g between two values; None where the limit begins between them.
+
+        Parameters
+        ----------
+        low, high
+            main pressures [Pa].
+
+        Returns
+        -------
+        tuple or None
+            ratio [-] and offset [Pa]; ratio 0 and the limit where all of it is at the limit.
+        """
         if self.limit is None:
             return self.ratio, self.offset
         ends = self(low), self(high)
@@ -146,6 +185,16 @@ class SetPressure:
     def at(self, point: OperatingPoint) -> float | None:
         """Return the set pressure at an operating point [Pa]; None where it follows another circuit.
 
+        Parameters
+        ----------
+        point
+            whose name, gear, solenoid current or lock-up duty counts.
+
+        Returns
+        -------
+        float or None
+            [Pa]; 0 in a gear for which none is stated, None where the point lacks the solenoid's signal.
+
         Raises
         ------
         InputError
@@ -164,7 +213,25 @@ class SetPressure:
         return None
 
     def with_pressures(self, point: OperatingPoint, pressures: Mapping[str, Any]) -> Any:
-        """Return the set pressure [Pa] at a point from the pressures that it may follow; never below zero."""
+        """Return the set pressure [Pa] at a point from the pressures that it may follow; never below zero.
+
+        Parameters
+        ----------
+        point
+            as `at` takes it.
+        pressures
+            [Pa] by section and circuit, numbers or arrays.
+
+        Returns
+        -------
+        float, numpy.ndarray or None
+            [Pa]; None where the point lacks the solenoid's signal.
+
+        Raises
+        ------
+        InputError
+            as `at` raises it.
+        """
         if self.following is None:
             return self.at(point)
         following = self.following

@@ -112,6 +112,16 @@ class Land:
 
         A reading within what new pairs have is no wear, so it is taken as it is; a wider one is taken as worn from the
         widest new pair.
+
+        Parameters
+        ----------
+        clearance
+            measured radial clearance [m], a number or an array.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            the same, but at least `new_clearance` and at most `widest_new` [m].
         """
         new, widest = self.new_clearance, self.widest_new
         if isinstance(clearance, float):
@@ -137,6 +147,16 @@ class Land:
         """Return the land as a repair leaves it: with the nominal diameter and mounting clearance that this states.
 
         One that is only cleaned is the same pair.
+
+        Parameters
+        ----------
+        repair
+            one that changes this land: see `Repair.changes`.
+
+        Returns
+        -------
+        Land
+            with ``fitted``; what the repair states without evidence counts as representative.
         """
         if repair.keeps_clearance:
             return self
@@ -174,7 +194,18 @@ class Land:
         return self.spool_expansion if part == "spool" else self.body_expansion
 
     def thermal_rate(self, spool_diameter: float, sleeve_diameter: float) -> float:
-        """Return how fast the radial clearance grows with temperature [m/K]: eq. (2), body and spool equally warm."""
+        """Return how fast the radial clearance grows with temperature [m/K]: eq. (2), body and spool equally warm.
+
+        Parameters
+        ----------
+        spool_diameter, sleeve_diameter
+            cold, as measured or nominal [m].
+
+        Returns
+        -------
+        float
+            [m/K]; negative where the spool grows faster than its bore.
+        """
         return clearance_equations.thermal_rate(
             sleeve_diameter, spool_diameter, self.body_expansion, self.spool_expansion
         )

@@ -131,6 +131,18 @@ class Steps:
     def under(self, new: Any) -> tuple[tuple[Level, Any], ...]:
         """Return the falling limits where the same unit new has the reserve ``new``, a number or an array.
 
+        Parameters
+        ----------
+        new
+            reserve of the same unit new [-], a number or an array.
+
+        Returns
+        -------
+        tuple
+            each level with its limit [-], falling; arrays where ``new`` is one.
+
+        Examples
+        --------
         >>> steps = Steps(((Band.AMBER, 1.5), (Band.CRITICAL, 1.0)), LimitOrigin.PROJECT, "", fall=0.1)
         >>> [(band.value, round(limit, 3)) for band, limit in steps.under(1.4)]
         [('amber', 1.26), ('critical', 1.0)]
@@ -146,8 +158,18 @@ class Steps:
     def over(self, new: Any) -> tuple[tuple[Level, Any], ...]:
         """Return the limits of a share where the same land or unit has the share ``new`` when new.
 
-        ``new`` is a fraction, a number or an array; a limit that growth has no part in stays a number.
+        Parameters
+        ----------
+        new
+            share of the pump's flow that the same land or unit has when new, a fraction; a number or an array.
 
+        Returns
+        -------
+        tuple
+            each level with its limit, a fraction; one that growth has no part in stays a number.
+
+        Examples
+        --------
         >>> growth = {Band.AMBER: (0.25, 0.02)}
         >>> steps = Steps(((Band.AMBER, 0.0), (Band.CRITICAL, 0.5)), LimitOrigin.PROJECT, "", growth=growth)
         >>> [(band.value, round(limit, 3)) for band, limit in steps.over(0.16)]
@@ -166,6 +188,18 @@ class Steps:
         """Return the limits of the wear of a land with that mounting clearance and tolerance [m], a fraction of it.
 
         A level that begins above another one never has the lower limit of the two.
+
+        Parameters
+        ----------
+        mounting_clearance
+            radial clearance when new, the upper end of a range [m].
+        tolerance
+            by which a new pair of the type may be wider [m]; 0 of a clearance that is this pair's own.
+
+        Returns
+        -------
+        tuple
+            each level with its limit of (c_r − c_m)/c_m, a fraction; rising.
         """
         limits: list[tuple[Level, float]] = []
         for level, limit in self.levels:
@@ -181,6 +215,22 @@ class Steps:
         Where ``reached`` says how likely the true value has reached each level, the highest counts of which that is as
         likely as not: a value may stand within a limit that the unit has probably passed.
 
+        Parameters
+        ----------
+        value
+            in the unit of the limits: SI, or a fraction.
+        below
+            the level of a value that has reached none.
+        reached
+            probability [-] that the true value has reached each level, in their order; by the value alone unless given.
+
+        Returns
+        -------
+        tuple
+            the level, and its limit.
+
+        Examples
+        --------
         >>> steps = Steps(((Verdict.WATCH, 10.0), (Verdict.REPLACE, 50.0)), LimitOrigin.PUBLISHED, "")
         >>> level, limit = steps.judge(50.0, Verdict.OK)
         >>> level.value, limit

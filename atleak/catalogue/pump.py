@@ -107,7 +107,20 @@ class Pump:
         return self.as_new or self
 
     def slip(self, pressure: Any, dynamic_viscosity: Any) -> Any:
-        """Return the flow that slips back [m³/s] at any speed, of a pump with a slip coefficient; never below zero."""
+        """Return the flow that slips back [m³/s] at any speed, of a pump with a slip coefficient; never below zero.
+
+        Parameters
+        ----------
+        pressure
+            of the line [Pa], a number or an array.
+        dynamic_viscosity
+            of the fluid [Pa·s], likewise.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            [m³/s].
+        """
         assert self.slip_coefficient is not None
         flow = equations.slip_flow(self.displacement, self.slip_coefficient, pressure, dynamic_viscosity)
         if self.gaps.tips is None or not self.tips:
@@ -128,6 +141,16 @@ class Pump:
 
         The slip of the file holds for a new pump, and the gap law adds what a gap has opened by since. Of a gap that
         lacks its dimensions, or its clearance when new beside a stated slip, nothing is added; `counted` says what is.
+
+        Parameters
+        ----------
+        measured
+            side and tip clearance of this job's pump [m]; None where not measured.
+
+        Returns
+        -------
+        Pump
+            the same pump where neither was measured.
         """
         if not measured.any_known:
             return self
@@ -173,6 +196,20 @@ class Pump:
         """Return the relative standard uncertainty of the slip [-], each measured clearance uncertain by so much [m].
 
         What was not measured in this job adds nothing.
+
+        Parameters
+        ----------
+        clearance
+            standard uncertainty of each measured clearance [m].
+        pressure
+            of the line [Pa].
+        dynamic_viscosity
+            of the fluid [Pa·s].
+
+        Returns
+        -------
+        float
+            [-]; 0 where nothing slips.
         """
         side, tip, gaps = self.counted.side, self.counted.tip, self.gaps
         slip = float(self.slip(pressure, dynamic_viscosity)) if self.counted.any_known else 0.0

@@ -75,11 +75,33 @@ class Unit:
         return Sentence("inch") if self.name == "inch" else self.name
 
     def to_si(self, value: Any) -> Any:
-        """Convert a value or array in this unit to SI."""
+        """Convert a value or array in this unit to SI.
+
+        Parameters
+        ----------
+        value
+            a number or an array, in this unit.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            in SI; a temperature in °C.
+        """
         return value * self.factor + self.offset if self.offset else value * self.factor
 
     def from_si(self, value: Any) -> Any:
-        """Convert an SI value or array to this unit."""
+        """Convert an SI value or array to this unit.
+
+        Parameters
+        ----------
+        value
+            a number or an array, in SI; a temperature in °C.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            in this unit.
+        """
         return (value - self.offset) / self.factor if self.offset else value / self.factor
 
 
@@ -102,6 +124,20 @@ _TABLE: dict[str, dict[str, Unit]] = {
 def find_unit(name: str, kind: str) -> Unit | None:
     """Return the unit of that kind with that name, or None; of lengths also a decimal fraction of one.
 
+    Parameters
+    ----------
+    name
+        as people write it, in any of its spellings.
+    kind
+        of quantity: ``length``, ``pressure`` …
+
+    Returns
+    -------
+    Unit or None
+        None where no unit of that kind has such a name; `unit` raises an error instead.
+
+    Examples
+    --------
     >>> find_unit("℃", "temperature").name
     '°C'
     >>> find_unit("%", "pressure") is None

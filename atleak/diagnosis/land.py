@@ -86,7 +86,20 @@ class WearLine:
         return math.sqrt(max(float(way @ self.covariance @ way), 0.0))
 
     def band(self, mileage: float, coverage: float = MILEAGE_COVERAGE) -> tuple[float, float]:
-        """Return the interval of the clearance [m] at a mileage [km]."""
+        """Return the interval of the clearance [m] at a mileage [km].
+
+        Parameters
+        ----------
+        mileage
+            of the vehicle [km].
+        coverage
+            probability [-] of the interval.
+
+        Returns
+        -------
+        tuple
+            its ends [m].
+        """
         reach = _deviate(coverage) * self.uncertainty_at(mileage)
         return self.at(mileage) - reach, self.at(mileage) + reach
 

@@ -78,14 +78,37 @@ class Network:
         return bool(self.controller.circuits)
 
     def flow(self, branch: Branch[Restriction], pressures: Mapping[str, Any]) -> Any:
-        """Return the flow of a gap or leak [m³/s], negative where it leaks backwards."""
+        """Return the flow of a gap or leak [m³/s], negative where it leaks backwards.
+
+        Parameters
+        ----------
+        branch
+            one of `branches`.
+        pressures
+            [Pa] of every section and circuit, as `Balance.pressures` has them.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            [m³/s]; 0 against a drop that leaks nothing back.
+        """
         drop = branch.drop(pressures)
         return branch.restriction.flow(drop if leaks_both_ways(branch, self.solved) else np.maximum(drop, 0.0))
 
     def balance(self, sections: Mapping[str, Any], after: Balance | None = None) -> Balance:
         """Find the pressures that the circuits hold at given pressures of the sections [Pa].
 
-        ``after`` is this network's balance at others, near to which the new one is soon found.
+        Parameters
+        ----------
+        sections
+            [Pa] by section, numbers or arrays.
+        after
+            this network's balance at other pressures, near to which the new one is soon found.
+
+        Returns
+        -------
+        Balance
+            pressures [Pa] and flows [m³/s]; ``converged`` says whether every mass balance was reached.
         """
         return balance(self, sections, after) if self.has_circuits else Balance(dict(sections), {}, {}, True)
 

@@ -206,7 +206,18 @@ class Case:
         return hashlib.sha256(repr(sorted(values.items())).encode("utf-8", "backslashreplace")).hexdigest()
 
     def with_files(self, files: Mapping[str, SourceFile | None]) -> Self:
-        """Return this job with other files, by the names of their fields."""
+        """Return this job with other files, by the names of their fields.
+
+        Parameters
+        ----------
+        files
+            by field: ``readings``, ``road_test`` …; None takes one away.
+
+        Returns
+        -------
+        Case
+            all choices as they were.
+        """
         changes: dict[str, Any] = dict(files)
         return replace(self, **changes)
 
@@ -250,6 +261,16 @@ class Case:
     def condition(self, controller: Controller) -> OperatingPoint:
         """Return the stated condition.
 
+        Parameters
+        ----------
+        controller
+            the valve body of this job.
+
+        Returns
+        -------
+        OperatingPoint
+            the point that the job states, or the controller's first one, with what the job states besides.
+
         Raises
         ------
         InputError
@@ -262,7 +283,20 @@ class Case:
         return stated_condition(controller, **differ, gear=self.gear, base=point)
 
     def with_condition(self, condition: OperatingPoint, controller: Controller) -> Case:
-        """Return this job at a condition, kept as what differs from the controller's own, or else as a whole."""
+        """Return this job at a condition, kept as what differs from the controller's own, or else as a whole.
+
+        Parameters
+        ----------
+        condition
+            to be stated.
+        controller
+            the valve body of this job.
+
+        Returns
+        -------
+        Case
+            whose `condition` is that one.
+        """
         own = controller.operating_points[0]
         differ: dict[str, Any] = {
             name: None if getattr(condition, name) == getattr(own, name) else getattr(condition, name)
@@ -334,6 +368,16 @@ class Case:
         """Return every land as this job's sheet measured it, with what makes it uncertain; none without a sheet.
 
         It is what `diagnose` rests on, without its draws: a unit's history asks for nothing more of an earlier visit.
+
+        Parameters
+        ----------
+        loader
+            reads the files; unless given, each is read anew.
+
+        Returns
+        -------
+        tuple
+            a `LandSources` for every land.
 
         Raises
         ------

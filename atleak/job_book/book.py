@@ -290,6 +290,16 @@ class Book:
     def load(self, id: str) -> StoredJob:
         """Return a job of the book, as it was saved.
 
+        Parameters
+        ----------
+        id
+            of the job, as `save` and `rows` give it.
+
+        Returns
+        -------
+        StoredJob
+            choices, files, pictures and the last result.
+
         Raises
         ------
         BookError
@@ -351,13 +361,45 @@ class Book:
             _refuse_erased(row, version)
 
     def rows(self, query: Query | None = None) -> list[JobRow]:
-        """Return the jobs that a query asks for, the last changed one first."""
+        """Return the jobs that a query asks for, the last changed one first.
+
+        Parameters
+        ----------
+        query
+            what to look for; unless given, the last changed jobs that are not archived.
+
+        Returns
+        -------
+        list
+            a `JobRow` for each job, as many as the query's limit allows.
+
+        Raises
+        ------
+        BookError
+            where the database cannot be used.
+        """
         with self.reading() as connection:
             found = connection.execute(found_by(connection, query or Query())).mappings().all()
         return [JobRow(**row) for row in found]
 
     def count(self, query: Query | None = None) -> int:
-        """Return how many jobs a query asks for, whatever its limit."""
+        """Return how many jobs a query asks for, whatever its limit.
+
+        Parameters
+        ----------
+        query
+            what to look for; unless given, all jobs that are not archived.
+
+        Returns
+        -------
+        int
+            number of jobs.
+
+        Raises
+        ------
+        BookError
+            where the database cannot be used.
+        """
         with self.reading() as connection:
             return int(connection.execute(counted_by(connection, query or Query())).scalar_one())
 

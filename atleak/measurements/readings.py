@@ -56,7 +56,20 @@ class OwnLands:
     def with_fitted(self, controller: Controller) -> Controller:
         """Return the controller with the nominal diameters and mounting clearances of the repairs that are fitted.
 
-        A `ReadingsError` names one that the controller's file does not have for that component.
+        Parameters
+        ----------
+        controller
+            as its file describes it.
+
+        Returns
+        -------
+        Controller
+            the same where no repair is fitted.
+
+        Raises
+        ------
+        ReadingsError
+            a repair that the controller's file does not have for that component.
         """
         if not self.fitted:
             return controller

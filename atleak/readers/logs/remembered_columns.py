@@ -59,7 +59,20 @@ def default_path() -> Path:
 
 
 def recall(path: Path, header: str) -> RememberedColumns | None:
-    """Return the choices kept for a header's signature, or None. A damaged file counts as empty."""
+    """Return the choices kept for a header's signature, or None. A damaged file counts as empty.
+
+    Parameters
+    ----------
+    path
+        of the file in which they are kept, such as `default_path`.
+    header
+        the log's signature, as `Understood.signature`.
+
+    Returns
+    -------
+    RememberedColumns or None
+        columns and units by quantity.
+    """
     return _understood(readable(path).get(header)) if header else None
 
 
