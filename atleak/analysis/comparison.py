@@ -32,6 +32,7 @@ from atleak.common.errors import InputError, Message
 from atleak.common.sentences import Sentence, in_a_row, some
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
+from atleak.diagnosis.messages import LANDS_LISTED
 from atleak.diagnosis.uncertainty.assess import COVERAGE
 from atleak.diagnosis.uncertainty.paired import ChangeSpread, PairedVisit, changes
 from atleak.engine.projection import Projection
@@ -48,7 +49,6 @@ __all__ = [
     "compare",
 ]
 
-_NAMED = 12  # lands that a message lists
 _JUDGED_ONLY: dict[Side, Sentence] = {
     "before": Sentence("Judged before only, as the job after has no such operating point: {conditions}"),
     "after": Sentence("Judged after only, as the job before has no such operating point: {conditions}"),
@@ -144,7 +144,7 @@ def _without_sheet(found: Comparison) -> Sentence | None:
 
 
 def _names(lands: Sequence[LandComparison]) -> Sentence:
-    return some([f"{component}/{land}" for component, land in (each.key for each in lands)], _NAMED)
+    return some([f"{component}/{land}" for component, land in (each.key for each in lands)], LANDS_LISTED)
 
 
 def _missing_logs(found: Comparison) -> Iterator[Message]:

@@ -42,7 +42,7 @@ SLIP_FROM = 8.0  # times the mounting clearance, from where on an opened pair ma
 _SLIP_LEAST = 0.1e-3  # [m] that the radial clearance must have besides
 _KEPT = 2.5  # standard uncertainties within which a pair counts for the estimate
 _ROUNDS = 20
-_NAMED = 12  # pairs that a message lists
+LANDS_LISTED = 12  # by a message: choice of this project
 
 
 @dataclass(frozen=True)
@@ -183,9 +183,9 @@ def _suspect(lands: Sequence[LandSources], readings: Readings, place: Place) -> 
             clearance=_um(land.state.radial_clearance),
             new=_um(land.state.land.mounting_range[0]),
         )
-        for land in suspects[:_NAMED]
+        for land in suspects[:LANDS_LISTED]
     )
-    more = tuple(map(_pair, suspects[_NAMED:]))
+    more = tuple(map(_pair, suspects[LANDS_LISTED:]))
     text = Sentence(
         "Tighter than a new pair, by more than three standard uncertainties: {named}{more}. Wear cannot do that, so "
         "these pairs are not passed: check the readings, the gauges and the mounting clearance",

@@ -19,13 +19,12 @@ from atleak.common.sentences import Sentence, some
 from atleak.common.verdicts import Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import FARTHEST, MILEAGE_COVERAGE, NO_RATE, Crossing, WearLine
+from atleak.diagnosis.messages import LANDS_LISTED
 from atleak.diagnosis.rules import clearance_limits
 from atleak.diagnosis.uncertainty import LandSources
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import Operation, spread_over
 from atleak.engine.projection import repaired
-
-_NAMED = 12  # lands that a message lists
 
 
 @dataclass(frozen=True)
@@ -161,7 +160,7 @@ _BEGINS = {
 
 
 def _listed(lands: Iterable[LandWear]) -> Sentence:
-    return some([f"{component}/{land}" for component, land in (each.key for each in lands)], _NAMED)
+    return some([f"{component}/{land}" for component, land in (each.key for each in lands)], LANDS_LISTED)
 
 
 _AHEAD = 200_000.0  # [km] over which totals are foreseen: choice of this project

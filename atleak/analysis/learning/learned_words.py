@@ -21,6 +21,7 @@ from atleak.analysis.learning.outliers import UNITS_TO_JUDGE_A_SHIFT, UNITS_TO_N
 from atleak.common.errors import Message, Place
 from atleak.common.sentences import Sentence, in_a_row, some
 from atleak.common.units import PERCENT, UM, Quantity
+from atleak.diagnosis.messages import LANDS_LISTED
 
 _KEY = "mounting_clearance_um"
 _DECIMALS = 2  # of a micrometre: finer than any reading
@@ -85,7 +86,6 @@ def origin_note(learned: Learned, day: dt.date) -> str:
 
 
 _FEW_UNITS = 4  # up to so many a result says how few they are
-_NAMED = 12  # lands that a message lists
 
 
 def learned_messages(learned: Learned) -> tuple[Message, ...]:
@@ -308,7 +308,7 @@ def _name(land: LearnedLand) -> str:
 
 
 def _listed(names: Iterable[str]) -> Sentence:
-    return some(list(names), _NAMED)
+    return some(list(names), LANDS_LISTED)
 
 
 def _width(metres: float) -> Quantity:

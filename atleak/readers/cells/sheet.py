@@ -15,6 +15,7 @@ from atleak.readers.cells.workbook_marks import Marks
 _RUNS_SHOWN = 12
 NO_WIDTH = dict.fromkeys(map(ord, "\u200b\u200c\u200d\u2060\ufeff\u00ad"))  # signs that nobody sees, to be left out
 Cell = Any  # str, float, int, bool, date or time; "" where empty
+BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")  # and what stands in them
 _SPACES = re.compile(r"\s+")
 
 

@@ -18,7 +18,7 @@ from atleak.common.units import Unit, find_unit
 from atleak.common.wording import languages, wording
 from atleak.measurements.gauge_readings import LINE_TAP, Engine
 from atleak.readers.cells.extent import MOST_TABLES
-from atleak.readers.cells.sheet import Cell, Sheet, text_of
+from atleak.readers.cells.sheet import BRACKETS, Cell, Sheet, text_of
 from atleak.readers.cells.sheet import Cell as SheetCell
 from atleak.readers.dates import vocabulary, words
 
@@ -27,7 +27,6 @@ ColumnKind = Literal[
 ]
 Tokens = tuple[str, ...]
 
-_BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
 _SQUARE = re.compile(r"\[([^\]]*)\]")
 _SPEED = re.compile(r"(\d[\d.,' ]*)\s*(?:rpm|1/min|min-1|r/min|u/min|obr\.?/min)", re.IGNORECASE)
 _SEPARATORS = re.compile(r"[\s,;:_/|]+")
@@ -121,7 +120,7 @@ class GaugeWords:
 
     def title(self, text: str) -> Said:
         """Return what a line above a table says of all its readings; nothing where it says something else too."""
-        return self._said(_BRACKETS.sub(" ", text), ("engine", "tap", "range"), heading=True) or Said()
+        return self._said(BRACKETS.sub(" ", text), ("engine", "tap", "range"), heading=True) or Said()
 
     def heading(self, cell: SheetCell) -> _Heading:
         """Return what a heading means.
@@ -217,7 +216,7 @@ def _read(tokens: Tokens, meanings: Mapping[Tokens, tuple[str, str]]) -> Iterato
 
 def _without_unit(text: str) -> tuple[str, Unit | None, str | None, str | None]:
     """Return a heading without its unit, the unit, its kind, and what stands in square brackets and is no unit."""
-    for match in _BRACKETS.finditer(text):
+    for match in BRACKETS.finditer(text):
         for kind in _UNIT_KINDS:
             unit = find_unit(match[1], kind)
             if unit is not None:
@@ -244,7 +243,7 @@ def label_and_value(text: str, kind: str) -> str | None:
     ('bar', '')
     """
     label, colon, rest = text.partition(":")
-    tokens = tuple(words(_BRACKETS.sub(" ", label)).split())
+    tokens = tuple(words(BRACKETS.sub(" ", label)).split())
     if _phrases("column").get(tokens) != kind:
         return None
     return rest.strip() if colon else ""

@@ -27,12 +27,11 @@ from atleak.common.sentences import Sentence
 from atleak.common.units import MM, UM, Quantity, Unit, find_unit, unit
 from atleak.measurements.gauge_study import FEWEST, GaugeStudyError, StudyReadings
 from atleak.readers.cells.extent import FAULTS
-from atleak.readers.cells.sheet import Sheet, text_of
+from atleak.readers.cells.sheet import BRACKETS, Sheet, text_of
 from atleak.readers.cells.sheet_file import open_sheets
 from atleak.readers.dates import vocabulary, words
 
 STUDY_KEYS = ("part", "operator", "trial")
-_BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
 _PERSON_AND_TRIAL = re.compile(r"(?P<operator>.*?)[\s_./·#-]*(?P<trial>\d+)")
 _SEARCHED = 60  # rows in which the headings are looked for
 
@@ -84,11 +83,11 @@ def _at(sheet: Sheet, row: int) -> StudyTable | None:
         text = text_of(sheet.filled(row, column))
         if not text:
             continue
-        inside = _BRACKETS.search(text)
+        inside = BRACKETS.search(text)
         of_column = find_unit(inside[1], "length") if inside else None
         if of_column is not None:
             units[column] = of_column
-        kind = _vocabulary().get(words(_BRACKETS.sub(" ", text)))
+        kind = _vocabulary().get(words(BRACKETS.sub(" ", text)))
         if kind in STUDY_KEYS and kind not in keys:
             keys[kind] = column
         elif kind == "reading":
@@ -108,7 +107,7 @@ def _side_by_side(sheet: Sheet, row: int, keys: Mapping[str, int], columns: list
     missing = [key for key in ("part", "operator") if key not in keys]
     values: dict[int, Mapping[str, str]] = {}
     for number, column in enumerate(columns, start=1):
-        name = text_of(_BRACKETS.sub(" ", text_of(sheet.filled(row, column))))
+        name = text_of(BRACKETS.sub(" ", text_of(sheet.filled(row, column))))
         if not missing:
             values[column] = {"trial": str(number)}
         elif missing == ["part"] or "trial" in keys:

@@ -14,7 +14,7 @@ from atleak.common.errors import Message, Place
 from atleak.common.sentences import Sentence, all_of
 from atleak.common.units import MILE, Unit, find_unit
 from atleak.measurements.readings import SheetIdentity
-from atleak.readers.cells.sheet import Cell, Sheet
+from atleak.readers.cells.sheet import BRACKETS, Cell, Sheet
 from atleak.readers.sheets.words import is_blank, letters, plain, text_of
 
 # words that head cells of their own: one of these beside a label is no value of it
@@ -27,7 +27,6 @@ _FIELDS = (
 )
 _OF_FIELDS = (*_FIELDS, "beside_identity", "beside_head", "pump_side", "pump_tip", "beside_pump")
 _LABEL = re.compile(r"(?P<label>[^:=\d]*?[^:=\d\s+\-−])\s*(?:[:=]\s*(?P<value>.*)|(?P<number>[+\-−]?\d.*))?", re.DOTALL)
-_BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")
 _REACH = 2  # cells to the right of a label in which its value may stand
 
 
@@ -76,7 +75,7 @@ def means(label: str, meaning: Sequence[str], beside: Sequence[str]) -> bool:
 
 
 def _unit_in(label: str, kind: str | None) -> Unit | None:
-    written = [*(match[1] for match in _BRACKETS.finditer(label)), *label.split()[-1:]]
+    written = [*(match[1] for match in BRACKETS.finditer(label)), *label.split()[-1:]]
     return next((unit for text in written if (unit := _unit(text.strip(), kind))), None)
 
 
@@ -115,7 +114,7 @@ def _heads_a_field(cell: Cell) -> bool:
     """Tell whether a cell where a text may stand heads another field: all its words are those of labels."""
     if not isinstance(cell, str):
         return False
-    bare = _BRACKETS.sub("", cell.split(":")[0].split("=")[0])
+    bare = BRACKETS.sub("", cell.split(":")[0].split("=")[0])
     # an "air gauge" has words that stand beside a label, and is none itself
     instrument = means(bare, ("head_instrument",), ("head_of_spools", "head_of_bores", "beside_identity"))
     is_field = instrument or (means(bare, (), _OF_FIELDS) and letters(bare).any(*_FIELDS))
