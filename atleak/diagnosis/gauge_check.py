@@ -468,16 +468,16 @@ class _Checker:
                     cells=in_a_row(alone[:_SHOWN]),
                 )
                 yield Message("info", "line_not_read", text, place)
-        for each in readings:
-            high = each.permissible.high if each.permissible else None
-            if each.over is not None and high is not None:
+        for checked in readings:
+            high = checked.permissible.high if checked.permissible else None
+            if checked.over is not None and high is not None:
                 text = Sentence(
                     "Main pressure is over the permissible: {cell}, {pressure} of at most {high} {high.unit}.",
-                    cell=each.label,
-                    pressure=Quantity(each.reading.pressure * KPA, "pressure"),
+                    cell=checked.label,
+                    pressure=Quantity(checked.reading.pressure * KPA, "pressure"),
                     high=Quantity(high * KPA, "pressure"),
                 )
-                yield Message("warning", "over_permissible", text, each.reading.place)
+                yield Message("warning", "over_permissible", text, checked.reading.place)
         for reason in dict.fromkeys(error.sentence for error in self.outside):
             text = Sentence("No pressure is expected from the engine: {reason}", reason=reason)
             yield Message("warning", "pressure_not_expected", text, place)
@@ -500,9 +500,9 @@ class _Checker:
 
 def _not_judged(readings: Sequence[CheckedReading], place: Place) -> Iterator[Message]:
     by_reason: dict[Sentence, list[Sentence]] = {}
-    for each in readings:
-        if each.unjudged is not None:
-            by_reason.setdefault(each.unjudged, []).append(each.label)
+    for checked in readings:
+        if checked.unjudged is not None:
+            by_reason.setdefault(checked.unjudged, []).append(checked.label)
     for reason, labels in by_reason.items():
         named = in_a_row(labels[:_SHOWN])
         text = Sentence(

@@ -66,13 +66,13 @@ class _Line:
     def of(cls, readings: Sequence[GaugeStanding]) -> _Line:
         """Return the line's cells that are judged."""
         last: dict[GaugeCell, GaugeStanding] = {}
-        for each in sorted(readings, key=lambda each: each.repeat):
-            if each.cell.tap == LINE_TAP and each.stands is not None:
-                last[each.cell] = each
+        for reading in sorted(readings, key=lambda each: each.repeat):
+            if reading.cell.tap == LINE_TAP and reading.stands is not None:
+                last[reading.cell] = reading
         by_engine: dict[Engine, dict[SelectorRange, Stands]] = {}
-        for cell, each in last.items():
-            assert each.stands is not None
-            by_engine.setdefault(cell.engine, {})[cell.range] = each.stands
+        for cell, reading in last.items():
+            assert reading.stands is not None
+            by_engine.setdefault(cell.engine, {})[cell.range] = reading.stands
         return cls(readings, by_engine)
 
     def all_are(self, stands: Stands) -> tuple[GaugeCell, ...]:
@@ -146,8 +146,8 @@ def _one_range(line: _Line, applied: Mapping[SelectorRange, frozenset[str]]) -> 
 def _falling(readings: Sequence[GaugeStanding]) -> Iterator[Pattern]:
     """Pressure that falls with every reading, by more than the gauge may err: the filter."""
     by_cell: dict[GaugeCell, list[GaugeStanding]] = {}
-    for each in sorted(readings, key=lambda each: each.repeat):
-        by_cell.setdefault(each.cell, []).append(each)
+    for reading in sorted(readings, key=lambda each: each.repeat):
+        by_cell.setdefault(reading.cell, []).append(reading)
     fell = {}
     for cell, taken in by_cell.items():
         steadily = all(after.pressure < before.pressure for before, after in pairwise(taken))
@@ -162,9 +162,9 @@ def _falling(readings: Sequence[GaugeStanding]) -> Iterator[Pattern]:
 def _circuit_loss(readings: Sequence[GaugeStanding]) -> Iterator[Pattern]:
     """Circuits that have lost more than their limit: where to look, the likeliest first."""
     lost: dict[str, dict[GaugeCell, GaugeStanding]] = {}
-    for each in readings:
-        if each.loss is not None:
-            lost.setdefault(each.cell.tap, {})[each.cell] = each
+    for reading in readings:
+        if reading.loss is not None:
+            lost.setdefault(reading.cell.tap, {})[reading.cell] = reading
     for tap, cells in lost.items():
         worst = max(cells.values(), key=lambda each: each.loss or 0.0)
         yield Pattern(

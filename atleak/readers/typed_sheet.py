@@ -391,9 +391,9 @@ def _of_lands(sheet: Readings | None) -> Iterator[list[str]]:
         return
     yield []
     yield [*_OF_LANDS]
-    for each in sheet.own_lands.lengths:
-        sizes = (each.contact_length, each.position)
-        yield [each.component, str(each.land), *("" if size is None else _in_mm(size) for size in sizes), ""]
+    for length in sheet.own_lands.lengths:
+        sizes = (length.contact_length, length.position)
+        yield [length.component, str(length.land), *("" if size is None else _in_mm(size) for size in sizes), ""]
     for fitted in sheet.own_lands.fitted:
         yield [fitted.component, "", "", "", fitted.repair]
 

@@ -156,8 +156,8 @@ def _held(
     """Return what one visit comes to at one condition, as `ChangeSpread` names it: quantities, and circuits' [Pa]."""
     point, drawn = projection.condition, Drawn(model, projection, assumptions, deviates)
     counted = DrawnLands(drawn, (each.now for each in lands))
-    for each in lands:
-        counted.count(*each.now)
+    for land in lands:
+        counted.count(*land.now)
     unit = counted.unit()
     main, pressures = unit.held(point, demand_shape(model, point))
     return {

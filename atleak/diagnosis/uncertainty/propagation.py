@@ -334,8 +334,8 @@ class _Trials:
     def instant(self, projection: Projection, coverage: float) -> InstantSpread:
         """Return the intervals of the total at an instant."""
         lands = DrawnLands(self._at(projection), (each.now for each in self._lands))
-        for each in self._lands:
-            lands.count(*each.now)
+        for land in self._lands:
+            lands.count(*land.now)
         return interval_of(lands.leakage, coverage), interval_of(lands.share, coverage)
 
     def unit(self, projection: Projection, limits: Limits, coverage: float) -> UnitSpread:
@@ -349,11 +349,11 @@ class _Trials:
         # at the same pressures a land draws the same with the same bore
         same_pressures = not now.network.has_circuits
         spreads = []
-        for each, slopes in zip(every, linear.lands, strict=True):
-            flow, drawn = now.count(*each.now)
-            as_new = drawn if same_pressures and each.bore is each.new_bore else new.flow(*each.new)[1]
-            same_flow = (same_pressures or same_bores) and each.unworn_bore is each.new_bore
-            as_unworn = as_new if same_flow else unworn.flow(*each.unworn)[1]
+        for land, slopes in zip(every, linear.lands, strict=True):
+            flow, drawn = now.count(*land.now)
+            as_new = drawn if same_pressures and land.bore is land.new_bore else new.flow(*land.new)[1]
+            same_flow = (same_pressures or same_bores) and land.unworn_bore is land.new_bore
+            as_unworn = as_new if same_flow else unworn.flow(*land.unworn)[1]
             new.leakage += as_new
             unworn.leakage += as_unworn
             shares = flow_ratio(drawn, given.capacity), flow_ratio(as_unworn, given.capacity)
