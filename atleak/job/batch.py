@@ -41,7 +41,22 @@ class Reported:
 
 
 def report_paths(sources: Sequence[Path], folder: Path, formats: Iterable[str] = ("pdf",)) -> list[dict[str, Path]]:
-    """Return where `write_reports` puts the reports: format → path, for every job file."""
+    """Return where `write_reports` puts the reports: format → path, for every job file.
+
+    Parameters
+    ----------
+    sources
+        job files; two of one name are numbered.
+    folder
+        where the reports go.
+    formats
+        any of `REPORT_KINDS`.
+
+    Returns
+    -------
+    list
+        a path by format for each job file, in order; nothing is written.
+    """
     taken: set[str] = set()
     stems = [_free(source.stem, taken) for source in sources]
     return [{form: folder / f"{stem}.{form}" for form in formats} for stem in stems]

@@ -327,7 +327,20 @@ class Job(Record):
         return job
 
     def with_photo(self, name: str, content: bytes) -> Job:
-        """Return the same record with one more photo, under a name of its own; one that it holds is not added again."""
+        """Return the same record with one more photo, under a name of its own; one that it holds is not added again.
+
+        Parameters
+        ----------
+        name
+            of the file that was handed over; what no file may be called becomes ``_``.
+        content
+            its bytes.
+
+        Returns
+        -------
+        Job
+            with the photo in ``photos``, as ``photos/NAME``, and its bytes in `pictures`.
+        """
         files = {photo.file for photo in self.photos}
         if any(self.pictures.get(file) == content for file in files):
             return self
@@ -343,7 +356,20 @@ class Job(Record):
         return self.model_copy(update={"photos": photos}).with_pictures(self.pictures)
 
     def with_logo(self, name: str, content: bytes) -> Job:
-        """Return the same record with the workshop's logo."""
+        """Return the same record with the workshop's logo.
+
+        Parameters
+        ----------
+        name
+            of the file that was handed over; what no file may be called becomes ``_``.
+        content
+            its bytes.
+
+        Returns
+        -------
+        Job
+            with its name in ``workshop.logo`` and its bytes in `pictures`.
+        """
         file = _file_name(name)
         workshop = self.workshop.model_copy(update={"logo": file})
         return self.model_copy(update={"workshop": workshop}).with_pictures({**self.pictures, file: content})

@@ -84,7 +84,22 @@ MapPlace = tuple[float, float]  # temperature [°C] and wear
 
 
 def share_map(over: Map, job: MapPlace, tried: MapPlace, say: Wording) -> Figure:
-    """Draw the share of the pump's flow over temperature and wear, with the borders of its bands."""
+    """Draw the share of the pump's flow over temperature and wear, with the borders of its bands.
+
+    Parameters
+    ----------
+    over
+        the unit over temperature and wear, as `map_over` computes it.
+    job, tried
+        temperature [°C] and wear of the job and of what is tried, marked on the map.
+    say
+        the reader's words and units.
+
+    Returns
+    -------
+    Figure
+        the share in %.
+    """
     values = np.where(np.isfinite(over.share), over.share, np.nan) * PERCENT
     figure = Figure()
     _shade(figure, over, values, say("what_if.share_unit"), _MORE, say)
@@ -93,7 +108,24 @@ def share_map(over: Map, job: MapPlace, tried: MapPlace, say: Wording) -> Figure
 
 
 def pressure_map(over: Map, name: str, job: MapPlace, tried: MapPlace, say: Wording) -> Figure:
-    """Draw the pressure that the line, ``p_g``, or a circuit holds, with the borders of its levels."""
+    """Draw the pressure that the line, ``p_g``, or a circuit holds, with the borders of its levels.
+
+    Parameters
+    ----------
+    over
+        the unit over temperature and wear, as `map_over` computes it.
+    name
+        ``p_g`` or the id of a circuit that is applied.
+    job, tried
+        temperature [°C] and wear of the job and of what is tried, marked on the map.
+    say
+        the reader's words and units.
+
+    Returns
+    -------
+    Figure
+        the pressure in the reader's unit.
+    """
     values = say.convert(over.pressures[name] * KPA, "pressure")
     figure = Figure()
     _shade(figure, over, values, say.unit("pressure"), _LESS, say)

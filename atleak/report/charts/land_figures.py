@@ -178,6 +178,18 @@ def land_wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None
     """Draw the wear of every measured land against the limits that apply to it, the most worn on top.
 
     English unless ``say`` is given.
+
+    Parameters
+    ----------
+    diagnosis
+        of the unit.
+    lands
+        some of its lands; all unless given.
+
+    Returns
+    -------
+    Figure
+        wear in %, with the limits of each land.
     """
     say = say or wording("en")
     chosen = diagnosis.lands if lands is None else lands
@@ -287,7 +299,22 @@ def leakages(unit: UnitUncertainty, at: OperatingPoint, say: Wording, lands: int
 
 
 def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> Figure:
-    """Draw the sources of one land's uncertainty: each source's part of the variance of clearance and share."""
+    """Draw the sources of one land's uncertainty: each source's part of the variance of clearance and share.
+
+    Parameters
+    ----------
+    land
+        with its budgets.
+    say
+        the reader's words.
+    sources
+        how many are drawn at most: the largest.
+
+    Returns
+    -------
+    Figure
+        parts of the variance in %; that of the share is at the first condition.
+    """
     of_clearance = dict(land.budget)
     of_share = dict(land.conditions[0].budget) if land.conditions else {}
     names = sorted(
