@@ -48,7 +48,7 @@ from atleak.catalogue.repairs import Complaint, ComplaintTable, LandKey, Repair,
 from atleak.common.errors import CatalogueError, DomainError, KeySteps, Message
 from atleak.common.file_faults import fault_in_words, faults_together, model_in, place_of
 from atleak.common.sentences import Name, Sentence
-from atleak.common.units import UM, Quantity
+from atleak.common.units import UM, Quantity, gear_name
 
 _ALL: Mapping[KeySteps, Sequence[int]] = MappingProxyType({})
 
@@ -179,7 +179,7 @@ def _check_line(controller: Controller, reading: PartReading) -> None:
     points = (replace(point, gear=gear) for point in controller.operating_points for gear in controller.gears)
     for point in points:
         if not controller.with_line(point).main_pressure > 0.0:
-            problem = Sentence("the line is set to no pressure in gear {gear}", gear=point.gear)
+            problem = Sentence("the line is set to no pressure in gear {gear}", gear=gear_name(point.gear))
             expected = Sentence("more than 0 kPa at {point}", point=point.name)
             reading.faults.append(reading.fault(("line", "set_kpa"), problem, value="0 kPa", expected=expected))
             return

@@ -54,11 +54,15 @@ PERCENT = 100.0
 _INCH = 0.0254  # [m]
 MILE = 1609.344  # [m]
 PSI = 4.4482216152605 / _INCH**2  # [Pa], pound-force on a square inch: 6894.757293168361
-QUART = 0.946352946e-3  # [m³], US liquid quart: 57.75 in³
+GALLON = 231.0 * _INCH**3  # [m³], US liquid gallon
+_POUND = 0.45359237  # [kg]
 _INCHES = 1.0 / (_INCH * MM)
 _TENTHS = 1.0e4 / (_INCH * UM)
 _CUBIC_INCHES = _INCHES**3
 _FAHRENHEIT = 9.0 / 5.0
+_POUNDS_PER_GALLON = GALLON / (_POUND * G_CM3)
+_GALLONS = 1.0e-3 / GALLON
+_PSI = 1.0 / (PSI * KPA)
 
 
 @dataclass(frozen=True)
@@ -103,6 +107,15 @@ class Unit:
             in this unit.
         """
         return (value - self.offset) / self.factor if self.offset else value / self.factor
+
+
+def gear_name(gear: int) -> str:
+    """Name a gear as people do.
+
+    >>> gear_name(-1), gear_name(0), gear_name(3)
+    ('R', 'N', '3')
+    """
+    return {-1: "R", 0: "N"}.get(gear) or str(gear)
 
 
 def _spelling(name: str) -> str:
@@ -195,8 +208,8 @@ def kinds_of(name: str) -> list[str]:
 class ShownUnit:
     """A unit that people read: ``shown = carried · factor + offset``, carried as atleak's records carry it.
 
-    ``finer`` lets neither unit hide what the other shows. ``spelled`` stands where a column's unit would be read as a
-    factor: 0.00012 in, and 1.2 below *[0.0001 in]*.
+    Its digits are those that its trade reads: whole psi of a gauge, a tenth of what a micrometer gives. ``spelled``
+    stands where a column's unit would be read as a factor: 0.00012 in, and 1.2 below *[0.0001 in]*.
     """
 
     name: str  # as people write it
@@ -217,6 +230,16 @@ class ShownUnit:
     def places(self, digits: int | None) -> int:
         """Return how many decimal places a value takes that takes so many as it is carried; None for the usual ones."""
         return self.digits if digits is None else max(0, digits + self.finer)
+
+    def stated(self, carried: float) -> float:
+        """Convert a value that somebody stated, without the digits that converting alone brings.
+
+        The usual ones of the unit stay, and two that count: 55 kPa, which a source says for 8 psi, are 8 psi again.
+        """
+        shown = self.shown(carried)
+        if shown == carried or not math.isfinite(shown) or shown == 0.0:
+            return shown
+        return round(shown, max(self.digits, 1 - math.floor(math.log10(abs(shown)))))
 
 
 class Quantity(NamedTuple):
@@ -247,6 +270,7 @@ _METRIC = {
     "temperature": ShownUnit("°C"),
     "temperature_difference": ShownUnit("°C", 1),
     "flow": ShownUnit("dm³/min", 2),
+    "leak": ShownUnit("dm³/min", 2),  # through the gaps of one land
     "distance": ShownUnit("km"),
     "speed": ShownUnit("km/h"),
     "displacement": ShownUnit("mm³"),
@@ -260,18 +284,23 @@ _METRIC = {
 
 SYSTEMS: Mapping[str, Mapping[str, ShownUnit]] = {
     "metric": _METRIC,
-    "metric_bar": _METRIC | {"pressure": ShownUnit("bar", 2, 0.01, finer=2), "flow": ShownUnit("l/min", 2)},
+    "metric_bar": _METRIC
+    | dict.fromkeys(("flow", "leak"), ShownUnit("l/min", 2))
+    | {"pressure": ShownUnit("bar", 2, 0.01, finer=2)},
     "us": _METRIC
     | {
-        "clearance": ShownUnit("0.0001 in", 2, _TENTHS, finer=1, spelled=ShownUnit("in", 5, _TENTHS / 1.0e4, finer=4)),
-        "length": ShownUnit("in", 5, _INCHES, finer=2),
-        "pressure": ShownUnit("psi", 1, 1.0 / (PSI * KPA), finer=1),
+        "clearance": ShownUnit("0.0001 in", 1, _TENTHS, spelled=ShownUnit("in", 5, _TENTHS / 1.0e4, finer=4)),
+        "length": ShownUnit("in", 4, _INCHES, finer=1),
+        "pressure": ShownUnit("psi", 0, _PSI),
         "temperature": ShownUnit("°F", 0, _FAHRENHEIT, 32.0),
         "temperature_difference": ShownUnit("°F", 1, _FAHRENHEIT),
-        "flow": ShownUnit("qt/min", 2, 1.0e-3 / QUART),
+        "flow": ShownUnit("gpm", 2, _GALLONS),  # as pumps and coolers are rated
+        "leak": ShownUnit("in³/min", 1, 1.0e6 * _CUBIC_INCHES, finer=-1),  # as hydraulic spool valves are rated
         "distance": ShownUnit("mi", 0, 1.0e3 / MILE),
         "speed": ShownUnit("mph", 0, 1.0e3 / MILE),
-        "displacement": ShownUnit("in³", 4, _CUBIC_INCHES, finer=4),
+        "displacement": ShownUnit("in³", 3, _CUBIC_INCHES, finer=3),
+        "viscosity": ShownUnit("cSt", 1),
+        "density": ShownUnit("lb/gal", 2, _POUNDS_PER_GALLON, finer=-1),
     },
 }
 """Each system of units by its name; every system has every kind of quantity."""

@@ -17,7 +17,7 @@ from typing import Any, Protocol, runtime_checkable
 from atleak.common.errors import AtleakError, Place, unknown
 from atleak.common.sentences import Listed, Name, Sentence, filled
 from atleak.common.style import look_of
-from atleak.common.units import PERCENT, RPM, Quantity, ShownUnit, unit_system
+from atleak.common.units import PERCENT, RPM, Quantity, ShownUnit, gear_name, unit_system
 from atleak.common.verdicts import Band, Verdict
 
 _FOLDER = Path(__file__).parents[1] / "texts"
@@ -124,7 +124,7 @@ class Wording:
         temperature = self.plain_value(point.temperature, "temperature")
         if point.is_stated:
             speed = self.number(point.engine_speed * RPM, 0)
-            return self("conditions.stated", gear=point.gear, temperature=temperature, speed=speed)
+            return self("conditions.stated", gear=gear_name(point.gear), temperature=temperature, speed=speed)
         stated, name = f", {point.temperature:g} °C", self.name(point.label)
         if name == point.label and self.language != "en" and point.name in self.texts["conditions"]:
             name = self(f"conditions.{point.name}") + stated
@@ -247,8 +247,7 @@ class Wording:
         return self.system[kind].spelled or self.system[kind]
 
     def _plain_in(self, unit: ShownUnit, value: float) -> str:
-        shown = unit.shown(value)
-        return self.plain(shown, 6 if shown == value else 4)  # converting brings digits that nobody stated
+        return self.plain(unit.stated(value))
 
     def _in(self, unit: ShownUnit, value: float | None, digits: int | None) -> str:
         return self.number(None if value is None else unit.shown(value), unit.places(digits))

@@ -19,7 +19,7 @@ from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.errors import DomainError, Message, Place
 from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence, in_a_row
-from atleak.common.units import KPA, Quantity
+from atleak.common.units import KPA, Quantity, gear_name
 from atleak.common.verdicts import Verdict, worst
 from atleak.diagnosis.gauge_patterns import GaugeStanding, Pattern, Stands, find_patterns
 from atleak.diagnosis.rules import Rule, permissible_steps
@@ -492,7 +492,8 @@ class _Checker:
             text = Sentence(
                 "Gauge readings of a standing vehicle: {taken} where the file names no range (choice of this project).",
                 taken=in_a_row(
-                    Sentence("{ranges} as gear {gear}", ranges=ranges, gear=gear) for gear, ranges in by_gear.items()
+                    Sentence("{ranges} as gear {gear}", ranges=ranges, gear=gear_name(gear))
+                    for gear, ranges in by_gear.items()
                 ),
             )
             yield Message("info", "ranges_as_gears", text, place)

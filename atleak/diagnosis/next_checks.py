@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from atleak.common.units import KPA, Quantity
+from atleak.common.units import KPA, Quantity, gear_name
 from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_pressure import SLUMP_SPAN, STATES, PlaceFinding, RoadPressure
 
@@ -97,7 +97,7 @@ class _WhereLow:
             return  # fluid level and filter come first only where it is low from cold
         code, source = next((code, source) for code, source, holds in _WHERE if holds(self))
         named = {"low_in_one_gear": "gear", "low_in_some": "gears"}.get(code)
-        yield NextCheck(code, source, {named: ", ".join(map(str, sorted(self.gears)))} if named else {})
+        yield NextCheck(code, source, {named: ", ".join(map(gear_name, sorted(self.gears)))} if named else {})
         coldest = [place.held[0].temperature for place in self.low if place.held]
         if not self.fine and coldest and min(coldest) >= WARM:
             yield NextCheck("compare_cold", "practice", {"coldest": Quantity(min(coldest), "temperature")})
@@ -122,7 +122,7 @@ def _idle_and_lowest_first(place: PlaceFinding) -> tuple[int, float]:
 def _falls_with_heat(place: PlaceFinding) -> Iterator[NextCheck]:
     if place.slump is not None and place.worst is not None:
         cold, hot = place.slump
-        values: dict[str, str | Quantity] = {"gear": str(place.gear), "state": place.state}
+        values: dict[str, str | Quantity] = {"gear": gear_name(place.gear), "state": place.state}
         for name, each in (("cold", cold), ("hot", hot)):
             values[name] = Quantity(each.pressure * KPA, "pressure")
             values[f"{name}_at"] = Quantity(each.temperature, "temperature")

@@ -15,6 +15,7 @@ from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.errors import Message, RoadTestError
 from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence
+from atleak.common.units import gear_name
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR, Assumptions, RuleDecision
 from atleak.diagnosis.uncertainty.decision import decide_normal
@@ -134,10 +135,10 @@ def _judged(
 
 def _lowest_at(gear: int, state: StandingState, time: float) -> Sentence:
     if state == "idle":
-        return Sentence("gear {gear}, idle, at {time:.1f} s of the road test", gear=gear, time=time)
+        return Sentence("gear {gear}, idle, at {time:.1f} s of the road test", gear=gear_name(gear), time=time)
     if state == "stall":
-        return Sentence("gear {gear}, stall, at {time:.1f} s of the road test", gear=gear, time=time)
-    return Sentence("gear {gear}, driving, at {time:.1f} s of the road test", gear=gear, time=time)
+        return Sentence("gear {gear}, stall, at {time:.1f} s of the road test", gear=gear_name(gear), time=time)
+    return Sentence("gear {gear}, driving, at {time:.1f} s of the road test", gear=gear_name(gear), time=time)
 
 
 def _gears(road_test: RoadTest) -> dict[int, float]:

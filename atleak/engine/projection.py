@@ -14,7 +14,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import STATED, OperatingPoint
 from atleak.common.errors import InputError, Message, one_of, translates_refusals
 from atleak.common.sentences import Name, Sentence
-from atleak.common.units import KPA, PERCENT, Quantity
+from atleak.common.units import KPA, PERCENT, Quantity, gear_name
 from atleak.engine.balance import Balance
 from atleak.engine.gap_messages import gap_messages
 from atleak.engine.leakage import GapLeakage, LeakageModel
@@ -276,7 +276,7 @@ def stated_condition(
         gear=point.gear if gear is None else gear,
         source=f"set by the user; pressures of {point.label}",
     )
-    label = f"gear {point.gear}, {point.temperature:g} °C, {point.engine_speed * 60.0:.0f} rpm"
+    label = f"gear {gear_name(point.gear)}, {point.temperature:g} °C, {point.engine_speed * 60.0:.0f} rpm"
     return controller.with_line(replace(point, label=label))
 
 

@@ -20,7 +20,7 @@ from atleak.catalogue.controller_tables import State
 from atleak.catalogue.operating_point import IDLE_SPEED, OperatingPoint
 from atleak.common.errors import Message, MessageLevel, Place, RoadTestError, translates_refusals
 from atleak.common.sentences import Name, Sentence, counted, in_a_row
-from atleak.common.units import KPA, Quantity
+from atleak.common.units import KPA, Quantity, gear_name
 from atleak.engine.extremes import Extremes, Instant, first_largest, share_of_samples, sustained_window
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.series import LeakageSeries, leakage_series
@@ -131,7 +131,7 @@ def assumption_messages(road_test: RoadTest, assumed: OperatingPoint) -> Iterato
         ),
         "gear": Sentence(
             "The log has no gear: gear {gear} ({condition}) is assumed for all of it.",
-            gear=assumed.gear,
+            gear=gear_name(assumed.gear),
             condition=assumed,
         ),
     }
@@ -152,7 +152,7 @@ def _nothing_known(model: LeakageModel, series: LeakageSeries, file: str) -> Roa
         place=Place(file=file),
         expected=Sentence(
             "gears {gears}, temperatures from {low:g} to {high:g} {high.unit}",
-            gears=model.controller.gears,
+            gears=tuple(map(gear_name, model.controller.gears)),
             low=Quantity(low, "temperature"),
             high=Quantity(high, "temperature"),
         ),
@@ -210,7 +210,12 @@ def _left_out(model: LeakageModel, samples: RoadSamples) -> Iterator[Message]:
             )
             yield Message("warning", "reversed_pressure_drop", text)
     low, high = (Quantity(end, "temperature") for end in model.fluid.span(model.profile.viscosity))
-    values = {"gears": model.controller.gears, "fluid": Name(model.fluid.name), "low": low, "high": high}
+    values = {
+        "gears": tuple(map(gear_name, model.controller.gears)),
+        "fluid": Name(model.fluid.name),
+        "low": low,
+        "high": high,
+    }
     missing = size - int(np.count_nonzero(samples.usable)) - series.other_gear - series.outside_fluid
     met: tuple[tuple[int, MessageLevel, str, Sentence], ...] = (
         (series.unbalanced, "warning", "circuits_not_balanced", Sentence(

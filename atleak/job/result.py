@@ -36,7 +36,7 @@ _NUMBERS: Mapping[str, tuple[Sentence, str]] = {  # keys of the record: what eac
     "sleeve_diameter_mm": (Sentence("diameter of the bore"), "length"),
     "radial_clearance_um": (Sentence("radial clearance"), "clearance"),
     "mounting_clearance_um": (Sentence("mounting clearance"), "clearance"),
-    "leakage_dm3_min": (Sentence("leakage"), "flow"),
+    "leakage_dm3_min": (Sentence("leakage"), "leak"),
     "share_percent": (Sentence("share of the pump's flow"), "percent"),
     "p_g_held_kpa": (Sentence("line pressure held"), "pressure"),
 }

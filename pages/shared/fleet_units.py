@@ -233,7 +233,7 @@ def _lands(kept: KeptUnit, unit: SummedUnit, words: FleetWords) -> Table:
         Column("uncertainty", "clearance", of="uncertainty_um"),
         Column("wear", "percent", of="wear_percent"),
         Column("share", "percent", of="share_percent"),
-        Column("leakage", "flow", of="leakage_dm3_min"),
+        Column("leakage", "leak", of="leakage_dm3_min"),
     )
 
 

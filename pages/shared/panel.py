@@ -13,7 +13,7 @@ from streamlit.runtime.uploaded_file_manager import UploadedFile
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
 from atleak.common.errors import AtleakError, ErasedElsewhere
-from atleak.common.units import unit
+from atleak.common.units import gear_name, unit
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import SourceFile
@@ -195,7 +195,7 @@ def _condition() -> None:
         temperature = fields.number(say("columns.temperature"), TEMPERATURE, temperature, key=f"{owner}-t")
         rpm = round(RPM.from_si(speed), 6)
         typed = fields.number(say("columns.engine_speed"), ENGINE_SPEED, rpm, key=f"{owner}-n")
-        gear = st.selectbox(say("columns.gear"), gears, gears.index(first_gear), key=f"{owner}-g")
+        gear = st.selectbox(say("columns.gear"), gears, gears.index(first_gear), gear_name, key=f"{owner}-g")
         mileage = fields.number(say("columns.mileage"), MILEAGE, now.start.mileage, key=_key("mileage"), optional=True)
         st.caption(
             say("panel.pressures_as", condition=show.plain(say.condition(point)), source=show.plain(point.source))

@@ -11,7 +11,7 @@ import streamlit as st
 from atleak.analysis.what_if import WhatIf
 from atleak.catalogue.fluid import FluidState
 from atleak.catalogue.written_numbers import ENGINE_SPEED, TEMPERATURE, AskedNumber, decimal_number
-from atleak.common.units import PERCENT, RPM
+from atleak.common.units import PERCENT, RPM, gear_name
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.profile import UNKNOWN
 from pages.shared import address, fields, reader
@@ -102,7 +102,7 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> WhatIf:
         typed = _number("speed", ENGINE_SPEED, rpm, f"{owner}-n")
     with first[3]:
         gears = dict.fromkeys([*diagnosis.controller.gears, base.gear])
-        gear = _select("gear", {each: str(each) for each in gears}, base.gear)
+        gear = _select("gear", {each: gear_name(each) for each in gears}, base.gear)
     second = st.columns(2)
     with second[0]:
         wear = _slide("wear", 0.0, _MOST_WEAR, 0.05)

@@ -18,6 +18,7 @@ from typing import Any, Literal, get_args
 from atleak.catalogue.written_numbers import decimal_number
 from atleak.common.file_faults import NotAccepted
 from atleak.common.sentences import Sentence
+from atleak.common.units import gear_name
 
 _Length = Literal["mm", "inch"]
 _Clearance = Literal["radial", "diametral"]
@@ -120,7 +121,6 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(  # by the unit of a file's k
 REVERSE, NEUTRAL = -1, 0
 EVERY = "all"
 _GEARS = {"R": REVERSE, "N": NEUTRAL, "P": NEUTRAL}
-_LETTERS = {REVERSE: "R", NEUTRAL: "N"}
 _SEPARATED = re.compile(r"[\s,;+]+")
 _FROM_TO = re.compile(r"(\d+)[-–—‑…](\d+)|(\d+)\.{2,3}(\d+)")
 _WHOLE = re.compile(r"[-−]?\d{1,3}")
@@ -355,7 +355,7 @@ def gears_written(cell: SheetCellKind) -> list[int]:
 
 def gear_shown(gear: int) -> str | int:
     """Return a gear as a workbook shows it: R and N by their letters."""
-    return _LETTERS.get(gear, gear)
+    return gear if gear > NEUTRAL else gear_name(gear)
 
 
 def as_text(cell: SheetCellKind) -> str:

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from atleak.common.sentences import Sentence
+from atleak.common.units import gear_name
 from atleak.measurements.road_test import ChannelSource, RoadTest
 
 EventKind = Literal[
@@ -93,6 +94,13 @@ class Event:
     def duration(self) -> float:
         """Return the length [s]."""
         return self.stop - self.start
+
+    @property
+    def gears(self) -> str | None:
+        """Return the gears of a shift: ``1 → 2``; None of what is no shift."""
+        if self.from_gear is None or self.to_gear is None:
+            return None
+        return f"{gear_name(self.from_gear)} → {gear_name(self.to_gear)}"
 
 
 def segments(road_test: RoadTest) -> Iterator[slice]:

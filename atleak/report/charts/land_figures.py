@@ -47,7 +47,7 @@ def leakage_ranking(diagnosis: Diagnosis, say: Wording | None = None, *, lands: 
     """
     say = say or wording("en")
     ranked = diagnosis.ranked[:lands]
-    figure, scale, unit = Figure(), say.convert(DM3_MIN, "flow"), say.unit("flow")
+    figure, scale, unit = Figure(), say.convert(DM3_MIN, "leak"), say.unit("leak")
     clearance = f"%{{customdata[1]:.{say.digits('clearance')}f}} {say.unit('clearance')}"
     hover = (
         f"%{{y}} %{{customdata[0]}}<br>%{{x:.3f}} {unit}, {say('columns.share')} %{{customdata[2]:.2f}} %<br>"
@@ -279,7 +279,7 @@ def leakages(unit: UnitUncertainty, at: OperatingPoint, say: Wording, lands: int
     """
     chosen = sorted((land for land in unit.lands if land.conditions), key=lambda land: -land.conditions[0].leakage)
     chosen = chosen[:lands]
-    figure, flow, name_of = Figure(), say.convert(DM3_MIN, "flow"), say.unit("flow")
+    figure, flow, name_of = Figure(), say.convert(DM3_MIN, "leak"), say.unit("leak")
     at_first = [land.conditions[0] for land in chosen]
     ends = [end for each in at_first for end in (each.leakage * flow, each.eccentric[1] * flow, None)]
     names = [end for land in chosen for end in (_name(land), _name(land), None)]

@@ -142,7 +142,7 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
         axes.set_xlim(0.0, float(data.speeds[-1]) * RPM)
         axes.set_ylim(0.0, highest)
         for number, (label, speed) in enumerate(sorted(data.marked, key=itemgetter(1))):
-            _marked_speed(axes, speed * RPM, number, f"{label}: {say.number(speed * RPM, 0)} 1/min")
+            _marked_speed(axes, speed * RPM, number, f"{label}: {say.quantity(speed * RPM, 'engine_speed')}")
         _crossing(axes, data, say)
         axes.set_xlabel(say("charts.speed"))
         upright_title(axes, say("charts.flow"), _left_of([highest], say))
@@ -176,7 +176,7 @@ def _crossing(axes: Axes, data: PumpOverSpeed, say: Wording) -> None:
     if data.interval is not None:
         low, high = (min(each * RPM, end) for each in data.interval)
         interval(axes, low, high, taken)
-    said = f"{say.number(speed, 0)} 1/min"
+    said = say.quantity(speed, "engine_speed")
     left = 1.1 * width_of(said, SIZE) + 4.0 < speed / end * (_RIGHT - 60.0)
     off, side = ((-4.0, 9.0), "right") if left else ((4.0, 9.0), "left")
     axis_words(axes, (speed, taken), said, off, ha=side, fontsize=SIZE, fontweight="bold")

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from atleak.analysis.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
-from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, gear_name
 from atleak.common.wording import begun
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.road import RoadFindings
@@ -163,7 +163,7 @@ class Pressures(PrintedPart):
         for each in speeds.demands:
             taken = say("charts.taken_at", temperature=say.plain_value(each.temperature, "temperature"))
             flow = f"{say.value(each.flow * DM3_MIN, 'flow', 2)} {say.unit('flow')}"
-            crossings.append(f"{taken}: {flow}, {say.number(each.crossing * RPM, 0)} 1/min")
+            crossings.append(f"{taken}: {flow}, {say.quantity(each.crossing * RPM, 'engine_speed')}")
         return f"{joined(crossings, '; ')}."
 
     def _flows(self, diagram: FlowDiagram) -> str:
@@ -264,7 +264,7 @@ class RoadTestSection(PrintedPart):
             for name, share in road.section_shares.items()
             if share is not None
         )
-        yield named_facts("facts", say, gears=joined(map(str, road.gears)), sections=shares)
+        yield named_facts("facts", say, gears=joined(map(gear_name, road.gears)), sections=shares)
         yield self._drawing(road, series)
         numbers = {row.label(say): number for number, row in enumerate(_marked(series), start=1)}
         number = Column("", digits=0, words="", of=lambda row: numbers.get(row["instant"], ""))

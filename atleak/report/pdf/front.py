@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from atleak.analysis.pressures import lowest_first, pressures_at
-from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, gear_name
 from atleak.common.verdicts import Verdict
 from atleak.engine.projection import Projection
 from atleak.report.pdf.blocks import Block, ends, joined, listed, named_facts
@@ -132,7 +132,7 @@ class Front(PrintedPart):
         columns = (
             *([] if all(map(self._names_temperature, self.shown)) else [self._temperature]),
             self._speed("speed", lambda at: at.condition.engine_speed),
-            Column("gear", digits=0, of=lambda at: at.condition.gear),
+            Column("gear", of=lambda at: gear_name(at.condition.gear)),
             Column("pressure", "pressure", of=self._pressure),
             Column("leakage", "flow", 2, times=DM3_MIN),
             Column("capacity", "flow", 2, of="pump_capacity", times=DM3_MIN),
@@ -147,7 +147,9 @@ class Front(PrintedPart):
 
     def _speed(self, key: str, of: str | Callable[[Projection], float]) -> Column:
         """Return a column of engine speeds; the sentences of a report have the same unit."""
-        return Column(key, digits=0, words=f"{self.say(f'printed.{key}')}\n1/min", of=of, times=RPM)
+        return Column(
+            key, digits=0, words=f"{self.say(f'printed.{key}')}\n{self.say.unit('engine_speed')}", of=of, times=RPM
+        )
 
     @property
     def _temperature(self) -> Column:

@@ -36,6 +36,7 @@ from atleak.report.json.diagnosis import FORMAT, head_record, land_record
 from atleak.report.tables.first_sentence import shown_verdict
 from atleak.report.tables.lands import MatrixRow
 from atleak.report.tables.names import land_words
+from atleak.report.tables.road_words import event_name
 from atleak.report.tables.sentences import caveats
 from atleak.report.tables.table import VERDICT, Column, Picture, Section, SectionPart, Table, Text, columns
 from atleak.version import __version__
@@ -218,9 +219,7 @@ def signed_number(value: float, digits: int, say: Wording) -> str:
 
 def compared_event_name(pair: EventPair, say: Wording) -> str:
     """Name a matched event: ``shift 1 → 2``; of several alike with its place among them."""
-    event = pair.event
-    gears = "" if event.to_gear is None else f" {event.from_gear} → {event.to_gear}"
-    return f"{say(f'events.{event.kind}')}{gears}" + (f" ({pair.order})" if pair.order > 1 else "")
+    return event_name(pair.event, say) + (f" ({pair.order})" if pair.order > 1 else "")
 
 
 _OF_A_QUANTITY = ("condition", "what", "before", "after", "change", "interval", "unit", "changed")

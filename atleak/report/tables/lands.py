@@ -13,7 +13,7 @@ from functools import partial
 from atleak.catalogue.circuits import Pressure
 from atleak.catalogue.limits import RuleKind
 from atleak.common.sentences import Name, Sentence
-from atleak.common.units import DM3_MIN, KPA, MM, PERCENT, UM
+from atleak.common.units import DM3_MIN, KPA, MM, PERCENT, UM, gear_name
 from atleak.common.verdicts import Verdict, worst
 from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -172,7 +172,7 @@ def pair_table(
 
     def interval(land: LandDiagnosis) -> str | None:
         known = land.uncertainty.leakage_interval if land.uncertainty and land.leakage > 0.0 else None
-        return None if known is None else span((end * DM3_MIN for end in known), "flow", say, 3)
+        return None if known is None else span((end * DM3_MIN for end in known), "leak", say, 3)
 
     def largest(land: LandDiagnosis) -> float | None:
         worst = MatrixRow.of(land, diagnosis, diagnosis.projections).worst
@@ -201,8 +201,8 @@ def pair_table(
         Column("mounting", words_of="clearance", of=mounting),
         Column("wear", words_of="percent", of=lambda land: wear_words(land, say, unit=False)),
         Column("effective", "clearance", 1, of="effective_clearance", times=UM),
-        Column("leakage", "flow", 3, times=DM3_MIN),
-        Column("interval", words_of="flow", of=interval),
+        Column("leakage", "leak", 3, times=DM3_MIN),
+        Column("interval", words_of="leak", of=interval),
         Column("share", "percent", 2, times=PERCENT),
         Column("share_largest", "percent", 2, of=largest, times=PERCENT),
         Column("decided_by", of=lambda land: "; ".join(why(land, say)) or None),
@@ -431,7 +431,7 @@ def _does(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> Iterator[s
 
     for gap in controller.gaps:
         if gap.key == land.key:
-            gears = ", ".join(map(str, sorted(gap.gears)))
+            gears = ", ".join(map(gear_name, sorted(gap.gears)))
             yield say("diagnosis.leaks_to", high=written(gap.high), low=written(gap.low), gears=gears)
     leaking = {each.condition.name for each in diagnosis.projections if each.leakage_of(land.key) > 0.0}
     for complaint in controller.complaints:

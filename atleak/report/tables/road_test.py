@@ -16,7 +16,7 @@ import numpy as np
 from atleak.analysis.formulas import Dimension
 from atleak.common.sentences import Sentence
 from atleak.common.thinning import thinned
-from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, Unit
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, Unit, gear_name
 from atleak.common.units import unit as named_unit
 from atleak.common.wording import Wording
 from atleak.diagnosis.uncertainty import UnitUncertainty
@@ -47,7 +47,7 @@ def event_table(events: Sequence[Event], say: Wording) -> Table:
     """Return a row for every event of a log."""
     columns = (
         Column("event", of=lambda event: say(f"events.{event.kind}"), width=150),
-        Column("event_gears", of=lambda each: None if each.to_gear is None else f"{each.from_gear} → {each.to_gear}"),
+        Column("event_gears", of="gears"),
         Column("event_start", "time", 2, of="start"),
         Column("event_stop", "time", 2, of="stop"),
         Column("event_lasts", "time", 2, of="duration"),
@@ -64,7 +64,7 @@ def place_table(permitted: RoadPressure, say: Wording) -> Table:
         return None if place.worst is None else of(place.worst)
 
     columns = (
-        Column("place_gear", digits=0, of="gear"),
+        Column("place_gear", of=lambda place: gear_name(place.gear)),
         Column("place_state", of=lambda place: say(f"states.{place.state}"), width=100),
         Column("place_judged", "time", 2, of="judged"),
         Column("place_lowest", "pressure", 0, of=lambda place: worst(place, lambda at: at.pressure), times=KPA),
@@ -313,7 +313,7 @@ def _columns(road: RoadLeakage) -> list[tuple[str, Sentence, str, np.ndarray, fl
     for quantity, name, said, unit, factor in (
         ("main_pressure", "p_g_kpa", Sentence("p_g"), "kPa", KPA),
         ("converter_pressure", "p_k_kpa", Sentence("p_k"), "kPa", KPA),
-        ("engine_speed", "engine_rpm", Sentence("engine"), "1/min", RPM),
+        ("engine_speed", "engine_rpm", Sentence("engine"), "rpm", RPM),
         ("atf_temperature", "temperature_c", Sentence("temperature"), "°C", 1.0),
         ("gear", "gear", Sentence("gear"), "", 1.0),
     ):

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from atleak.catalogue.limits import RuleKind
-from atleak.common.units import KPA, RPM
+from atleak.common.units import KPA, RPM, gear_name
 from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.next_checks import NextCheck, next_checks
@@ -75,7 +75,7 @@ def permitted_sentence(log: RoadFindings, say: Wording) -> str:
 
 def _place(departure: Departure, say: Wording) -> dict[str, str]:
     return {
-        "gear": str(departure.gear),
+        "gear": gear_name(departure.gear),
         "state": say(f"states.{departure.state}"),
         "at": say.number(departure.at, 1),
         "pressure": say.value(departure.pressure * KPA, "pressure", 0),
@@ -93,8 +93,8 @@ def test_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
 
 def how_driven(event: Event, test: AccelerationTest, say: Wording) -> str:
     """Say how a minimum-acceleration test was driven: when it went wrong, and by how much."""
-    gears = "" if not test.gears else say("findings.test_gears", gears=", ".join(map(str, test.gears)))
-    missing = "" if not test.missing else say("findings.test_missing", gears=", ".join(map(str, test.missing)))
+    gears = "" if not test.gears else say("findings.test_gears", gears=", ".join(map(gear_name, test.gears)))
+    missing = "" if not test.missing else say("findings.test_missing", gears=", ".join(map(gear_name, test.missing)))
     return say(
         f"findings.test_{test.fault or 'passed'}",
         highest=say.number(test.highest_speed * RPM, 0),
@@ -109,8 +109,7 @@ def how_driven(event: Event, test: AccelerationTest, say: Wording) -> str:
 
 def event_name(event: Event, say: Wording) -> str:
     """Return an event's name with its gears: ``shift 1 → 2``."""
-    gears = "" if event.to_gear is None else f" {event.from_gear} → {event.to_gear}"
-    return say(f"events.{event.kind}") + gears
+    return say(f"events.{event.kind}") + (f" {event.gears}" if event.gears else "")
 
 
 def event_remark(event: Event, say: Wording) -> str:
@@ -132,7 +131,8 @@ def log_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
         yield say("findings.no_gears")
     else:
         each = (
-            say("findings.in_gear", gear=str(gear), seconds=say.number(time, 1)) for gear, time in log.gears.items()
+            say("findings.in_gear", gear=gear_name(gear), seconds=say.number(time, 1))
+            for gear, time in log.gears.items()
         )
         yield say("findings.time_in_gears", gears=", ".join(each))
     yield from _slip_sentences(log, say)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from atleak.analysis.what_if import StudyTrial, Tried
 from atleak.catalogue.limits import RuleKind
-from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, gear_name
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -19,7 +19,7 @@ def condition_words(projection: Projection, say: Wording) -> str:
     at = projection.condition
     temperature = say.plain_quantity(at.temperature, "temperature")
     speed = say.quantity(at.engine_speed * RPM, "engine_speed")
-    return say("what_if.condition", temperature=temperature, speed=speed, gear=at.gear)
+    return say("what_if.condition", temperature=temperature, speed=speed, gear=gear_name(at.gear))
 
 
 def tried_words(tried: Tried, say: Wording) -> str:

@@ -9,6 +9,7 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.common.sentences import Name, Sentence
 from atleak.common.style import CHART_GRID, PAPER_INKS
+from atleak.common.units import gear_name
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_leakage import RoadLeakage
@@ -66,7 +67,7 @@ class RoadSheets:
         if not self.diagnosis.judged:
             self.book.put(sheet, row, 0, say("findings.unmeasured"), book.bold)
             row += 1
-        rows: list[tuple[str, Any]] = [(Sentence("gears"), ", ".join(map(str, road.gears)))]
+        rows: list[tuple[str, Any]] = [(Sentence("gears"), ", ".join(map(gear_name, road.gears)))]
         rows += [
             (Sentence("of the volume leaked from {name}", name=Name(name)), say.percent(share))
             for name, share in road.section_shares.items()

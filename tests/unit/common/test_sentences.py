@@ -66,7 +66,7 @@ def test_values_are_written_in_the_reader_s_language_and_units() -> None:
     )
     assert said == "-59.5 µm, -59.5, -59.50; 12,345.7; manual valve; '1.5'"
     assert wording("de").sentence(said) == "−59,5 µm, −59,5, −59,50; 12\u00a0345,7; Wählschieber; '1.5'"
-    assert wording("en", "us").sentence(inner) == "−0.00234 in, −0.002343, −0.002343"
+    assert wording("en", "us").sentence(inner) == "−0.00234 in, −0.00234, −0.002343"
     assert wording("de").sentence("any other text 1.5") == "any other text 1.5"
 
 

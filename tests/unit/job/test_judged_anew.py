@@ -42,4 +42,4 @@ def test_a_number_that_differs_is_said_by_name_in_the_reader_s_units() -> None:
     (changed,) = judged_otherwise({"lands": [land]}, {"lands": [other]}, numbers=True)
     assert str(changed) == "25/1: radial clearance 12.5 µm, today radial clearance 25.4 µm"
     said = wording("de", "us").sentence(changed)
-    assert said == "25/1: Radialspiel 0,0004921 in, heute Radialspiel 0,001 in"
+    assert said == "25/1: Radialspiel 0,00049 in, heute Radialspiel 0,001 in"

@@ -521,7 +521,7 @@ def test_numbers_beside_a_name_from_right_to_left_keep_their_order(worn):
 @pytest.mark.parametrize(
     ("units", "there", "gone"),
     [
-        ("us", ("psi", "°F", "qt/min", "0.0001 in", "mi"), ("kPa", "°C", "dm³/min", "µm", "km")),
+        ("us", ("psi", "°F", "gpm", "0.0001 in", "mi"), ("kPa", "°C", "dm³/min", "µm", "km")),
         ("metric_bar", ("bar", "°C", "l/min", "µm"), ("kPa", "dm³/min", "psi")),
     ],
 )

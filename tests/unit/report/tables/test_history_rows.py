@@ -117,10 +117,10 @@ def test_a_pareto_chart_counts_units_and_what_they_make_up() -> None:
 
 
 def test_a_rate_stands_in_the_readers_units(unit: tuple[WearHistory, Diagnosis], minimal: Controller) -> None:
-    """1.00 µm per 10 000 km is 0.634 times 0.0001 in per 10 000 mi."""
+    """1.00 µm per 10 000 km is 0.63 times 0.0001 in per 10 000 mi."""
     us = wording("de", "us")
     rows = {row["pair"]: row for row in wear_table(unit[0], minimal, us).records()}
-    assert rows["Druckregelventil/1"]["rate"].startswith("0,634 (")
+    assert rows["Druckregelventil/1"]["rate"].startswith("0,63 (")
     figure = figures.clearance_over_mileage(unit[0].land(REGULATOR), unit[0].visits, unit[0].present, us)
     assert figure.layout.xaxis.title.text == "Laufleistung [mi]"
     measured = next(trace for trace in figure.data if trace.name == "gemessen")
