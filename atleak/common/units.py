@@ -263,6 +263,16 @@ class Quantity(NamedTuple):
         return _METRIC[self.kind].name
 
 
+class UnitOf(NamedTuple):
+    """The unit in which a kind of quantity is read, as what stands at a place of a sentence: ``clearance [{unit}]``."""
+
+    kind: str
+
+    def __format__(self, _: str) -> str:
+        """Write the unit of atleak's records."""
+        return _METRIC[self.kind].name
+
+
 _METRIC = {
     "clearance": ShownUnit("µm", 1),
     "length": ShownUnit("mm", 3),
@@ -280,13 +290,31 @@ _METRIC = {
     "time": ShownUnit("s", 1),
     "percent": ShownUnit("%", 1),
     "number": ShownUnit("", 2),
+    # of the workbook's formulas
+    "clearance_squared": ShownUnit("µm²", 2),
+    "clearance_cubed": ShownUnit("µm³", 2),
+    "clearance_per_kelvin": ShownUnit("µm/K", 4),
+    "gap_leak": ShownUnit("mm³/s", 3),
+    "displacement_per_turn": ShownUnit("mm³/rev", 3),
+    "kelvin": ShownUnit("K", 1),
+    "above_absolute_zero": ShownUnit("K", 2),
+    "per_kelvin": ShownUnit("1/K", 6),
+    "expansion": ShownUnit("1e-6/K", 1),
+    "density_per_kelvin": ShownUnit("g/(cm³·K)", 6),
+    "dynamic_viscosity": ShownUnit("mPa·s", 2),
+    "tip_slip": ShownUnit("dm³/min/kPa", 4),
+    "tip_bend": ShownUnit("mPa²·s²/kPa", 4),
 }
 
 SYSTEMS: Mapping[str, Mapping[str, ShownUnit]] = {
     "metric": _METRIC,
     "metric_bar": _METRIC
     | dict.fromkeys(("flow", "leak"), ShownUnit("l/min", 2))
-    | {"pressure": ShownUnit("bar", 2, 0.01, finer=2)},
+    | {
+        "pressure": ShownUnit("bar", 2, 0.01, finer=2),
+        "tip_slip": ShownUnit("l/min/bar", 2, 100.0),
+        "tip_bend": ShownUnit("mPa²·s²/bar", 2, 100.0),
+    },
     "us": _METRIC
     | {
         "clearance": ShownUnit("0.0001 in", 1, _TENTHS, spelled=ShownUnit("in", 5, _TENTHS / 1.0e4, finer=4)),
@@ -301,6 +329,19 @@ SYSTEMS: Mapping[str, Mapping[str, ShownUnit]] = {
         "displacement": ShownUnit("in³", 3, _CUBIC_INCHES, finer=3),
         "viscosity": ShownUnit("cSt", 1),
         "density": ShownUnit("lb/gal", 2, _POUNDS_PER_GALLON, finer=-1),
+        "clearance_squared": ShownUnit("(0.0001 in)²", 2, _TENTHS**2),
+        "clearance_cubed": ShownUnit("(0.0001 in)³", 2, _TENTHS**3),
+        "clearance_per_kelvin": ShownUnit("0.0001 in/°F", 4, _TENTHS / _FAHRENHEIT),
+        "gap_leak": ShownUnit("in³/min", 3, 60.0 * _CUBIC_INCHES),
+        "displacement_per_turn": ShownUnit("in³/rev", 3, _CUBIC_INCHES),
+        "kelvin": ShownUnit("°F", 1, _FAHRENHEIT),
+        "above_absolute_zero": ShownUnit("°F", 2, _FAHRENHEIT),
+        "per_kelvin": ShownUnit("1/°F", 6, 1.0 / _FAHRENHEIT),
+        "expansion": ShownUnit("1e-6/°F", 1, 1.0 / _FAHRENHEIT),
+        "density_per_kelvin": ShownUnit("lb/(gal·°F)", 6, _POUNDS_PER_GALLON / _FAHRENHEIT),
+        "dynamic_viscosity": ShownUnit("cP", 2),
+        "tip_slip": ShownUnit("gpm/psi", 4, _GALLONS / _PSI),
+        "tip_bend": ShownUnit("cP²/psi", 4, 1.0 / _PSI),
     },
 }
 """Each system of units by its name; every system has every kind of quantity."""

@@ -17,7 +17,7 @@ from typing import Any, Protocol, runtime_checkable
 from atleak.common.errors import AtleakError, Place, unknown
 from atleak.common.sentences import Listed, Name, Sentence, filled
 from atleak.common.style import look_of
-from atleak.common.units import PERCENT, RPM, Quantity, ShownUnit, gear_name, unit_system
+from atleak.common.units import PERCENT, RPM, Quantity, ShownUnit, UnitOf, gear_name, unit_system
 from atleak.common.verdicts import Band, Verdict
 
 _FOLDER = Path(__file__).parents[1] / "texts"
@@ -282,6 +282,8 @@ class _Spoken:
             return say.level(value)
         if isinstance(value, Quantity):
             return self._quantity(value, specification)
+        if isinstance(value, UnitOf):
+            return say.unit(value.kind)
         if isinstance(value, float | int):
             return self._number(format(value, specification))
         if isinstance(value, _Condition):

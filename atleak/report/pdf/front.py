@@ -7,7 +7,8 @@ from functools import cached_property
 from typing import Any
 
 from atleak.analysis.pressures import lowest_first, pressures_at
-from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, gear_name
+from atleak.catalogue.workbook.cells import gear_shown
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.verdicts import Verdict
 from atleak.engine.projection import Projection
 from atleak.report.pdf.blocks import Block, ends, joined, listed, named_facts
@@ -132,7 +133,7 @@ class Front(PrintedPart):
         columns = (
             *([] if all(map(self._names_temperature, self.shown)) else [self._temperature]),
             self._speed("speed", lambda at: at.condition.engine_speed),
-            Column("gear", of=lambda at: gear_name(at.condition.gear)),
+            Column("gear", digits=0, of=lambda at: gear_shown(at.condition.gear)),
             Column("pressure", "pressure", of=self._pressure),
             Column("leakage", "flow", 2, times=DM3_MIN),
             Column("capacity", "flow", 2, of="pump_capacity", times=DM3_MIN),

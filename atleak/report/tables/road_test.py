@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 
 from atleak.analysis.formulas import Dimension
+from atleak.catalogue.workbook.cells import gear_shown
 from atleak.common.sentences import Sentence
 from atleak.common.thinning import thinned
-from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, Unit, gear_name
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, Unit
 from atleak.common.units import unit as named_unit
 from atleak.common.wording import Wording
 from atleak.diagnosis.uncertainty import UnitUncertainty
@@ -64,7 +65,7 @@ def place_table(permitted: RoadPressure, say: Wording) -> Table:
         return None if place.worst is None else of(place.worst)
 
     columns = (
-        Column("place_gear", of=lambda place: gear_name(place.gear)),
+        Column("place_gear", digits=0, of=lambda place: gear_shown(place.gear)),
         Column("place_state", of=lambda place: say(f"states.{place.state}"), width=100),
         Column("place_judged", "time", 2, of="judged"),
         Column("place_lowest", "pressure", 0, of=lambda place: worst(place, lambda at: at.pressure), times=KPA),
@@ -269,7 +270,7 @@ class RoadSeries:
     """Columns of equal length by name, in workshop units; NaN where a sample is not usable."""
 
     columns: dict[str, np.ndarray]
-    labels: dict[str, tuple[Sentence, str]]  # the same names → words and unit for people
+    labels: dict[str, tuple[Sentence, str]]  # the same names → words and kind of quantity
     samples: int  # of the log
     instants: tuple[RoadInstant, ...]
 
@@ -288,38 +289,38 @@ def road_series(road: RoadLeakage, points: int) -> RoadSeries:
     named = _columns(road)
     return RoadSeries(
         columns={name: array[keep] * factor for name, _, _, array, factor in named},
-        labels={name: (label, unit) for name, label, unit, _, _ in named},
+        labels={name: (label, kind) for name, label, kind, _, _ in named},
         samples=len(road.time),
         instants=instants,
     )
 
 
 def _columns(road: RoadLeakage) -> list[tuple[str, Sentence, str, np.ndarray, float]]:
-    """Return name, words, unit, values in SI and the factor from SI to the unit."""
+    """Return name, words, kind of quantity, values in SI and the factor from SI to the unit of atleak's records."""
     columns = [
-        ("time_s", Sentence("time"), "s", road.time, 1.0),
-        ("leakage_dm3_min", Sentence("leakage"), "dm³/min", road.leakage, DM3_MIN),
+        ("time_s", Sentence("time"), "time", road.time, 1.0),
+        ("leakage_dm3_min", Sentence("leakage"), "flow", road.leakage, DM3_MIN),
     ]
     share = road.share
     if road.pump_capacity is not None and share is not None:
-        columns.append(("pump_capacity_dm3_min", Sentence("pump capacity"), "dm³/min", road.pump_capacity, DM3_MIN))
-        columns.append(("share_percent", Sentence("share"), "%", share, PERCENT))
+        columns.append(("pump_capacity_dm3_min", Sentence("pump capacity"), "flow", road.pump_capacity, DM3_MIN))
+        columns.append(("share_percent", Sentence("share"), "percent", share, PERCENT))
     for section, flow in road.sections.items():
         columns.append(
-            (f"leakage_{section}_dm3_min", Sentence("leakage {section}", section=section), "dm³/min", flow, DM3_MIN)
+            (f"leakage_{section}_dm3_min", Sentence("leakage {section}", section=section), "flow", flow, DM3_MIN)
         )
     for circuit, pressure in road.circuits.items():
-        columns.append((f"{circuit}_kpa", Sentence("{circuit}, computed", circuit=circuit), "kPa", pressure, KPA))
-    for quantity, name, said, unit, factor in (
-        ("main_pressure", "p_g_kpa", Sentence("p_g"), "kPa", KPA),
-        ("converter_pressure", "p_k_kpa", Sentence("p_k"), "kPa", KPA),
-        ("engine_speed", "engine_rpm", Sentence("engine"), "rpm", RPM),
-        ("atf_temperature", "temperature_c", Sentence("temperature"), "°C", 1.0),
+        columns.append((f"{circuit}_kpa", Sentence("{circuit}, computed", circuit=circuit), "pressure", pressure, KPA))
+    for quantity, name, said, kind, factor in (
+        ("main_pressure", "p_g_kpa", Sentence("p_g"), "pressure", KPA),
+        ("converter_pressure", "p_k_kpa", Sentence("p_k"), "pressure", KPA),
+        ("engine_speed", "engine_rpm", Sentence("engine"), "engine_speed", RPM),
+        ("atf_temperature", "temperature_c", Sentence("temperature"), "temperature", 1.0),
         ("gear", "gear", Sentence("gear"), "", 1.0),
     ):
         values = road.road_test.values(quantity)
         if values is not None:
-            columns.append((name, said, unit, values, factor))
+            columns.append((name, said, kind, values, factor))
     return columns
 
 

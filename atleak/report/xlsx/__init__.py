@@ -24,6 +24,7 @@ from atleak.report.xlsx.circuits import CIRCUITS
 from atleak.report.xlsx.conditions import CONDITIONS
 from atleak.report.xlsx.constants import CONSTANTS
 from atleak.report.xlsx.lands import LANDS_SHEET, LiveSheets
+from atleak.report.xlsx.reader_units import in_reader_units
 from atleak.report.xlsx.readings import DIRECTIONS_SHEET, READINGS
 from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets, write_gauges
 from atleak.report.xlsx.road_sheet import ROAD_SHEET as GAUGES
@@ -55,8 +56,8 @@ def write_workbook(
     language
         one of `atleak.common.wording.languages`.
     units
-        one of `atleak.common.units.SYSTEMS`, of what is said in sentences. Columns keep the units of their
-        formulas, which their headings name.
+        one of `atleak.common.units.SYSTEMS`, of every cell and sentence; formulas convert what they
+        take and give.
     paper
         one of `atleak.common.style.PAPERS`, for printing.
 
@@ -95,7 +96,7 @@ def _write(book: ReportBook, diagnosis: Diagnosis, job: Job) -> None:
         road.write(book.sheet(ROAD_TEST))
         events = book.sheet(ROAD_EVENTS, frozen=(1, 0))
         if diagnosis.log.events:
-            book.table(events, 0, event_table(diagnosis.log.events, book.metric))
+            book.table(events, 0, event_table(diagnosis.log.events, book.say))
         else:
             book.put(events, 0, 0, book.say("findings.no_events"))
     if not diagnosis.without_sheet:
@@ -108,6 +109,7 @@ def _write(book: ReportBook, diagnosis: Diagnosis, job: Job) -> None:
         rest.write_job(book.sheet(Sentence("Job"), landscape=False))
     rest.write_messages(book.sheet(Sentence("Messages"), frozen=(1, 0)))
     rest.write_provenance(book.sheet(Sentence("Provenance"), landscape=False))
+    in_reader_units(book)
     summary.activate()
 
 

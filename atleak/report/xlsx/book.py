@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import xlsxwriter
 from xlsxwriter.format import Format
@@ -13,8 +13,9 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.common.sentences import Name, Sentence
 from atleak.common.style import HEADING, LOOKS, Paper, look_of
+from atleak.common.units import UnitOf
 from atleak.common.verdicts import BANDS, VERDICTS, Band, Verdict
-from atleak.common.wording import Wording, wording
+from atleak.common.wording import Wording
 from atleak.measurements.job_card import clean_text
 from atleak.report.tables.table import VERDICT, Table
 
@@ -44,6 +45,8 @@ NUMBER_FORMATS = {
 }
 
 
+Place = tuple[str, int, int]  # of a cell: sheet, row and column
+
 _ALLOWED = {  # on a protected sheet, besides changing what is unlocked: no number changes by it
     "format_cells": True, "format_columns": True, "format_rows": True, "autofilter": True, "sort": True,
 }  # fmt: skip
@@ -56,20 +59,33 @@ class _Sheet(Worksheet):
         return formula.removeprefix("=")
 
 
+class Number(NamedTuple):
+    """What a cell that computes was written with: number, formula and format, in the units of atleak's records."""
+
+    value: float | str
+    formula: str | None
+    form: Format
+    of: str | None  # kind of quantity
+
+
 class ReportBook:
     """The workbook with its formats, in a reader's language; text is always written as text."""
 
     def __init__(self, workbook: xlsxwriter.Workbook, paper: Paper, say: Wording) -> None:
         self.workbook, self.paper, self.say = workbook, paper, say
         self._formats: dict[tuple[Any, ...], Format] = {}
-        self.metric = wording(say.language)  # of tables: like every sheet's formulas, whatever units sentences have
+        self.numbers: dict[Place, Number] = {}  # by where they stand
+        self.named: dict[str, Place] = {}  # where the cells stand that have a name
 
-    def form(self, number: str = "plain", **properties: Any) -> Format:
-        """Return the format for a kind of number; each is made once."""
-        key = number, *properties.items()
+    def form(self, number: str = "plain", of: str | None = None, **properties: Any) -> Format:
+        """Return the format for a kind of number, with the digits of a quantity in the reader's unit; made once."""
+        key = number, of, *properties.items()
         made = self._formats.get(key)
         if made is None:
             said = NUMBER_FORMATS.get(number, number)
+            if of is not None and said.strip("0") == ".":
+                places = self.say.digits(of, len(said) - said.index(".") - 1)
+                said = f"0.{'0' * places}" if places else "0"
             for words in (_NOTHING, _DEMAND):
                 said = said.replace(words, self.say.sentence(words))
             made = self.workbook.add_format({"num_format": said, "valign": "top", **properties})
@@ -182,7 +198,14 @@ class ReportBook:
         """Return a text as its cell shows it: sentences and names of valves, circuits … in the reader's language."""
         if isinstance(value, Sentence):
             return self.say.sentence(value)
+        if isinstance(value, UnitOf):
+            return self.say.unit(value.kind)
         return self.say.name(value) if isinstance(value, Name) else str(value)
+
+    def define(self, name: str, row: int, column: int, sheet: str) -> None:
+        """Give a cell a name."""
+        self.named[name] = sheet, row, column
+        self.workbook.define_name(name, f"={cell(row, column, sheet)}")
 
     def put(self, sheet: Worksheet, row: int, column: int, value: Any, form: Format | None = None) -> None:
         """Write a value in a cell: numbers as numbers, everything else as text, an unknown value as an empty cell."""
@@ -193,7 +216,7 @@ class ReportBook:
                 sheet.write_number(row, column, value, form)
             elif value > 0.0:
                 sheet.write_number(row, column, NO_DELIVERY, form)
-        elif isinstance(value, list | tuple):
+        elif isinstance(value, list | tuple) and not isinstance(value, UnitOf):
             self.put(sheet, row, column, ", ".join(map(self.words, value)), form)
         elif value is not None:
             sheet.write_string(row, column, clean_text(self.words(value))[:CELL_LIMIT], form)

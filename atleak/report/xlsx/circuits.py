@@ -17,7 +17,15 @@ from atleak.common.sentences import Name, Sentence
 from atleak.common.units import DM3_MIN, KPA
 from atleak.common.wording import Wording
 from atleak.report.xlsx.book import ReportBook
-from atleak.report.xlsx.live_sheet import AFTER_A_NUMBER, LiveCells, LiveColumn, LiveSheet, SheetCondition
+from atleak.report.xlsx.live_sheet import (
+    AFTER_A_NUMBER,
+    FLOW,
+    PRESSURE,
+    LiveCells,
+    LiveColumn,
+    LiveSheet,
+    SheetCondition,
+)
 from atleak.report.xlsx.rules import RuleCells
 
 if TYPE_CHECKING:
@@ -71,7 +79,7 @@ class CircuitCells:
         for row, line in enumerate(self.sheet.items, start=1):
             if line.held.circuit is not None:
                 for key, name in (("required", line.at.pressure), ("required_new", line.at.new_pressure)):
-                    book.workbook.define_name(name(line.held.id), f"={self.sheet.cell(row, key)}")
+                    book.define(name(line.held.id), row, self.sheet.place[key], sheet.get_name())
         book.put(sheet, len(self.sheet.items) + 2, 0, _NOTE)
 
 
@@ -97,7 +105,10 @@ def _columns(rules: RuleCells, say: Wording) -> Sequence[LiveColumn]:
 
     def causes(line: _Line) -> str | None:
         costs = {} if line.held.vented else line.held.causes
-        said = (f"{component}/{land} {say.number(loss * KPA, 1)} kPa" for (component, land), loss in costs.items())
+        said = (
+            f"{component}/{land} {say.spelled(loss * KPA, 'pressure', 1)} {say.spelled_unit('pressure')}"
+            for (component, land), loss in costs.items()
+        )
         return "; ".join(said) or None
 
     # fmt: off
@@ -106,21 +117,23 @@ def _columns(rules: RuleCells, say: Wording) -> Sequence[LiveColumn]:
         LiveColumn("circuit", Sentence("circuit"), value=lambda line: line.held.id, width=22),
         LiveColumn("name", Sentence("name"), width=30,
                    value=lambda line: Name(line.held.circuit.name) if line.held.circuit else _LINE_NAME),
-        issued("held", Sentence("pressure held, as issued [kPa]"), lambda line: line.held.now),
-        issued("low", Sentence("low, as issued [kPa]"), lambda line: line.ends[0], 12),
-        issued("high", Sentence("high, as issued [kPa]"), lambda line: line.ends[1], 12),
-        issued("new", Sentence("pressure held when new, as issued [kPa]"), lambda line: line.held.new),
-        issued("set", Sentence("set pressure, as issued [kPa]"), lambda line: line.held.set_pressure),
-        LiveColumn("loss", Sentence("lost against new [kPa]"), "kpa",
+        issued("held", Sentence("pressure held, as issued [{unit}]", unit=PRESSURE), lambda line: line.held.now),
+        issued("low", Sentence("low, as issued [{unit}]", unit=PRESSURE), lambda line: line.ends[0], 12),
+        issued("high", Sentence("high, as issued [{unit}]", unit=PRESSURE), lambda line: line.ends[1], 12),
+        issued("new", Sentence("pressure held when new, as issued [{unit}]", unit=PRESSURE),
+               lambda line: line.held.new),
+        issued("set", Sentence("set pressure, as issued [{unit}]", unit=PRESSURE), lambda line: line.held.set_pressure),
+        LiveColumn("loss", Sentence("lost against new [{unit}]", unit=PRESSURE), "kpa",
                    lambda line: None if line.held.vented else line.held.loss, "{new}-{held}", KPA),
         LiveColumn("verdict", Sentence("verdict"), "plain", verdict, verdict_formula, width=20, look=AFTER_A_NUMBER),
         LiveColumn("decision", Sentence("decision as issued"), value=decision, width=18, look=AFTER_A_NUMBER),
-        issued("feed", Sentence("through its feeds, as issued [dm³/min]"), lambda line: line.flow("feed"), kind="flow"),
-        issued("relief", Sentence("relieved to the sump, as issued [dm³/min]"), lambda line: line.flow("relief"),
+        issued("feed", Sentence("through its feeds, as issued [{unit}]", unit=FLOW), lambda line: line.flow("feed"),
                kind="flow"),
-        issued("required", Sentence("pressure at the required main pressure, as issued [kPa]"),
+        issued("relief", Sentence("relieved to the sump, as issued [{unit}]", unit=FLOW),
+               lambda line: line.flow("relief"), kind="flow"),
+        issued("required", Sentence("pressure at the required main pressure, as issued [{unit}]", unit=PRESSURE),
                lambda line: line.at.projection.pressures[line.held.id], 15),
-        issued("required_new", Sentence("the same of the unit new, as issued [kPa]"),
+        issued("required_new", Sentence("the same of the unit new, as issued [{unit}]", unit=PRESSURE),
                lambda line: line.at.new.pressures[line.held.id], 15),
         LiveColumn("causes", Sentence("what a land costs it (with that land new), as issued"), value=causes, width=70),
     )

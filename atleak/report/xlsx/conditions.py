@@ -10,8 +10,9 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.circuits import Consumer
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.pump import Pump
+from atleak.catalogue.workbook.cells import gear_shown
 from atleak.common.sentences import Name, Sentence
-from atleak.common.units import DM3_MIN, G_CM3, KPA, MM2_S, MM3_S, PERCENT, RPM
+from atleak.common.units import DM3_MIN, G_CM3, KPA, MM2_S, MM3_S, PERCENT, RPM, Quantity, UnitOf
 from atleak.common.verdicts import BANDS
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -23,7 +24,10 @@ from atleak.report.xlsx import live_sheet as names
 from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.constants import ORDERED_BELOW, fluid_formulas
 from atleak.report.xlsx.live_sheet import (
+    FLOW,
+    PRESSURE,
     RANKED,
+    TEMPERATURE,
     NamedQuantity,
     SheetCondition,
     band_of_rank,
@@ -70,13 +74,13 @@ _POSITIONS = {"concentric": _CONCENTRIC, "touching": _TOUCHING}
 def _pressure(
     name: str, label: Sentence, value: float | None, formula: str | None = None, *, fixed: bool = False
 ) -> NamedQuantity:
-    return NamedQuantity(name, label, "kPa", "kpa", None if value is None else value * KPA, formula, fixed)
+    return NamedQuantity(name, label, PRESSURE, "kpa", None if value is None else value * KPA, formula, fixed)
 
 
 def _flow(
     name: str, label: Sentence, value: float, formula: str | None = None, *, fixed: bool = False
 ) -> NamedQuantity:
-    return NamedQuantity(name, label, "dm³/min", "flow", value * DM3_MIN, formula, fixed)
+    return NamedQuantity(name, label, FLOW, "flow", value * DM3_MIN, formula, fixed)
 
 
 def _share(name: str, label: Sentence, value: float, formula: str) -> NamedQuantity:
@@ -152,20 +156,22 @@ class ConditionsSheet:
 
     def _viscosity_note(self) -> Sentence:
         model = self.diagnosis.profile.viscosity
-        low, high = self.diagnosis.fluid.span(model)
+        ends = [Quantity(end, "temperature") for end in self.diagnosis.fluid.span(model)]
         sentence = {
             "d341": Sentence("ASTM D341 through two points of the data sheet"),
             "regression": Sentence("the source study's regressions, eqs. (29) and (30)"),
             "tabulated": Sentence("read from the fluid's table at this temperature: change it with the temperature"),
         }[model]
-        return Sentence("{model}; answers from {low:g} to {high:g} °C", model=sentence, low=low, high=high)
+        return Sentence(
+            "{model}; answers from {low:g} to {high:g} {high.unit}", model=sentence, low=ends[0], high=ends[1]
+        )
 
     def _condition(self, at: SheetCondition) -> Iterable[NamedQuantity]:
         """Return the quantities of one condition, in their order."""
         point = at.projection.condition
-        yield NamedQuantity("gear", Sentence("gear"), "", "count", point.gear, fixed=True)
-        yield NamedQuantity("T", Sentence("temperature"), "°C", "temperature", point.temperature)
-        yield NamedQuantity("n", Sentence("engine speed"), "1/min", "rpm", point.engine_speed * RPM)
+        yield NamedQuantity("gear", Sentence("gear"), "", "count", gear_shown(point.gear), fixed=True)
+        yield NamedQuantity("T", Sentence("temperature"), TEMPERATURE, "temperature", point.temperature)
+        yield NamedQuantity("n", Sentence("engine speed"), UnitOf("engine_speed"), "rpm", point.engine_speed * RPM)
         yield _pressure("p_g", Sentence("main pressure p_g, required"), point.main_pressure)
         for section, label in _SET_BY_RELATIONS:
             relation = self.diagnosis.controller.relations[section]
@@ -206,13 +212,15 @@ class ConditionsSheet:
         viscosity = fluid.kinematic_viscosity(temperature, model) * MM2_S
         density = fluid.density(temperature, model) * G_CM3
         of_viscosity, of_density = fluid_formulas(model, at("T"))
-        yield NamedQuantity("nu", Sentence("kinematic viscosity ν"), "mm²/s", "nu", viscosity, of_viscosity)
-        yield NamedQuantity("rho", Sentence("density ρ"), "g/cm³", "rho", density, of_density)
+        yield NamedQuantity("nu", Sentence("kinematic viscosity ν"), UnitOf("viscosity"), "nu", viscosity, of_viscosity)
+        yield NamedQuantity("rho", Sentence("density ρ"), UnitOf("density"), "rho", density, of_density)
 
     def _pump(self, at: SheetCondition) -> Iterable[NamedQuantity]:
         engine, projection = self.diagnosis.model, at.projection
         pump = engine.controller.pump
-        yield NamedQuantity("q_p", Sentence("pump displacement"), "mm³/rev", "mm3", pump.displacement * MM3_S)
+        yield NamedQuantity(
+            "q_p", Sentence("pump displacement"), UnitOf("displacement_per_turn"), "mm3", pump.displacement * MM3_S
+        )
         if engine.uses_slip:
             yield from self._slip(at, "", pump, projection.slip)
             if pump.as_new is not None:
@@ -311,7 +319,7 @@ class ConditionsSheet:
         yield _share("share", Sentence("share of pump capacity"), now.share, share)
         yield _share("share_new", Sentence("share of that new unit"), new.share, share_new)
         yield from self._positions(at)
-        yield NamedQuantity("n_min", SPEED, "1/min", "rpm", now.minimum_speed * RPM, self._covers(at))
+        yield NamedQuantity("n_min", SPEED, UnitOf("engine_speed"), "rpm", now.minimum_speed * RPM, self._covers(at))
         limits, rank = self.rules.limits_and_rank(rule)
         for level, limit in rule.steps.levels:
             label = Sentence("{level} from a share of", level=self.say.level(level))

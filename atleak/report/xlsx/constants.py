@@ -16,7 +16,7 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import ROUNDING
 from atleak.catalogue.pump import TIP_DENSITY, Pump, TipGaps
 from atleak.common.sentences import Name, Sentence
-from atleak.common.units import DM3_MIN, G_CM3, KPA, MPA_S, UM
+from atleak.common.units import DM3_MIN, G_CM3, KPA, MPA_S, UM, Quantity, UnitOf
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.uncertainty import Assumptions, UnitUncertainty
 from atleak.diagnosis.uncertainty.sources import AVERAGED_FROM, ENOUGH_DEGREES, STEP_TOLERANCE, TOLERANCE_HOLDS
@@ -29,6 +29,10 @@ from atleak.report.xlsx import live_sheet as names
 from atleak.report.xlsx.book import NO_DELIVERY, ReportBook
 from atleak.report.xlsx.live_sheet import (
     AFTER_A_NUMBER,
+    CLEARANCE,
+    FLOW,
+    PRESSURE,
+    TEMPERATURE,
     NamedQuantity,
     constant_pressure,
     of_leak,
@@ -42,11 +46,12 @@ ORDERED_BELOW = 900_000.0  # share [%] that still tells two totals of a band apa
 _CHOICE = Sentence("choice of this project")
 _PAPER = "Energies 2023, 16, 7667, eq. (5)"
 _WHITE = "White F. M., Fluid Mechanics, 7th ed., McGraw-Hill 2011, section 6.9"
+_ZERO = Quantity(0.0, "temperature")
 _PROGRAM = Sentence("a mark of this workbook, not a quantity")
 
 
 def _constant(
-    name: str, label: Sentence, unit: str, value: float, source: str, formula: str | None = None
+    name: str, label: Sentence, unit: str | UnitOf, value: float, source: str, formula: str | None = None
 ) -> NamedQuantity:
     return NamedQuantity(name, label, unit, "plain", value, formula, source=source)
 
@@ -74,7 +79,7 @@ class ConstantCells:
 def _constants(diagnosis: Diagnosis) -> Iterable[NamedQuantity]:
     controller, law = diagnosis.controller, diagnosis.model.law
     reference = Sentence("reference temperature of diameters and clearances")
-    yield _constant(names.REFERENCE, reference, "°C", REFERENCE_TEMPERATURE, "ISO 1:2022")
+    yield _constant(names.REFERENCE, reference, TEMPERATURE, REFERENCE_TEMPERATURE, "ISO 1:2022")
     yield from _of_gaps(diagnosis, law)
     yield from _of_fluid(diagnosis.fluid, diagnosis.profile.viscosity)
     yield from _of_pressures(controller)
@@ -88,7 +93,7 @@ def _constants(diagnosis: Diagnosis) -> Iterable[NamedQuantity]:
         at, stated = diagnosis.measured_at, Sentence("as stated for the job")
         origin = Sentence("nobody stated it") if at.assumed else stated
         measured = Sentence("temperature of gauge and parts when measured")
-        yield _constant(names.MEASURED_AT, measured, "°C", at.value, origin)
+        yield _constant(names.MEASURED_AT, measured, TEMPERATURE, at.value, origin)
         yield from _of_uncertainty(diagnosis.uncertainty)
     rounded = Sentence("relative: a value that equals its limit but for floating point has reached it")
     yield NamedQuantity(names.ROUNDING_NAME, rounded, "", "scientific", ROUNDING, fixed=True, source=_CHOICE)
@@ -121,25 +126,39 @@ def _of_fluid(fluid: Fluid, model: str) -> Iterable[NamedQuantity]:
         points = Sentence("through two points of {source}", source=fluid.source)
         yield _constant(names.D341_A, Sentence("A of the line log log (ν + 0.7) = A − B log T"), "", a, points)
         yield _constant(names.D341_B, Sentence("B of the same line"), "", b, points)
-        shift = Sentence("what is added to ν [mm²/s] before taking logarithms")
-        yield _constant(names.D341_SHIFT, shift, "mm²/s", ASTM_D341_SHIFT, "ASTM D341")
-        zero = Sentence("temperature of 0 °C above absolute zero")
-        yield _constant(names.ABSOLUTE, zero, "K", -ABSOLUTE_ZERO, "ISO 80000-5")
+        shift = Sentence("what is added to ν [{unit}] before taking logarithms", unit=UnitOf("viscosity"))
+        yield _constant(names.D341_SHIFT, shift, UnitOf("viscosity"), ASTM_D341_SHIFT, "ASTM D341")
+        zero = Sentence("temperature of {zero:g} {zero.unit} above absolute zero", zero=_ZERO)
+        yield _constant(names.ABSOLUTE, zero, UnitOf("above_absolute_zero"), -ABSOLUTE_ZERO, "ISO 80000-5")
         at, density = fluid.density_at
         yield _constant(
-            names.DENSITY_AT, Sentence("temperature at which the density is stated"), "°C", at, fluid.source
+            names.DENSITY_AT, Sentence("temperature at which the density is stated"), TEMPERATURE, at, fluid.source
         )
         yield _constant(
-            names.DENSITY_NAME, Sentence("density at that temperature"), "g/cm³", density * G_CM3, fluid.source
+            names.DENSITY_NAME,
+            Sentence("density at that temperature"),
+            UnitOf("density"),
+            density * G_CM3,
+            fluid.source,
         )
         slope = Sentence("change of the density with temperature")
-        yield _constant(names.DENSITY_SLOPE_NAME, slope, "g/(cm³·K)", fluid.density_slope * G_CM3, fluid.source)
+        yield _constant(
+            names.DENSITY_SLOPE_NAME, slope, UnitOf("density_per_kelvin"), fluid.density_slope * G_CM3, fluid.source
+        )
     elif model == "regression":
         labels = (
-            (Sentence("kinematic viscosity of the study's regression at 0 °C"), "mm²/s", STUDY_VISCOSITY[0]),
-            (Sentence("its exponent with temperature"), "1/K", STUDY_VISCOSITY[1]),
-            (Sentence("density of the study's regression at 0 °C"), "g/cm³", STUDY_DENSITY[0] * G_CM3),
-            (Sentence("its change with temperature"), "g/(cm³·K)", STUDY_DENSITY[1] * G_CM3),
+            (
+                Sentence("kinematic viscosity of the study's regression at {zero:g} {zero.unit}", zero=_ZERO),
+                UnitOf("viscosity"),
+                STUDY_VISCOSITY[0],
+            ),
+            (Sentence("its exponent with temperature"), UnitOf("per_kelvin"), STUDY_VISCOSITY[1]),
+            (
+                Sentence("density of the study's regression at {zero:g} {zero.unit}", zero=_ZERO),
+                UnitOf("density"),
+                STUDY_DENSITY[0] * G_CM3,
+            ),
+            (Sentence("its change with temperature"), UnitOf("density_per_kelvin"), STUDY_DENSITY[1] * G_CM3),
         )
         for name, (label, unit, value) in zip(names.STUDY_NAMES, labels, strict=True):
             source = Sentence("the source study's regressions, eqs. (29) and (30)")
@@ -166,10 +185,10 @@ def _of_pressures(controller: Controller) -> Iterable[NamedQuantity]:
         ratio = Sentence("{section} per p_g", **of)
         yield _constant(of_relation(section, "ratio"), ratio, "", relation.ratio, file)
         offset = Sentence("{section} where p_g is nothing", **of)
-        yield _constant(of_relation(section, "offset"), offset, "kPa", relation.offset * KPA, file)
+        yield _constant(of_relation(section, "offset"), offset, PRESSURE, relation.offset * KPA, file)
         if relation.limit is not None:
             most = Sentence("{section} at most", **of)
-            yield _constant(of_relation(section, "limit"), most, "kPa", relation.limit * KPA, file)
+            yield _constant(of_relation(section, "limit"), most, PRESSURE, relation.limit * KPA, file)
     leaking: list[Gap | Leak] = [*controller.gaps, *controller.leaks]
     ends = [end for each in leaking for end in (each.high, each.low)]
     for pressure in sorted(set(ends), key=str):
@@ -180,7 +199,7 @@ def _of_pressure(pressure: Pressure, file: str) -> Iterable[NamedQuantity]:
     if pressure.section is None:
         if pressure.constant:
             steady = Sentence("pressure that stays the same")
-            yield _constant(constant_pressure(pressure), steady, "kPa", pressure.constant * KPA, file)
+            yield _constant(constant_pressure(pressure), steady, PRESSURE, pressure.constant * KPA, file)
     elif pressure.coefficient != 1.0:
         share = Sentence("share of a section's pressure that a gap or leak sees")
         yield _constant(share_of_pressure(pressure), share, "", pressure.coefficient, file)
@@ -189,14 +208,16 @@ def _of_pressure(pressure: Pressure, file: str) -> Iterable[NamedQuantity]:
 def _of_leak(number: int, leak: Leak) -> Iterable[NamedQuantity]:
     of: dict[str, Any] = {"name": Name(leak.name)}
     flow, at = Sentence("leak {name}: flow", **of), Sentence("leak {name}: pressure drop at that flow", **of)
-    yield _constant(of_leak(number, "flow"), flow, "dm³/min", leak.flow * DM3_MIN, leak.source)
-    yield _constant(of_leak(number, "drop"), at, "kPa", leak.pressure_drop * KPA, leak.source)
+    yield _constant(of_leak(number, "flow"), flow, FLOW, leak.flow * DM3_MIN, leak.source)
+    yield _constant(of_leak(number, "drop"), at, PRESSURE, leak.pressure_drop * KPA, leak.source)
     if leak.viscosity is not None:
         viscosity = Sentence("leak {name}: dynamic viscosity at that flow", **of)
-        yield _constant(of_leak(number, "viscosity"), viscosity, "mPa·s", leak.viscosity * MPA_S, leak.source)
+        yield _constant(
+            of_leak(number, "viscosity"), viscosity, UnitOf("dynamic_viscosity"), leak.viscosity * MPA_S, leak.source
+        )
     else:
         density = Sentence("leak {name}: density at that flow", **of)
-        yield _constant(of_leak(number, "density"), density, "g/cm³", leak.density * G_CM3, leak.source)
+        yield _constant(of_leak(number, "density"), density, UnitOf("density"), leak.density * G_CM3, leak.source)
 
 
 def _of_tips(pump: Pump, end: str, controller: Controller) -> Iterable[NamedQuantity]:
@@ -204,11 +225,15 @@ def _of_tips(pump: Pump, end: str, controller: Controller) -> Iterable[NamedQuan
     for number, (_, size) in enumerate(pump.tips if pump.gaps.tips is not None else (), start=1):
         assert pump.gaps.tips is not None
         conductance, bend = _tip_slip(pump.gaps.tips, size)
-        of = {"size": size * UM}
-        slips = Sentence("slip over the pump's tips at {size:g} µm, for each kPa at 1 mPa·s", **of)
-        yield _constant(of_tips(end, number, "conductance"), slips, "dm³/min/kPa", conductance, file)
-        bends = Sentence("how the loss at entry and exit bends that slip", **of)
-        yield _constant(of_tips(end, number, "bend"), bends, "mPa²·s²/kPa", bend, _WHITE)
+        slips = Sentence(
+            "slip over the pump's tips at {size:g} {size.unit}, for each {pressure} at 1 {viscosity}",
+            size=Quantity(size * UM, "clearance"),
+            pressure=PRESSURE,
+            viscosity=UnitOf("dynamic_viscosity"),
+        )
+        yield _constant(of_tips(end, number, "conductance"), slips, UnitOf("tip_slip"), conductance, file)
+        bends = Sentence("how the loss at entry and exit bends that slip")
+        yield _constant(of_tips(end, number, "bend"), bends, UnitOf("tip_bend"), bend, _WHITE)
 
 
 def _tip_slip(tips: TipGaps, clearance: float) -> tuple[float, float]:
@@ -223,23 +248,24 @@ def _of_uncertainty(uncertainty: UnitUncertainty) -> Iterable[NamedQuantity]:
     assumed: Assumptions = uncertainty.assumptions
     settable = Sentence("default of this project, or set by the workshop")
     # fmt: off
-    rows: tuple[tuple[str, Sentence, str, float, str], ...] = (
+    rows: tuple[tuple[str, Sentence, str | UnitOf, float, str], ...] = (
         (names.COVERAGE_NAME, Sentence("coverage of the expanded uncertainty U"), "", uncertainty.coverage, settable),
-        (names.ROOM_TEMPERATURE, Sentence("half width of the temperature of measuring"), "K",
+        (names.ROOM_TEMPERATURE, Sentence("half width of the temperature of measuring"), UnitOf("kelvin"),
          assumed.room_temperature, settable),
         (names.FORM_RESIDUAL, Sentence("part of ovality and taper that is kept as uncertain"), "",
          assumed.form_residual, settable),
-        (names.UNSEEN_OVALITY, Sentence("ovality of a part where no land shows it"), "µm",
+        (names.UNSEEN_OVALITY, Sentence("ovality of a part where no land shows it"), CLEARANCE,
          assumed.unseen_ovality * UM, settable),
-        (names.NOMINAL_DIAMETER, Sentence("u of a diameter not measured"), "µm",
+        (names.NOMINAL_DIAMETER, Sentence("u of a diameter not measured"), CLEARANCE,
          assumed.nominal_diameter * UM, settable),
-        (names.OWN_MOUNTING, Sentence("u of a mounting clearance of this one pair"), "µm",
+        (names.OWN_MOUNTING, Sentence("u of a mounting clearance of this one pair"), CLEARANCE,
          assumed.mounting_clearance * UM, settable),
         (names.TOLERANCE_COVERAGE, Sentence("part of the pairs that a tolerance of c_m holds"), "", TOLERANCE_HOLDS,
          _CHOICE),
-        (names.REPEATS_APART, Sentence("repeats further apart count as if they were so far apart"), "µm",
+        (names.REPEATS_APART, Sentence("repeats further apart count as if they were so far apart"), CLEARANCE,
          REPEAT_TOLERANCE * UM, _CHOICE),
-        (names.VISIBLE_STEP, Sentence("spread or step that is taken as nothing"), "µm", STEP_TOLERANCE * UM, _CHOICE),
+        (names.VISIBLE_STEP, Sentence("spread or step that is taken as nothing"), CLEARANCE, STEP_TOLERANCE * UM,
+         _CHOICE),
         (names.AVERAGED, Sentence("spread per step from which on repeats average rounding out"), "", AVERAGED_FROM,
          _CHOICE),
         (names.TRUSTED_DEGREES, Sentence("degrees of freedom from which on repeats are trusted alone"), "",

@@ -15,7 +15,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.repairs import LandKey
 from atleak.common.sentences import Sentence
 from atleak.common.style import DATA_BAR
-from atleak.common.units import DM3_MIN, MM, PERCENT, UM
+from atleak.common.units import DM3_MIN, MM, PERCENT, UM, UnitOf
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
@@ -30,7 +30,10 @@ from atleak.report.xlsx.gaps import GapSheets
 from atleak.report.xlsx.live_sheet import (
     AFTER_A_NUMBER,
     CHANGEABLE,
+    CLEARANCE,
     EXPANSIONS,
+    LEAK,
+    LENGTH,
     PER_KELVIN,
     ColumnKey,
     LiveCell,
@@ -119,28 +122,28 @@ def _clearances(live: LiveSheets, *, uncertain: bool) -> Iterable[LiveColumn]:
         return live.directions.moment(land.key, power)
 
     # fmt: off
-    yield LiveColumn("sleeve", Sentence("sleeve diameter D [mm]"), "mm", lambda land: land.state.sleeve_diameter,
-                     sleeve, MM, look=CHANGEABLE)
-    yield LiveColumn("spool", Sentence("spool diameter d [mm]"), "mm", lambda land: land.state.spool_diameter,
-                     spool, MM, look=CHANGEABLE)
+    yield LiveColumn("sleeve", Sentence("sleeve diameter D [{unit}]", unit=LENGTH), "mm",
+                     lambda land: land.state.sleeve_diameter, sleeve, MM, look=CHANGEABLE)
+    yield LiveColumn("spool", Sentence("spool diameter d [{unit}]", unit=LENGTH), "mm",
+                     lambda land: land.state.spool_diameter, spool, MM, look=CHANGEABLE)
     if any(nominal(land) is not None for land in lands):
-        yield LiveColumn("nominal", Sentence("nominal diameter, of a sleeve not measured [mm]"), "mm", nominal,
-                         times=MM, look=CHANGEABLE)
-    yield LiveColumn("c_r", Sentence("radial clearance c_r [µm]"), "um", lambda land: land.state.radial_clearance,
-                     "({sleeve}-{spool})/2*1000", UM)
+        yield LiveColumn("nominal", Sentence("nominal diameter, of a sleeve not measured [{unit}]", unit=LENGTH), "mm",
+                         nominal, times=MM, look=CHANGEABLE)
+    yield LiveColumn("c_r", Sentence("radial clearance c_r [{unit}]", unit=CLEARANCE), "um",
+                     lambda land: land.state.radial_clearance, "({sleeve}-{spool})/2*1000", UM)
     if uncertain:
-        yield LiveColumn("U", Sentence("standard uncertainty u(c_r) as issued [µm]"), "um",
+        yield LiveColumn("U", Sentence("standard uncertainty u(c_r) as issued [{unit}]", unit=CLEARANCE), "um",
                          lambda land: land.uncertainty and land.uncertainty.u_clearance, times=UM)
     yield from _when_new(lands)
     yield LiveColumn("wear", Sentence("wear Z [%]"), "percent", lambda land: land.wear,
                      "({c_r}-{c_m})/{c_m}*100", PERCENT, 10)
-    yield LiveColumn("beta_k", Sentence("expansion of body β_k [1e-6/K]"), "plain",
+    yield LiveColumn("beta_k", Sentence("expansion of body β_k [{unit}]", unit=UnitOf("expansion")), "plain",
                      lambda land: land.state.land.body_expansion, times=PER_KELVIN, look=CHANGEABLE)
-    yield LiveColumn("beta_s", Sentence("expansion of spool β_s [1e-6/K]"), "plain",
+    yield LiveColumn("beta_s", Sentence("expansion of spool β_s [{unit}]", unit=UnitOf("expansion")), "plain",
                      lambda land: land.state.land.spool_expansion, times=PER_KELVIN, look=CHANGEABLE)
     # fmt: on
-    for power, sign in ((2, "²"), (3, "³")):
-        heading = Sentence("form: mean of (c − c_r){sign} as measured [µm{sign}]", sign=sign)
+    for power, sign, kind in ((2, "²", "clearance_squared"), (3, "³", "clearance_cubed")):
+        heading = Sentence("form: mean of (c − c_r){sign} as measured [{unit}]", sign=sign, unit=UnitOf(kind))
         value = partial(form, power)
         yield LiveColumn(f"m{power}", heading, "um", value, partial(moment, power), UM**power, blue=True)
 
@@ -173,19 +176,20 @@ def _when_new(lands: Iterable[LandDiagnosis]) -> Iterable[LiveColumn]:
 
     # fmt: off
     if a_range:
-        yield LiveColumn("c_m_low", Sentence("mounting clearance, low end of a range [µm]"), "um", low_end, times=UM,
-                         look=CHANGEABLE)
-    heading = Sentence("mounting clearance c_m [µm]")
+        yield LiveColumn("c_m_low", Sentence("mounting clearance, low end of a range [{unit}]", unit=CLEARANCE), "um",
+                         low_end, times=UM, look=CHANGEABLE)
+    heading = Sentence("mounting clearance c_m [{unit}]", unit=CLEARANCE)
     if a_range:
-        heading = Sentence("mounting clearance c_m, high end of a range [µm]")
+        heading = Sentence("mounting clearance c_m, high end of a range [{unit}]", unit=CLEARANCE)
     yield LiveColumn("c_m", heading, "um", lambda land: land.state.land.mounting_high, times=UM, look=CHANGEABLE)
     if any(nominal.mounting_tolerance is not None for nominal in nominals):
-        yield LiveColumn("tolerance", Sentence("tolerance of c_m, half width of 95 % [µm]"), "um",
+        yield LiveColumn("tolerance", Sentence("tolerance of c_m, half width of 95 % [{unit}]", unit=CLEARANCE), "um",
                          lambda land: land.state.land.mounting_tolerance, times=UM, look=CHANGEABLE)
-    yield LiveColumn("c_n", Sentence("clearance of a new pair, of equal flow [µm]"), "um",
+    yield LiveColumn("c_n", Sentence("clearance of a new pair, of equal flow [{unit}]", unit=CLEARANCE), "um",
                      lambda land: land.state.land.new_clearance, equal_flow, UM)
-    yield LiveColumn("c_u", Sentence("clearance that it may have had when new, given its reading [µm]"), "um",
-                     unworn, unworn_formula, UM)
+    yield LiveColumn("c_u",
+                     Sentence("clearance that it may have had when new, given its reading [{unit}]", unit=CLEARANCE),
+                     "um", unworn, unworn_formula, UM)
     yield LiveColumn("new_origin", Sentence("clearance when new is known from"), width=42,
                      value=lambda land: land.state.land.new_origin.label, look=AFTER_A_NUMBER)
     # fmt: on
@@ -206,16 +210,17 @@ def _at_condition(live: LiveSheets, condition: SheetCondition) -> Iterable[LiveC
         return share_of(here[key, prefix], condition("capacity"))
 
     # fmt: off
-    yield LiveColumn(("c_re", prefix), Sentence("effective clearance c_re [µm], {condition}", **at), "um",
+    yield LiveColumn(("c_re", prefix),
+                     Sentence("effective clearance c_re [{unit}], {condition}", unit=CLEARANCE, **at), "um",
                      lambda land: land.state.effective_clearance(now.condition.temperature), warm, UM, 14)
-    heading = Sentence("leakage q [dm³/min], {spools}, {condition}", spools=spools, **at)
+    heading = Sentence("leakage q [{unit}], {spools}, {condition}", unit=LEAK, spools=spools, **at)
     yield LiveColumn(("q", prefix), heading, "flow", lambda land: now.leakage_of(land.key),
                      partial(flow, "q", drawn=False), DM3_MIN, 14)
-    yield LiveColumn(("drawn", prefix), Sentence("of it drawn from the pump [dm³/min], {condition}", **at), "flow",
-                     lambda land: now.drawn_by(land.key), partial(flow, "q"), DM3_MIN, 14)
+    yield LiveColumn(("drawn", prefix), Sentence("of it drawn from the pump [{unit}], {condition}", unit=LEAK, **at),
+                     "flow", lambda land: now.drawn_by(land.key), partial(flow, "q"), DM3_MIN, 14)
     yield LiveColumn(("share", prefix), Sentence("share of pump capacity [%], {condition}", **at), "share",
                      lambda land: now.share_drawn_by(land.key), partial(share, "drawn"), PERCENT, 14)
-    heading = Sentence("drawn from the pump when new [dm³/min], {condition}", **at)
+    heading = Sentence("drawn from the pump when new [{unit}], {condition}", unit=LEAK, **at)
     yield LiveColumn(("new_drawn", prefix), heading, "flow", lambda land: new.drawn_by(land.key),
                      partial(flow, "new_q"), DM3_MIN, 14)
     yield LiveColumn(("new_share", prefix), Sentence("the same share when new [%], {condition}", **at), "share",
@@ -239,10 +244,10 @@ def _as_issued(live: LiveSheets, *, uncertain: bool) -> Iterable[LiveColumn]:
 
     # fmt: off
     if uncertain:
-        yield LiveColumn("low", Sentence("leakage, low as issued [dm³/min], stated condition"), "flow", end_of(0),
-                         times=DM3_MIN)
-        yield LiveColumn("high", Sentence("leakage, high as issued [dm³/min], stated condition"), "flow", end_of(1),
-                         times=DM3_MIN)
+        yield LiveColumn("low", Sentence("leakage, low as issued [{unit}], stated condition", unit=LEAK), "flow",
+                         end_of(0), times=DM3_MIN)
+        yield LiveColumn("high", Sentence("leakage, high as issued [{unit}], stated condition", unit=LEAK), "flow",
+                         end_of(1), times=DM3_MIN)
     if any(land.decision is not None for land in live.lands):
         yield LiveColumn("decision", Sentence("decision as issued"), width=16, look=AFTER_A_NUMBER,
                          value=lambda land: land.decision and say.get("decisions", land.decision))

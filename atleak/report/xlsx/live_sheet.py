@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
@@ -19,14 +19,18 @@ from atleak.catalogue.instruments import Part
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.sentences import Sentence
 from atleak.common.style import INPUT
+from atleak.common.units import UnitOf
 from atleak.common.verdicts import BANDS, VERDICTS, Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.projection import Projection
-from atleak.report.xlsx.book import ReportBook, cell, cell_span, formula
+from atleak.report.xlsx.book import Number, ReportBook, cell, cell_span, formula
 
 RESERVED = frozenset({"const", "limit", "spool", "sleeve"})
+
+CLEARANCE, LENGTH, PRESSURE, TEMPERATURE = map(UnitOf, ("clearance", "length", "pressure", "temperature"))
+FLOW, LEAK, GAP_LEAK = map(UnitOf, ("flow", "leak", "gap_leak"))
 
 REFERENCE = "const_reference_temperature"
 MEASURED_AT = "const_measured_at"
@@ -121,11 +125,14 @@ class LiveCell:
     value: Any
     formula: str | None = None
     look: Mapping[str, Any] = field(default_factory=dict)
+    of: str | None = None  # kind of quantity, in the unit of atleak's records; None of what has the same unit for all
 
 
 def write_cell(book: ReportBook, sheet: Worksheet, row: int, column: int, content: LiveCell) -> None:
     """Write a cell; a formula that gives nothing known is left out."""
-    form = book.form(content.kind, **content.look)
+    form = book.form(content.kind, content.of, **content.look)
+    if content.value is not None and (content.formula is not None or not isinstance(content.value, str)):
+        book.numbers[sheet.get_name(), row, column] = Number(content.value, content.formula, form, content.of)
     if content.formula is None:
         book.put(sheet, row, column, content.value, form)
     elif content.value is not None:
@@ -170,7 +177,19 @@ class LiveColumn:
             text = text.format_map(here)
         elif text is not None:
             text = text(item, here)
-        return LiveCell(self.kind, value, text, CHANGEABLE if self.blue and text is None else self.look)
+        return LiveCell(self.kind, value, text, CHANGEABLE if self.blue and text is None else self.look, self.of)
+
+    @property
+    def of(self) -> str | None:
+        """Return the kind of quantity whose unit its heading names."""
+        return _kind_named(self.heading)
+
+
+def _kind_named(heading: Any) -> str | None:
+    """Return the kind of quantity whose unit a heading names, or a heading that stands in it."""
+    values = heading.values.values() if isinstance(heading, Sentence) else ()
+    kinds = (each.kind if isinstance(each, UnitOf) else _kind_named(each) for each in values)
+    return next((kind for kind in kinds if kind is not None), None)
 
 
 class LiveSheet:
@@ -212,7 +231,8 @@ class LiveSheet:
             here = self.row(row)
             of_row = cells(row, item) if cells else {each.key: each.cell(item, here) for each in self.columns}
             for key, content in of_row.items():
-                write_cell(book, sheet, row, self.place[key], content)
+                of = content.of or self.columns[self.place[key]].of
+                write_cell(book, sheet, row, self.place[key], replace(content, of=of))
         for number, column in enumerate(self.columns):
             sheet.set_column(number, number, column.width)
         sheet.autofilter(0, 0, max(len(self.items), 1), len(self.columns) - 1)
@@ -226,7 +246,7 @@ class NamedQuantity:
 
     name: str  # of the cell; of one among several of its kind, without their prefix
     label: Sentence
-    unit: str
+    unit: str | UnitOf
     kind: str  # of number, one of the workbook's formats
     value: Any
     formula: str | None = None  # None for an input
@@ -241,8 +261,13 @@ class NamedQuantity:
     def write(self, book: ReportBook, sheet: Worksheet, row: int, column: int, name: str) -> None:
         """Write its cell, blue where it may be changed, and give it its name."""
         look = {"align": "right", **(CHANGEABLE if self.formula is None and not self.fixed else {})}
-        write_cell(book, sheet, row, column, LiveCell(self.kind, self.value, self.formula, look))
-        book.workbook.define_name(name, f"={cell(row, column, sheet.get_name())}")
+        write_cell(book, sheet, row, column, LiveCell(self.kind, self.value, self.formula, look, self.of))
+        book.define(name, row, column, sheet.get_name())
+
+    @property
+    def of(self) -> str | None:
+        """Return its kind of quantity, where readers have it in units of their own."""
+        return self.unit.kind if isinstance(self.unit, UnitOf) else None
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from atleak.catalogue.instruments import Part
 from atleak.catalogue.repairs import LandKey
 from atleak.catalogue.words import PART_WORDS
 from atleak.common.sentences import Sentence
-from atleak.common.units import MM, UM
+from atleak.common.units import MM, UM, UnitOf
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
@@ -30,7 +30,9 @@ from atleak.measurements.readings import Reading
 from atleak.report.xlsx.book import ReportBook, cell_span
 from atleak.report.xlsx.live_sheet import (
     CHANGEABLE,
+    CLEARANCE,
     EXPANSIONS,
+    LENGTH,
     MEASURED_AT,
     REFERENCE,
     REPEATS_APART,
@@ -55,9 +57,9 @@ _ENTERED = {
     "plane": Sentence("plane"),
     "direction": Sentence("direction [°]"),
     "repeat": Sentence("repeat"),
-    "diameter": Sentence("diameter [mm]"),
-    "coordinate_1": Sentence("coordinate 1 [mm]"),
-    "coordinate_2": Sentence("coordinate 2 [mm]"),
+    "diameter": Sentence("diameter [{unit}]", unit=LENGTH),
+    "coordinate_1": Sentence("coordinate 1 [{unit}]", unit=LENGTH),
+    "coordinate_2": Sentence("coordinate 2 [{unit}]", unit=LENGTH),
     "counts": Sentence("counts in the mean: yes or no"),
 }
 _OF_COORDINATES = {
@@ -65,18 +67,18 @@ _OF_COORDINATES = {
     "alike": Sentence("readings with these coordinates"),
 }
 _OF_REPEATS = {
-    "off": Sentence("off the mean of the place's own repeats [µm]"),
+    "off": Sentence("off the mean of the place's own repeats [{unit}]", unit=CLEARANCE),
     "degrees": Sentence("degrees of freedom of the place"),
-    "squares": Sentence("sum of squares of the place, slips limited [µm²]"),
+    "squares": Sentence("sum of squares of the place, slips limited [{unit}]", unit=UnitOf("clearance_squared")),
 }
 _OF_PLACES = {
-    "mean": Sentence("mean of the place [mm]"),
+    "mean": Sentence("mean of the place [{unit}]", unit=LENGTH),
     "weight": Sentence("weight: directions of a plane alike, planes alike"),
     "repeat_weight": Sentence("variance of the mean per variance of a reading"),
 }
 _OF_OVALITY: dict[Part, Sentence] = {
-    "spool": Sentence("ovality of the spool [µm]"),
-    "sleeve": Sentence("ovality of the sleeve [µm]"),
+    "spool": Sentence("ovality of the spool [{unit}]", unit=CLEARANCE),
+    "sleeve": Sentence("ovality of the sleeve [{unit}]", unit=CLEARANCE),
 }
 _ORIGIN = {"sheet": Sentence("sheet"), "row": Sentence("row"), "column": Sentence("column")}
 
@@ -408,18 +410,19 @@ class DirectionCells:
             LiveColumn("land", Sentence("land"), value=lambda line: line.land.key[1], width=14),
             LiveColumn("plane", Sentence("plane"), value=lambda line: line.station.plane, width=14),
             LiveColumn("direction", Sentence("direction [°]"), value=lambda line: line.station.direction, width=14),
-            LiveColumn("sleeve", Sentence("sleeve diameter [mm]"), "mm", lambda line: line.station.sleeve_diameter,
-                       diameter("sleeve"), MM, 14),
-            LiveColumn("spool", Sentence("spool diameter [mm]"), "mm", lambda line: line.station.spool_diameter,
-                       diameter("spool"), MM, 14),
-            LiveColumn("c", Sentence("radial clearance c [µm]"), "um", lambda line: line.station.radial_clearance,
-                       "({sleeve}-{spool})/2*1000", UM, 14),
+            LiveColumn("sleeve", Sentence("sleeve diameter [{unit}]", unit=LENGTH), "mm",
+                       lambda line: line.station.sleeve_diameter, diameter("sleeve"), MM, 14),
+            LiveColumn("spool", Sentence("spool diameter [{unit}]", unit=LENGTH), "mm",
+                       lambda line: line.station.spool_diameter, diameter("spool"), MM, 14),
+            LiveColumn("c", Sentence("radial clearance c [{unit}]", unit=CLEARANCE), "um",
+                       lambda line: line.station.radial_clearance, "({sleeve}-{spool})/2*1000", UM, 14),
             LiveColumn("weight", weight, value=lambda line: line.weight, width=14),
-            LiveColumn("off", Sentence("c − mean of the land [µm]"), "um", lambda line: line.off, off, width=14),
-            LiveColumn("m2", Sentence("weight · (c − mean)² [µm²]"), "um", lambda line: line.weight * line.off**2,
-                       "{weight}*{off}^2", width=14),
-            LiveColumn("m3", Sentence("weight · (c − mean)³ [µm³]"), "um", lambda line: line.weight * line.off**3,
-                       "{weight}*{off}^3", width=14),
+            LiveColumn("off", Sentence("c − mean of the land [{unit}]", unit=CLEARANCE), "um", lambda line: line.off,
+                       off, width=14),
+            LiveColumn("m2", Sentence("weight · (c − mean)² [{unit}]", unit=UnitOf("clearance_squared")), "um",
+                       lambda line: line.weight * line.off**2, "{weight}*{off}^2", width=14),
+            LiveColumn("m3", Sentence("weight · (c − mean)³ [{unit}]", unit=UnitOf("clearance_cubed")), "um",
+                       lambda line: line.weight * line.off**3, "{weight}*{off}^3", width=14),
         )
         # fmt: on
         self.sheet = LiveSheet(live.say.sentence(DIRECTIONS_SHEET), columns, lines)

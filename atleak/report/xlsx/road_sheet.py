@@ -9,7 +9,7 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.common.sentences import Name, Sentence
 from atleak.common.style import CHART_GRID, PAPER_INKS
-from atleak.common.units import gear_name
+from atleak.common.units import UnitOf, gear_name
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_leakage import RoadLeakage
@@ -17,12 +17,11 @@ from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.road_test import instant_table, place_table, road_series
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
 from atleak.report.xlsx.book import ReportBook, cell_span
+from atleak.report.xlsx.live_sheet import FLOW
 
 ROAD_TEST, ROAD_EVENTS = Sentence("Road test"), Sentence("Road test events")
 ROAD_ROWS = 2000  # rows of the thinned road test
-_KINDS = {  # of numbers, by their unit
-    "s": "time", "dm³/min": "flow", "%": "percent", "kPa": "kpa", "1/min": "rpm", "°C": "temperature", "": "count",
-}  # fmt: skip
+_FORMATS = {"pressure": "kpa", "engine_speed": "rpm", "": "count"}  # of numbers, named otherwise than their kind
 
 
 class RoadSheets:
@@ -45,7 +44,7 @@ class RoadSheets:
             row = self.book.put_text(sheet, row, 0, sentence, self.book.bold if leads else None) + 1
         row += 1
         if self.log.permitted is not None:
-            row = self.book.table(sheet, row, place_table(self.log.permitted, self.book.metric))
+            row = self.book.table(sheet, row, place_table(self.log.permitted, self.book.say))
         row += 1
         if road is not None:
             self._leakage(sheet, row, road)
@@ -74,7 +73,7 @@ class RoadSheets:
             if share is not None
         ]
         row = book.pairs(sheet, row, rows)
-        row = book.table(sheet, row + 1, instant_table(road, self.diagnosis.uncertainty, book.metric)) + 1
+        row = book.table(sheet, row + 1, instant_table(road, self.diagnosis.uncertainty, book.say)) + 1
         self.book.put(sheet, row - 1, 0, say("texts.sustained", seconds=say.plain(road.extremes.window)))
         series = road_series(road, ROAD_ROWS)
         kept = len(series.columns["time_s"])
@@ -87,16 +86,17 @@ class RoadSheets:
             self.book.put(sheet, row, 0, text)
         row += 34  # the two charts take so many rows
         names = list(series.columns)
-        book.headings(sheet, row, [_with_unit(label, unit) for label, unit in series.labels.values()])
+        book.headings(sheet, row, [_with_unit(label, kind) for label, kind in series.labels.values()])
         for column, (name, values) in enumerate(series.columns.items()):
-            form = book.form(_KINDS[series.labels[name][1]])
-            for line, value in enumerate(values.tolist(), start=row + 1):
+            kind = series.labels[name][1]
+            form = book.form(_FORMATS.get(kind, kind), kind or None)
+            for line, value in enumerate((say.convert(values, kind) if kind else values).tolist(), start=row + 1):
                 if value == value:  # NaN: an empty cell, a gap in the chart
                     sheet.write_number(line, column, value, form)
         first, last = row + 1, row + kept
         flows = [name for name in ("pump_capacity_dm3_min", "leakage_dm3_min") if name in names]
         drawn = [(name, series.labels[name][0], names.index(name)) for name in flows]
-        self._chart(sheet, row - 33, book.words(Sentence("Flow [dm³/min]")), drawn, first, last)
+        self._chart(sheet, row - 33, book.words(Sentence("Flow [{unit}]", unit=FLOW)), drawn, first, last)
         if "share_percent" in names:
             share = ("share_percent", Sentence("share"), names.index("share_percent"))
             self._chart(sheet, row - 16, book.words(Sentence("Share [%]")), [share], first, last)
@@ -127,8 +127,8 @@ class RoadSheets:
         )
 
 
-def _with_unit(label: Sentence, unit: str) -> Sentence:
-    return Sentence("{label} [{unit}]", label=label, unit=unit) if unit else label
+def _with_unit(label: Sentence, kind: str) -> Sentence:
+    return Sentence("{label} [{unit}]", label=label, unit=UnitOf(kind)) if kind else label
 
 
 ROAD_SHEET = Sentence("Gauge readings")
@@ -139,7 +139,7 @@ def write_gauges(book: ReportBook, sheet: Worksheet, diagnosis: Diagnosis) -> No
     check, say = diagnosis.pressures, book.say
     if check is None:
         return
-    free = book.table(sheet, 0, gauge_table(check, book.metric).without("lost_between"))
+    free = book.table(sheet, 0, gauge_table(check, book.say).without("lost_between"))
     notes = [(Sentence("file"), check.table.file), (Sentence("sheet"), check.table.sheet or "")]
     notes += [(Sentence("permitted by"), text) for text in dict.fromkeys(_sources(diagnosis))]
     notes += [(Sentence("pattern"), each) for each in pattern_sentences(check, diagnosis.controller, say)]

@@ -16,7 +16,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.limits import Level, Limits, RuleKind, Steps
 from atleak.catalogue.repairs import LandKey
 from atleak.common.sentences import Name, Sentence
-from atleak.common.units import PERCENT, UM
+from atleak.common.units import PERCENT, UM, UnitOf
 from atleak.common.verdicts import BANDS, FLAGGED, Band, Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.land import LandDiagnosis
@@ -25,7 +25,9 @@ from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.live_sheet import (
     AFTER_A_NUMBER,
     CHANGEABLE,
+    CLEARANCE,
     NOTHING_DELIVERED,
+    PRESSURE,
     RANKED,
     ROUNDING_NAME,
     LiveCell,
@@ -37,6 +39,7 @@ from atleak.report.xlsx.live_sheet import (
     of_limit,
     share_of,
     verdict_of_rank,
+    write_cell,
 )
 
 if TYPE_CHECKING:
@@ -48,9 +51,9 @@ _LIMIT, _ORIGIN, _SOURCE = Sentence("limit"), Sentence("origin"), Sentence("sour
 _LABELS: dict[RuleKind, dict[_Part, Sentence]] = {
     RuleKind.WEAR: {
         "limit": Sentence("wear [%]"),
-        "at_least": Sentence("and clearance over c_m and its tolerance [µm]"),
+        "at_least": Sentence("and clearance over c_m and its tolerance [{unit}]", unit=CLEARANCE),
     },
-    RuleKind.CLEARANCE: {"limit": Sentence("radial clearance [µm]")},
+    RuleKind.CLEARANCE: {"limit": Sentence("radial clearance [{unit}]", unit=CLEARANCE)},
     RuleKind.PAIR_SHARE: {
         "limit": Sentence("share of pump flow of one land [%]"),
         "growth": Sentence("and growth over the same land new [%]"),
@@ -65,9 +68,9 @@ _LABELS: dict[RuleKind, dict[_Part, Sentence]] = {
         "limit": Sentence("reserve of the pump, under [-]"),
         "fall": Sentence("or, where the same unit new is under it, fall from that [%]"),
     },
-    RuleKind.CIRCUIT_LOSS: {"limit": Sentence("pressure that a circuit lost against new [kPa]")},
+    RuleKind.CIRCUIT_LOSS: {"limit": Sentence("pressure that a circuit lost against new [{unit}]", unit=PRESSURE)},
     RuleKind.PERMISSIBLE_PRESSURE: {"limit": Sentence("main pressure below the permissible [%]")},
-    RuleKind.COMMANDED_PRESSURE: {"limit": Sentence("main pressure off the commanded [kPa]")},
+    RuleKind.COMMANDED_PRESSURE: {"limit": Sentence("main pressure off the commanded [{unit}]", unit=PRESSURE)},
 }
 _NOTE = Sentence(
     "A level begins where all of its rows are reached; a level of wear never begins below the one before it. An empty "
@@ -138,9 +141,9 @@ class LimitCells:
             book.put(sheet, row, 0, _LABELS[each.kind][each.part], book.form(bold=first, indent=0 if first else 1))
             for level, value in each.values.items():
                 column = 1 + self.levels.index(level)
-                book.put(sheet, row, column, value, book.form("um", **CHANGEABLE))
-                name = self._names[each.kind, level, each.part]
-                book.workbook.define_name(name, f"={cell(row, column, self._sheet)}")
+                of = _quantity(each.kind, each.part)
+                write_cell(book, sheet, row, column, LiveCell("um", value, look=CHANGEABLE, of=of))
+                book.define(self._names[each.kind, level, each.part], row, column, self._sheet)
             if first:
                 steps = self.limits.rules[each.kind]
                 book.put(sheet, row, origin, book.say.get("origins", steps.origin), book.wrapped)
@@ -154,6 +157,10 @@ class LimitCells:
         sheet.set_column(1, origin - 1, 12)
         sheet.set_column(origin, origin, 24)
         sheet.set_column(origin + 1, origin + 1, 70)
+
+
+def _quantity(kind: RuleKind, part: _Part) -> str | None:
+    return kind.quantity if part == "limit" else "clearance" if part == "at_least" else None
 
 
 def _rows(kind: RuleKind, steps: Steps) -> Iterable[_Row]:
@@ -293,26 +300,31 @@ class RuleCells:
     def _cells(self, row: int, line: _Line) -> dict[Any, LiveCell]:
         rule, factor, asked = line.rule, line.rule.kind.factor, self._asked(line, row)
         here = {key: cell(row, column) for key, column in self.sheet.place.items()}
-        kind = _FORMATS.get(rule.kind, rule.kind.suffix)
+        kind, of = _FORMATS.get(rule.kind, rule.kind.suffix), rule.kind.quantity
         fine = Verdict.OK if line.land is not None else self.diagnosis.within(rule)
         verdict = fine if rule.verdict == Verdict.OK else rule.verdict
         component, number = line.land.key if line.land else (OF_THE_UNIT, None)
         decided = None if line.land is not None else self.diagnosis.decided(rule)  # those of lands stand beside them
-        given = {"component": component, "land": number, "rule": _named(rule), "unit": rule.kind.unit}
+        given = {
+            "component": component,
+            "land": number,
+            "rule": _named(rule),
+            "unit": UnitOf(rule.kind.quantity) if rule.kind.quantity else rule.kind.unit,
+        }
         cells = {key: LiveCell("plain", value, look={"align": "left"}) for key, value in given.items()}
-        cells["value"] = LiveCell(kind, rule.value * factor, asked.value)
+        cells["value"] = LiveCell(kind, rule.value * factor, asked.value, of=of)
         if asked.new is not None and rule.new is not None:
-            cells["new"] = LiveCell(kind, rule.new * factor, asked.new)
+            cells["new"] = LiveCell(kind, rule.new * factor, asked.new, of=of)
         for level, limit in rule.steps.levels:
             text = self._limit(here, rule, asked, level)
             by_file = text is None
             cells[_verdict(level)] = (
-                LiveCell(rule.kind.suffix, limit * factor, look=CHANGEABLE)
+                LiveCell(rule.kind.suffix, limit * factor, look=CHANGEABLE, of=of)
                 if by_file
-                else LiveCell(kind, limit * factor, text)
+                else LiveCell(kind, limit * factor, text, of=of)
             )
         if rule.probable and isfinite(rule.value):
-            cells["issued"] = LiveCell(kind, rule.value * factor)
+            cells["issued"] = LiveCell(kind, rule.value * factor, of=of)
         cells["rank"] = LiveCell("plain", RANKED.index(rule.verdict) + 1, _rank(rule, here))
         words = verdict_of_rank(here["rank"], self.say, fine)
         behind = {

@@ -12,7 +12,7 @@ from atleak.analysis.estimate import estimate
 from atleak.analysis.repair.plan import RepairPlan, RepairStep, plan_repairs
 from atleak.common.errors import MessageLevel
 from atleak.common.sentences import Name, Sentence
-from atleak.common.units import DM3_MIN, PERCENT
+from atleak.common.units import DM3_MIN, PERCENT, UnitOf
 from atleak.common.verdicts import BANDS, VERDICTS, Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job, Record
@@ -28,6 +28,7 @@ from atleak.report.xlsx.conditions import AS_SPOOLS_MAY_LIE, DEMAND, covers
 from atleak.report.xlsx.lands import LiveSheets
 from atleak.report.xlsx.live_sheet import (
     AFTER_A_NUMBER,
+    FLOW,
     RANKED,
     LiveCell,
     LiveCells,
@@ -47,8 +48,8 @@ _TOTALS = (
 )  # fmt: skip
 _ISSUED = {
     "decision": Sentence("decision as issued"),
-    "low": Sentence("leakage, low as issued [dm³/min]"),
-    "high": Sentence("leakage, high as issued [dm³/min]"),
+    "low": Sentence("leakage, low as issued [{unit}]", unit=FLOW),
+    "high": Sentence("leakage, high as issued [{unit}]", unit=FLOW),
 }
 _OF_A_STEP = (*OF_A_LAND, Sentence("total before [%]"), Sentence("total after [%]"), Sentence("band after"))
 _HOW_TO_CHANGE = (
@@ -64,6 +65,7 @@ _HOW_TO_CHANGE = (
 )
 _LEVELS: dict[MessageLevel, Sentence] = {"info": Sentence("info"), "warning": Sentence("warning")}
 _LEAST = 10  # columns of the summary: what stands alone is a long text
+_KINDS = {"_km": "distance", "_c": "temperature", "_um": "clearance"}  # of quantity, by the end of a field's name
 _WORDED = ("name", "representative_note", "source")  # of an entry of the catalogue, in words
 ESTIMATE_SHEET = Sentence("Estimate")
 _WIDTHS = (30, 34, 18, 12, 10, 12, 12, 14, 30, 60)
@@ -105,7 +107,10 @@ class Sheets:
             (Sentence("vehicle"), " ".join(filter(None, (vehicle.make, vehicle.model, vehicle.registration)))),
             (Sentence("VIN"), vehicle.vin),
             (Sentence("transmission"), " ".join(filter(None, (box.maker, box.code, box.serial)))),
-            (Sentence("mileage [km]"), record["mileage_km"] or vehicle.mileage_km),
+            (
+                Sentence("mileage [{unit}]", unit=UnitOf("distance")),
+                self._plain("mileage_km", record["mileage_km"] or vehicle.mileage_km),
+            ),
             (Sentence("valve body"), Name(record["controller"]["name"])),
             (Sentence("fluid"), fluid_in_state(diagnosis, self.say)),
             (Sentence("limits"), Name(record["limits"]["name"])),
@@ -188,9 +193,10 @@ class Sheets:
                 if column == 1:
                     page.text(line, 0, _ISSUED.get(name) or quantities[name].heading)
                 if name not in _ISSUED:
-                    page.put(line, column, LiveCell(quantities[name].kind, quantities[name].value, at(name)))
+                    known = quantities[name]
+                    page.put(line, column, LiveCell(known.kind, known.value, at(name), of=known.of))
                 else:
-                    page.put(line, column, LiveCell("flow", issued.get(name)))
+                    page.put(line, column, LiveCell("flow", issued.get(name), of="flow"))
         band = first + _TOTALS.index("band")
         self.book.colour_words(page.sheet, (band, 1), (band, len(live.conditions)), BANDS)
         flows = Sentence(
@@ -347,7 +353,7 @@ class Sheets:
 
     def _field(self, name: str) -> str:
         """Return a field's name as people read it: ``mileage_km`` → ``mileage [km]``."""
-        return self.say.get("record_fields", name)
+        return self.say(f"record_fields.{name}") if name in self.say.texts["record_fields"] else name
 
     def _of_catalogue(self, name: str, value: Any) -> Any:
         """Return what is known of an entry of the catalogue, in the reader's language where its words are known."""
@@ -358,6 +364,9 @@ class Sheets:
     def _plain(self, name: str, value: Any) -> Any:
         if isinstance(value, list | tuple):
             return ", ".join(map(str, value))
+        kind = next((kind for end, kind in _KINDS.items() if name.endswith(end)), None)
+        if kind is not None and isinstance(value, int | float):
+            return self.say.system[kind].stated(value)
         if name in ("grade", "decision") and isinstance(value, str):
             return self.say.get("grades" if name == "grade" else "job_decisions", value)
         return value if value is None or isinstance(value, bool | int | float | str) else str(value)

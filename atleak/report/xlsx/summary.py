@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from xlsxwriter.format import Format
@@ -66,7 +67,9 @@ class SummaryPage:
         known = content if isinstance(content, LiveCell) else LiveCell("plain", content)
         if not isinstance(known.value, str):
             look = {"align": "left", "shrink": True}
-            write_cell(self.book, self.sheet, row, column, LiveCell(known.kind, known.value, known.formula, look))
+            write_cell(
+                self.book, self.sheet, row, column, LiveCell(known.kind, known.value, known.formula, look, known.of)
+            )
         elif known.formula is None:
             self.text(row, column, known.value, last, **known.look)
         else:
@@ -90,9 +93,9 @@ class SummaryPage:
         """Write a formula that gives a text, in a cell as high as its present value needs."""
         formula(self.sheet, row, column, text, value, self._room(row, column, value, last, **look))
 
-    def number(self, kind: str) -> Format:
+    def number(self, kind: str, of: str | None) -> Format:
         """Return the format of a number, which grows smaller where words beside it need the room."""
-        return self.book.form(kind, align="left", shrink=True)
+        return self.book.form(kind, of, align="left", shrink=True)
 
     def headings(self, row: int, names: Sequence[Any]) -> None:
         """Write a row of headings, the last one as far as the page goes."""
@@ -300,7 +303,7 @@ class FlaggedLands:
             Name(self.diagnosis.controller.components[component]),
             LiveCell("plain", self.book.say.signed(flag.verdict), live.sheet.cell(at, "verdict"), _BOLD),
             number,
-            *(LiveCell(each.kind, each.value, live.sheet.cell(at, key)) for key, each in values.items()),
+            *(replace(each, formula=live.sheet.cell(at, key), look={}) for key, each in values.items()),
             None if rule is None else Sentence("{rule} ({origin})", rule=rule.label, origin=origin),
         ]
 
@@ -311,12 +314,12 @@ class FlaggedLands:
         largest = f"LARGE({self._column('also')},ROWS({first}:{here.rpartition('!')[2]}))"
         place = f"MATCH({largest},{self._column('also')},0)"
         for column, key in enumerate((*_COLUMNS, *self._values)):
-            kind = live.land_cell(live.lands[0], key).kind
+            like = live.land_cell(live.lands[0], key)
             shown = f'IF({largest}>0,INDEX({self._column(key)},{place}),"")'
             if key in _COLUMNS:
                 page.formula(row, column, shown, "", bold=key in ("component", "verdict"))
             else:
-                formula(page.sheet, row, column, shown, "", page.number(kind))
+                formula(page.sheet, row, column, shown, "", page.number(like.kind, like.of))
 
     def _more(self, page: SummaryPage, title: int, rows: int) -> None:
         """Write below their list how many more lands are flagged since than it has rows."""

@@ -18,7 +18,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.catalogue.instruments import Instrument, Part
 from atleak.catalogue.words import PART_WORDS
 from atleak.common.sentences import Name, Sentence
-from atleak.common.units import PERCENT, UM
+from atleak.common.units import PERCENT, UM, UnitOf
 from atleak.common.wording import Wording
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.uncertainty import UnitUncertainty
@@ -30,6 +30,7 @@ from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.live_sheet import (
     AFTER_A_NUMBER,
     AVERAGED,
+    CLEARANCE,
     EXPANSIONS,
     PER_KELVIN,
     TRUSTED_DEGREES,
@@ -135,7 +136,8 @@ class InstrumentCells:
                    "MAX({resolution},{step})")
         roundings = Sentence("roundings in one diameter")
         yield NamedQuantity("roundings", roundings, "", "count", spread.roundings, fixed=True)
-        yield _row("squares", Sentence("sum of squares of the repeats"), found.squares * _UM2, squares, "µm²")
+        yield _row("squares", Sentence("sum of squares of the repeats"), found.squares * _UM2, squares,
+                   UnitOf("clearance_squared"))
         yield _row("degrees", Sentence("degrees of freedom of the repeats"), found.degrees_of_freedom, degrees,
                    "", "count")
         yield _row("pooled", Sentence("spread of the repeats, pooled over the unit"), found.standard_deviation * UM,
@@ -151,9 +153,10 @@ class InstrumentCells:
         yield _row("nu", Sentence("degrees of freedom ν of that spread"), freedom,
                    f"IF({{counted}}>0,IF({{s}}>{{unrounded}},{infinite},{{counted}}),{infinite})", "", "count")
         yield _row("persistent", Sentence("variance P of rounding that repeats do not average out"),
-                   spread.persistent_variance * _UM2, _persistent("{s}", "{q}", "{roundings}"), "µm²")
+                   spread.persistent_variance * _UM2, _persistent("{s}", "{q}", "{roundings}"),
+                   UnitOf("clearance_squared"))
         yield _row("averaged", Sentence("variance that repeats average out"), spread.averaged_variance * _UM2,
-                   "IF({s}>0,{s}^2+{roundings}*{q}^2/12-{persistent},0)", "µm²")
+                   "IF({s}>0,{s}^2+{roundings}*{q}^2/12-{persistent},0)", UnitOf("clearance_squared"))
         yield _row("ovality", Sentence("ovality, root mean square over the lands that show it"),
                    (spread.ovality or 0.0) * UM, ovality)
         # fmt: on
@@ -168,7 +171,11 @@ class InstrumentCells:
     def _newton(self, book: ReportBook, sheet: Worksheet, row: int) -> None:
         """Write Newton's steps to the spread s₀ that gives the widened spread after rounding, for both parts."""
         book.put(sheet, row, 0, Sentence("Newton's steps to the spread before rounding"), book.bold)
-        titles = [Sentence("s [µm]"), Sentence("excess of the variance [µm²]"), Sentence("slope [µm]")]
+        titles = [
+            Sentence("s [{unit}]", unit=CLEARANCE),
+            Sentence("excess of the variance [{unit}]", unit=UnitOf("clearance_squared")),
+            Sentence("slope [{unit}]", unit=CLEARANCE),
+        ]
         book.headings(sheet, row + 1, ["", Sentence("step, and term of the series"), *titles, *titles], lines=3)
         first = row + 2
         name = sheet.get_name()
@@ -182,7 +189,7 @@ class InstrumentCells:
             for at, step in enumerate(_newton(spread), start=first):
                 for offset, content in enumerate(self._step(part, step, at, column, first)):
                     write_cell(book, sheet, at, column + offset, content)
-            book.workbook.define_name(cells_of_part(part, "newton"), f"={cell(first + _STEPS - 1, column, name)}")
+            book.define(cells_of_part(part, "newton"), first + _STEPS - 1, column, name)
 
     def _step(self, part: Part, step: _Step, row: int, column: int, first: int) -> Iterable[LiveCell]:
         here, names = [address(row, column + offset) for offset in range(3)], _Names(part)
@@ -192,13 +199,20 @@ class InstrumentCells:
         persistent = _persistent(here[0], q, r)
         a = _a(here[0], q, r)
         slope = f"IF({a}<1/2,SQRT({r}/PI())*{q},2*{here[0]}*(1+2*SUMPRODUCT(EXP(-{a}*{_TERMS}^2))))"
-        yield LiveCell("nu", step.spread, spread)
-        yield LiveCell("scientific", step.excess, f"{here[0]}^2+{r}*{q}^2/12-{persistent}-{widened}^2")
-        yield LiveCell("nu", step.slope, slope)
+        yield LiveCell("nu", step.spread, spread, of="clearance")
+        yield LiveCell(
+            "scientific", step.excess, f"{here[0]}^2+{r}*{q}^2/12-{persistent}-{widened}^2", of="clearance_squared"
+        )
+        yield LiveCell("nu", step.slope, slope, of="clearance")
 
 
 def _row(
-    name: str, label: Sentence, value: float | str | None, text: str | None = None, unit: str = "µm", kind: str = "nu"
+    name: str,
+    label: Sentence,
+    value: float | str | None,
+    text: str | None = None,
+    unit: str | UnitOf = CLEARANCE,
+    kind: str = "nu",
 ) -> NamedQuantity:
     return NamedQuantity(name, label, unit, kind, value, text)
 
@@ -213,8 +227,8 @@ def _of_instrument(known: Instrument) -> tuple[NamedQuantity, ...]:
              kind="plain"),
         _row("resolution", Sentence("resolution"), known.resolution * UM),
         _row("repeatability", Sentence("repeatability as stated, one standard deviation"), stated),
-        _row("expansion", Sentence("expansion of its scale or masters"), known.expansion * PER_KELVIN, unit="1e-6/K",
-             kind="plain"),
+        _row("expansion", Sentence("expansion of its scale or masters"), known.expansion * PER_KELVIN,
+             unit=UnitOf("expansion"), kind="plain"),
     )
     # fmt: on
 
@@ -326,12 +340,14 @@ class _Budget:
         component, number = self.land.key
         name = Name(self.cells.diagnosis.controller.components[component])
         book.put(sheet, row, 0, Sentence("{land} {name}", land=f"{component}/{number}", name=name), book.bold)
-        book.put(sheet, row, _C, "c_r [µm]", book.form(align="right"))
-        clearance = LiveCell("um", self.land.state.radial_clearance * UM, self._of_land("c_r"), {"bold": True})
+        book.put(sheet, row, _C, f"c_r [{say.unit('clearance')}]", book.form(align="right"))
+        clearance = LiveCell(
+            "um", self.land.state.radial_clearance * UM, self._of_land("c_r"), {"bold": True}, "clearance"
+        )
         write_cell(book, sheet, row, _CU, clearance)
         book.headings(sheet, row + 1, [
             say("annex.source"), say("annex.distribution"), say("annex.degrees"), "u(x)", Sentence("unit"),
-            Sentence("sensitivity c"), "|c · u(x)| [µm]", Sentence("part of the variance [%]"),
+            Sentence("sensitivity c"), f"|c · u(x)| [{say.unit('clearance')}]", Sentence("part of the variance [%]"),
         ])  # fmt: skip
         below = self._readings(row + 1)
         first, lines = row + 2, every_line(self.sources)
@@ -361,14 +377,15 @@ class _Budget:
         yield LiveCell("plain", kinds[0 if line.statistical else 1], said)
         yield free
         warm = line.input_kind == "temperature"
-        yield LiveCell("nu", line.input_uncertainty * (1.0 if warm else UM), text)
-        yield LiveCell("plain", "K" if warm else "µm", look=AFTER_A_NUMBER)
+        of = "kelvin" if warm else "clearance"
+        yield LiveCell("nu", line.input_uncertainty * (1.0 if warm else UM), text, of=of)
+        yield LiveCell("plain", self.say.unit(of), look=AFTER_A_NUMBER)
         yield (
-            LiveCell("nu", line.sensitivity * UM, self._of_temperature())
+            LiveCell("nu", line.sensitivity * UM, self._of_temperature(), of="clearance_per_kelvin")
             if warm
             else LiveCell("plain", self._slope(line))
         )
-        yield LiveCell("nu", abs(line.contribution) * UM, f"ABS({c}*{u})")
+        yield LiveCell("nu", abs(line.contribution) * UM, f"ABS({c}*{u})", of="clearance")
         share = f"IF({combined_cell}>0,({contribution}/{combined_cell})^2*100,0)"
         yield LiveCell("percent", line.fraction * PERCENT, share)
 
@@ -465,8 +482,14 @@ class _Budget:
                 Sentence("the same of rounding; 1 where its places round alike"),
                 LiveCell("nu", plan.rounding_weight, f"IF({apart},SUMSQ({weight}),1)"),
             ),
-            "ovality": (Sentence("ovality [µm]"), LiveCell("um", ovality * UM, text)),
-            "taper": (Sentence("taper [µm]"), LiveCell("um", taper * UM, readings.taper(key, part))),
+            "ovality": (
+                Sentence("ovality [{unit}]", unit=CLEARANCE),
+                LiveCell("um", ovality * UM, text, of="clearance"),
+            ),
+            "taper": (
+                Sentence("taper [{unit}]", unit=CLEARANCE),
+                LiveCell("um", taper * UM, readings.taper(key, part), of="clearance"),
+            ),
             "lobes": (Sentence("part of a two-lobe form that its directions leave"), LiveCell("nu", plan.two_lobe)),
             "residual": (Sentence("the same of other forms, of two directions 1"), LiveCell("nu", plan.residual)),
         }
@@ -492,11 +515,29 @@ class _Budget:
         known = INFINITE if math.isinf(nu) else nu
         bold = {"bold": True}
         squares, factor = f"SQRT(SUMSQ({contributions}))", f"NORMSINV((1+{names.COVERAGE_NAME})/2)"
-        whole: dict[Sentence, tuple[str, Any, str, dict[str, Any]]] = {
-            Sentence("combined standard uncertainty u(c_r) [µm]"): ("nu", u * UM, squares, bold),
-            Sentence("effective degrees of freedom (JCGM 100, G.4.1)"): ("degrees", known, degrees, {"align": "right"}),
-            Sentence("coverage factor k, of a normal distribution"): ("nu", k, factor, {}),
-            Sentence("expanded uncertainty U = k · u(c_r) [µm]"): ("nu", k * u * UM, f"{cells[2]}*{cells[0]}", bold),
+        whole: dict[Sentence, tuple[str, Any, str, dict[str, Any], str | None]] = {
+            Sentence("combined standard uncertainty u(c_r) [{unit}]", unit=CLEARANCE): (
+                "nu",
+                u * UM,
+                squares,
+                bold,
+                "clearance",
+            ),
+            Sentence("effective degrees of freedom (JCGM 100, G.4.1)"): (
+                "degrees",
+                known,
+                degrees,
+                {"align": "right"},
+                None,
+            ),
+            Sentence("coverage factor k, of a normal distribution"): ("nu", k, factor, {}, None),
+            Sentence("expanded uncertainty U = k · u(c_r) [{unit}]", unit=CLEARANCE): (
+                "nu",
+                k * u * UM,
+                f"{cells[2]}*{cells[0]}",
+                bold,
+                "clearance",
+            ),
         }
         for at, (label, content) in enumerate(whole.items(), start=row):
             self.book.put(self.sheet, at, 0, label, self.book.bold)

@@ -571,7 +571,7 @@ def test_drawings_say_in_words_what_they_show(unit: Unit, language: str) -> None
     pump, pressures, flows = (block for block in section["blocks"] if block["kind"] == "image")
     assert say("conditions.hot_idle") in pump["svg"]
     at = found.projection  # at which the line falls
-    assert f"{say.number(at.minimum_speed * 60.0, 0)} 1/min" in pump["alt"]
+    assert f"{say.quantity(at.minimum_speed * 60.0, 'engine_speed')}" in pump["alt"]
     for state in at.circuits:
         if not state.vented:
             assert f"{state.circuit.name} " in pressures["alt"]

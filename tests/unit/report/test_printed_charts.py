@@ -41,8 +41,8 @@ def test_the_pump_over_speed_says_the_speed_from_which_it_covers_what_is_taken(
     say = wording(language)
     data = pump_over_speed(worn_clutch, worn_clutch.hot_idle, wording("en"))
     said = words(pump_chart(data, say))
-    assert f"{data.demand.crossing * 60.0:.0f} 1/min" in said
-    assert "hot idle: 700 1/min" in said
+    assert f"{data.demand.crossing * 60.0:.0f} {say.unit('engine_speed')}" in said
+    assert f"hot idle: 700 {say.unit('engine_speed')}" in said
     for demand in data.demands:
         assert say("charts.taken_at", temperature=f"{demand.temperature:g}") in said
     assert say("charts.speed") in said

@@ -47,10 +47,3 @@ def test_sheets_verdicts_and_conditions_have_the_words_of_the_report(worn_clutch
     assert summary["B4"].value.startswith(f"{say.signed(worn_clutch.verdict)}: ")
     headings = {str(cell.value) for cell in book["Bund je Betriebspunkt"][1]}
     assert f"Befund des Anteils, {say.condition(worn_clutch.worst.condition)}" in headings
-
-
-def test_sentences_have_the_reader_s_units_and_columns_those_of_their_formulas(worn):
-    american = texts_of(write_workbook(worn, units="us"))
-    metric = texts_of(write_workbook(worn))
-    assert any("°F" in text for text in american - metric)
-    assert {text for text in metric if text.endswith("[kPa]")} <= american

@@ -264,7 +264,7 @@ def summary_totals(found: Diagnosis) -> pd.DataFrame:
     """The table of totals on the summary."""
     sheet = pd.read_excel(io.BytesIO(write_workbook(found)), sheet_name="Summary", header=None, engine="calamine")
     first = int(sheet.index[sheet[0] == "condition"][0])
-    last = int(sheet.index[sheet[0] == "engine speed [1/min]"][0])
+    last = int(sheet.index[sheet[0] == "engine speed [rpm]"][0])
     table = sheet.iloc[first : last + 1, : 1 + len(found.projections)].set_index(0)
     return table.T.reset_index(drop=True)
 

@@ -29,7 +29,7 @@ def test_every_circuit_has_a_column_of_its_leakage_and_of_its_pressure(
     series = road_series(road, 100)
     for circuit in three_circuits.circuits:
         assert series.columns[f"{circuit.id}_kpa"] * 1e3 == pytest.approx(road.circuits[circuit.id], rel=1e-12, abs=0.0)
-        assert series.labels[f"{circuit.id}_kpa"] == (f"{circuit.id}, computed", "kPa")
+        assert series.labels[f"{circuit.id}_kpa"] == (f"{circuit.id}, computed", "pressure")
         assert f"leakage_{circuit.id}_dm3_min" in series.columns
     assert series.columns["epc_kpa"] == pytest.approx(np.full(len(time), 200.0), rel=1e-9, abs=0.0)
     assert (series.columns["clutch_c2_kpa"] == 0.0).all()

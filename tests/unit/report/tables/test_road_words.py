@@ -124,9 +124,9 @@ def test_gears_temperatures_and_events_are_told(alone: Alone) -> None:
 @pytest.mark.parametrize(
     ("fault", "missing", "said"),
     [
-        (None, (), "driven as it is meant to be, the engine at most at 2 690 1/min (4.2 s)"),
-        ("too_fast", (), "driven too fast, the engine at 2 690 1/min at 4.2 s, 190 above the 2 500 allowed"),
-        ("broken_off", (4, 5), "broken off at 6.0 s, gear 4, 5 not reached, the engine at most at 2 690 1/min (4.2 s)"),
+        (None, (), "driven as it is meant to be, the engine at most at 2 690 rpm (4.2 s)"),
+        ("too_fast", (), "driven too fast, the engine at 2 690 rpm at 4.2 s, 190 above the 2 500 allowed"),
+        ("broken_off", (4, 5), "broken off at 6.0 s, gear 4, 5 not reached, the engine at most at 2 690 rpm (4.2 s)"),
     ],
 )
 def test_a_test_is_told_with_when_and_by_how_much(fault: str | None, missing: tuple[int, ...], said: str) -> None:

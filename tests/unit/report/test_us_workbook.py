@@ -1,0 +1,110 @@
+"""The workbook in US units: every number is the metric one converted, and its formulas compute as ever."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterator
+from functools import reduce
+from typing import Any
+
+import openpyxl
+import pytest
+
+from atleak.common.units import SYSTEMS
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
+from atleak.report.xlsx import write_workbook
+
+METRIC, US = SYSTEMS["metric"], SYSTEMS["us"]
+KINDS = [kind for kind in METRIC if METRIC[kind].name != US[kind].name]
+SHOWN = {(METRIC[kind].name, US[kind].name): US[kind] for kind in reversed(KINDS)}  # a temperature before a difference
+NAMES = {METRIC[kind].name for kind in METRIC}
+NOT_US = {metric for metric, _ in SHOWN} | {"bar", "l/min"}
+IN_BRACKETS = re.compile(r"\[([^\[\]]+)\]")
+
+
+@pytest.fixture(scope="module")
+def units(worn, minimal, readings_of, hipol, limits) -> list[Diagnosis]:
+    """One with repeats and a road test, and one with circuits and a pump's slip."""
+    worn_half = {
+        land.key: (land.nominal_diameter, land.nominal_diameter + 3.0 * land.new_clearance) for land in minimal.lands
+    }
+    return [worn, diagnose(minimal, hipol, limits, readings=readings_of(minimal, worn_half))]
+
+
+def read(diagnosis: Diagnosis, units: str, **kind: Any) -> openpyxl.Workbook:
+    return openpyxl.load_workbook(io.BytesIO(write_workbook(diagnosis, units=units)), **kind)
+
+
+def named_units(sheet: Any, row: int, column: int) -> Iterator[str]:
+    """Give the units that a cell's heading, its row's label and the cells beside it name, the nearest first."""
+    heads = [sheet.cell(above, column).value for above in range(row - 1, 0, -1)]
+    for text in (*(sheet.cell(row, beside).value for beside in (1, 2, 4, 5)), *heads):
+        if isinstance(text, str):
+            yield from IN_BRACKETS.findall(text) or [text]
+
+
+def test_every_number_is_the_metric_one_in_the_unit_that_its_heading_names(units):
+    for diagnosis in units:
+        metric, us = (read(diagnosis, each, data_only=True) for each in ("metric", "us"))
+        converted = 0
+        for name in metric.sheetnames:
+            for row in metric[name].iter_rows():
+                for cell in row:
+                    if not isinstance(cell.value, int | float) or isinstance(cell.value, bool):
+                        continue
+                    shown = us[name][cell.coordinate].value
+                    pairs = zip(
+                        named_units(metric[name], cell.row, cell.column),
+                        named_units(us[name], cell.row, cell.column),
+                        strict=True,
+                    )
+                    unit = next((SHOWN.get(pair) for pair in pairs if pair[0] in NAMES), None)
+                    expected = cell.value if unit is None else unit.shown(cell.value)
+                    off = 0.5 if unit is US["distance"] else 1e-12  # a mileage is in whole miles
+                    assert shown == pytest.approx(expected, rel=1e-9, abs=off), (name, cell.coordinate)
+                    converted += unit is not None
+        assert converted > 300
+
+
+def test_a_metric_unit_stands_only_where_a_source_is_quoted(units):
+    for diagnosis in units:
+        points, instruments = diagnosis.controller.operating_points, diagnosis.uncertainty.instruments
+        quoted = [
+            diagnosis.fluid.source,
+            *(each.source for each in (*points, *diagnosis.controller.permissible, *diagnosis.limits.rules.values())),
+            *(each.source for each in (instruments.spool, instruments.sleeve)),
+            *(message.text for message in diagnosis.messages),
+        ]
+        quoted.sort(key=len, reverse=True)
+        for sheet in read(diagnosis, "us"):
+            for cell in (cell for row in sheet.iter_rows() for cell in row):
+                if isinstance(cell.value, str) and not cell.value.startswith("="):
+                    said = reduce(lambda text, source: text.replace(source, ""), quoted, cell.value)
+                    assert not NOT_US & set(re.split(r"[\s\xa0()\[\],;:]+", said)), (sheet.title, said)
+
+
+@pytest.mark.parametrize("units_of", ["us", "metric_bar"])
+def test_every_formula_gives_its_cached_value(units, calculator, units_of):
+    for diagnosis in units:
+        assert calculator(write_workbook(diagnosis, units=units_of)).wrong() == []
+
+
+def test_a_change_in_us_units_gives_what_the_same_change_gives_in_metric_ones(worn, calculator):
+    metric, us = (calculator(write_workbook(worn, units=each)) for each in ("metric", "us"))
+    for sheets, temperature, share in ((metric, 95.0, 3.0), (us, 203.0, 3.0)):
+        for name, value in (("stated_T", temperature), ("limit_pair_share_watch", share)):
+            sheet, address = sheets.book.defined_names[name].attr_text.split("!")
+            sheets.set(sheet.strip("'"), address.replace("$", ""), value)
+    for name in ("stated_nu", "stated_share", "stated_band", "hot_idle_share"):
+        one, other = (sheets.value(*sheets.book.defined_names[name].attr_text.split("!")) for sheets in (metric, us))
+        assert one == (other if isinstance(other, str) else pytest.approx(other, rel=1e-9, abs=0.0)), name
+
+
+@pytest.mark.slow
+def test_libreoffice_computes_the_workbook_in_us_units(units, recalculated, referee):
+    content = write_workbook(units[0], units="us")
+    cached = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
+    formulas = openpyxl.load_workbook(io.BytesIO(content))
+    assert referee.differing(formulas, recalculated(formulas), cached) == []
