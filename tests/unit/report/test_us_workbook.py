@@ -38,9 +38,10 @@ def read(diagnosis: Diagnosis, units: str, **kind: Any) -> openpyxl.Workbook:
 
 
 def named_units(sheet: Any, row: int, column: int) -> Iterator[str]:
-    """Give the units that a cell's heading, its row's label and the cells beside it name, the nearest first."""
-    heads = [sheet.cell(above, column).value for above in range(row - 1, 0, -1)]
-    for text in (*(sheet.cell(row, beside).value for beside in (1, 2, 4, 5)), *heads):
+    """Give the units that a cell's heading, its row's label and the cells beside it name."""
+    above = (sheet.cell(number, column).value for number in range(row - 1, 0, -1))
+    heading = next((text for text in above if isinstance(text, str)), None)
+    for text in (*(sheet.cell(row, beside).value for beside in {1, 2, 4, 5, max(column - 1, 1)}), heading):
         if isinstance(text, str):
             yield from IN_BRACKETS.findall(text) or [text]
 
