@@ -38,12 +38,14 @@ def read(diagnosis: Diagnosis, units: str, **kind: Any) -> openpyxl.Workbook:
 
 
 def named_units(sheet: Any, row: int, column: int) -> Iterator[str]:
-    """Give the units that a cell's heading, its row's label and the cells beside it name."""
-    above = (sheet.cell(number, column).value for number in range(row - 1, 0, -1))
-    heading = next((text for text in above if isinstance(text, str)), None)
-    for text in (*(sheet.cell(row, beside).value for beside in {1, 2, 4, 5, max(column - 1, 1)}), heading):
-        if isinstance(text, str):
-            yield from IN_BRACKETS.findall(text) or [text]
+    """Give the units that a cell's row, its label and its heading name."""
+
+    def first(cells: Iterator[Any]) -> str:
+        return next((cell.value for cell in cells if isinstance(cell.value, str)), "")
+
+    yield from (str(sheet.cell(row, beside).value) for beside in (2, 4, column + 1))
+    yield from IN_BRACKETS.findall(first(sheet.cell(row, beside) for beside in range(column - 1, 0, -1)))
+    yield from IN_BRACKETS.findall(first(sheet.cell(above, column) for above in range(row - 1, 0, -1)))
 
 
 def test_every_number_is_the_metric_one_in_the_unit_that_its_heading_names(units):
@@ -53,7 +55,12 @@ def test_every_number_is_the_metric_one_in_the_unit_that_its_heading_names(units
         for name in metric.sheetnames:
             for row in metric[name].iter_rows():
                 for cell in row:
-                    if not isinstance(cell.value, int | float) or isinstance(cell.value, bool):
+                    label = str(metric[name].cell(cell.row, 1).value)
+                    if not isinstance(cell.value, int | float) or label.startswith(
+                        ("effective deg", "coverage factor")
+                    ):
+                        continue
+                    if (name, cell.column_letter) == ("Uncertainty budget", "F"):  # a sensitivity names no unit
                         continue
                     shown = us[name][cell.coordinate].value
                     pairs = zip(
