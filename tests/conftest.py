@@ -12,6 +12,9 @@ import zipfile
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 
+# Two threads of one small product of matrices wait for each other longer than they compute.
+os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
+
 import pytest
 from hypothesis import settings
 
@@ -29,6 +32,7 @@ ROOT = Path(__file__).resolve().parents[1]
 # more of them. --hypothesis-profile=search looks for new ones at every run; what it finds becomes an @example.
 settings.register_profile("quick", deadline=None, max_examples=20, derandomize=True)
 settings.register_profile("thorough", deadline=None, max_examples=80, derandomize=True)
+settings.register_profile("few", deadline=None, max_examples=2, derandomize=True)  # a lowest version: is the call there
 settings.register_profile("search", deadline=None, max_examples=1000)
 settings.load_profile("quick")
 
