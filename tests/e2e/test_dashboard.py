@@ -62,25 +62,6 @@ def banner(page: Page) -> str:
     return page.get_by_test_id("stMain").get_by_test_id("stAlert").first.inner_text()
 
 
-def changed(sample: Path, change) -> bytes:
-    """The sample sheet with something changed in it."""
-    book = openpyxl.load_workbook(sample)
-    change(book["Measurements"])
-    target = io.BytesIO()
-    book.save(target)
-    return target.getvalue()
-
-
-def swap(sheet) -> None:
-    """Component 25: its spool's rows say sleeve and the other way round, so every sleeve is smaller than its spool."""
-    inside, names = False, {"spool": "sleeve", "sleeve": "spool"}
-    for row in sheet.iter_rows(min_row=7):
-        if row[0].value is not None:
-            inside = str(row[0].value) == "25"
-        if inside and str(row[2].value).lower() in names:
-            row[2].value = names[str(row[2].value).lower()]
-
-
 def test_a_fresh_start_shows_the_sample_jobs_flagged_pairs(page: Page) -> None:
     texts = flagged(page)
     assert any("■ replace" in text and "25/1 main pressure valve" in text for text in texts)
@@ -94,17 +75,6 @@ def test_sorting_by_verdict_goes_by_severity(visit: Visit) -> None:
         ["● ok", "\u200a" * 3 + "✖ critical", "\u200a▲ watch", "\u200a\u200a■ replace"],
     )
     assert [text.strip() for text in order] == ["✖ critical", "■ replace", "▲ watch", "● ok"]
-
-
-@pytest.mark.slow
-def test_both_files_give_the_flagged_table(page: Page, sample_readings: Path, sample_log: Path) -> None:
-    wait_until_idle(page)
-    upload(page, "mine.xlsx", sample_readings.read_bytes())
-    status(page, "mine.xlsx")
-    upload(page, "drive.csv", sample_log.read_bytes())
-    status(page, re.compile("1201 rows"))
-    assert "■ replace" in flagged(page)[0]
-    expect(page.get_by_text("Sample job: representative data")).to_have_count(0)
 
 
 @pytest.mark.parametrize("slower", [1, pytest.param(8, marks=pytest.mark.slow)])
@@ -128,65 +98,6 @@ def test_files_dropped_one_right_after_another_are_all_taken(
             page.wait_for_timeout(gap)
         status(page, re.compile("1201 rows"))
         status(page, "47 of 47 lands measured")
-
-
-@pytest.mark.slow
-def test_an_own_sheet_does_not_keep_the_samples_log(page: Page, sample_readings: Path) -> None:
-    upload(page, "mine.xlsx", sample_readings.read_bytes())
-    status(page, "mine.xlsx")
-    expect(page.get_by_text("Over the road test")).to_have_count(0)
-
-
-@pytest.mark.slow
-def test_swapped_spool_and_sleeve_name_their_row_and_the_last_job_stays(page: Page, sample_readings: Path) -> None:
-    upload(page, "swapped.xlsx", changed(sample_readings, swap))
-    message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
-    expect(message).to_contain_text("swapped.xlsx was not taken")
-    expect(message).to_contain_text(re.compile(r"swapped\.xlsx, sheet 'Measurements', row \d+"))
-    expect(message).to_contain_text(re.compile("sleeve|swapped"))
-    assert "■ replace" in flagged(page)[0]
-    assert page.get_by_test_id("stException").count() == 0
-
-
-@pytest.mark.slow
-def test_a_bad_sheet_dropped_on_an_own_good_one_leaves_the_good_one(page: Page, sample_readings: Path) -> None:
-    upload(page, "mine.xlsx", sample_readings.read_bytes())
-    status(page, "mine.xlsx")
-    wait_until_idle(page)
-    before = flagged(page)
-    target = io.BytesIO()
-    openpyxl.Workbook().save(target)
-    upload(page, "empty.xlsx", target.getvalue())
-    message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
-    expect(message).to_contain_text("empty.xlsx was not taken")
-    expect(message).to_contain_text("Shown are still the results of mine.xlsx")
-    status(page, "mine.xlsx")
-    wait_until_idle(page)
-    assert flagged(page) == before
-
-
-@pytest.mark.slow
-def test_an_empty_workbook_says_so(page: Page) -> None:
-    target = io.BytesIO()
-    openpyxl.Workbook().save(target)
-    upload(page, "empty.xlsx", target.getvalue())
-    message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
-    expect(message).to_contain_text("empty.xlsx: the workbook is empty")
-    assert "■ replace" in flagged(page)[0]
-
-
-@pytest.mark.slow
-def test_decimal_commas_are_read(page: Page, sample_log: Path) -> None:
-    lines = sample_log.read_text(encoding="utf-8").replace(".", ",").encode("utf-8")
-    upload(page, "komma.csv", lines)
-    status(page, re.compile("1201 rows, 12 s"))
-
-
-@pytest.mark.slow
-def test_a_log_that_is_none_is_refused(page: Page) -> None:
-    upload(page, "photo.csv", b"\x89PNG\r\n\x1a\n" + bytes(200))
-    message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
-    expect(message).to_contain_text("photo.csv was not taken")
 
 
 @pytest.mark.slow

@@ -153,7 +153,7 @@ def test_what_is_typed_last_is_not_lost_by_leaving_the_page(page: Page) -> None:
 
 
 @pytest.mark.page("1_Job")
-@pytest.mark.parametrize("held", [0, 30])
+@pytest.mark.parametrize("held", [0, pytest.param(30, marks=pytest.mark.slow)])
 def test_a_quick_click_on_a_link_straight_from_a_field_leads_to_its_page(page: Page, held: int) -> None:
     links = page.get_by_test_id("stTopNavLink").or_(page.locator(".st-key-steps a")).filter(has_text="Diagnosis")
     for number in range(2):  # at the head of the page, among the steps
@@ -246,11 +246,6 @@ def test_a_decimal_comma_is_the_decimal_sign(page: Page) -> None:
     ("label", "text", "said"),
     [
         ("Mileage [km]", "123.456", "write 123456 for 123456 km, or 123.4560 for 123.456 km. No mileage is used."),
-        pytest.param("Mileage [km]", "−5", "must be from 0 to 9999999 km", marks=pytest.mark.slow),
-        pytest.param(
-            "Temperature [°C]", "955", "must be from −60 to 200 °C. 80 °C stays in use.", marks=pytest.mark.slow
-        ),
-        pytest.param("Temperature [°C]", "abc", "'abc' is not a number", marks=pytest.mark.slow),
         pytest.param("Temperature [°C]", "", "80 °C stays in use", marks=pytest.mark.slow),
         pytest.param(
             "Engine speed [rpm]",
@@ -287,11 +282,10 @@ def test_a_doubt_stands_beneath_its_field_and_is_there_after_another_page(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("text", "shown"), [("95,5", "95.5 °C"), ("9,55e1", "95.5 °C"), ("−5", "-5 °C")])
-def test_a_temperature_is_taken_as_it_was_written(page: Page, text: str, shown: str) -> None:
+def test_a_temperature_is_taken_as_it_was_written(page: Page) -> None:
     fold = condition(page)
-    write(fold, "Temperature [°C]", text)
-    expect(page.get_by_text(re.compile(rf"gear 2, {re.escape(shown)}")).first).to_be_visible()
+    write(fold, "Temperature [°C]", "−5")
+    expect(page.get_by_text("gear 2, -5 °C").first).to_be_visible()
     wait_until_idle(page)
     assert fold.get_by_test_id("stAlert").count() == 0
 
