@@ -20,6 +20,7 @@ from atleak.diagnosis.examination import diagnose
 from atleak.engine.projection import project
 from atleak.measurements.readings import Readings
 from atleak.report.tables.what_if import tried_circuit_table, tried_words
+from tests.unit.conftest import first_of
 
 UNITS = ("ford_4r70w", "gm_4l60e", "zf_6hp26")  # with circuits, and not the source study's
 
@@ -185,7 +186,7 @@ def test_a_used_fluid_stays_used_where_the_job_says_nothing(worn_clutch: Diagnos
 
 
 @pytest.mark.parametrize("name", ["minimal_example", "five_speed_2005", "zf_6hp26", "gm_4l60e"])
-@pytest.mark.parametrize("fluid", ["mobil_atf_220", "hipol_atf_iid"])
+@pytest.mark.parametrize("fluid", first_of(["mobil_atf_220", "hipol_atf_iid"]))
 def test_a_job_with_used_fluid_is_tried_with_fresh_one(name: str, fluid: str, limits: Limits) -> None:
     controller, data = load_controller(name), load_fluid(fluid)
     fresh, used = (diagnose(controller, data, limits, fluid_state=state) for state in ("fresh", "used"))

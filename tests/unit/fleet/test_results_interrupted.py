@@ -214,4 +214,4 @@ def test_a_killed_program_leaves_whole_results(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_program_that_is_killed_many_times_leaves_whole_results(tmp_path: Path) -> None:
-    kill_and_look(tmp_path / "fleet", times=40, seed=19)
+    kill_and_look(tmp_path / "fleet", times=20, seed=19)

@@ -11,6 +11,8 @@ import pytest
 from streamlit.components.v2 import manifest_scanner
 from streamlit.testing.v1 import AppTest
 
+from atleak.common import memory
+
 ROOT = Path(__file__).resolve().parents[3]
 XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
 
@@ -21,6 +23,14 @@ def components_looked_for_once() -> Iterator[None]:
     found = manifest_scanner.scan_component_manifests()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(manifest_scanner, "scan_component_manifests", lambda: found)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def no_collection_after_a_visit() -> Iterator[None]:
+    """Let no page ask for a look through all objects some seconds later: it is tested with ``common/memory.py``."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(memory, "_collect", lambda: None)
         yield
 
 

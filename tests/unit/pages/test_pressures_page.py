@@ -181,7 +181,7 @@ def test_an_opened_job_shows_what_was_typed_in_it(page: AppTest) -> None:
     assert field(page, "D, slow idle [kPa]").value == ""
 
 
-TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=["Cs", "Cc"]), max_size=8)
+TEXTS = st.text(st.characters(exclude_categories=["Cs", "Cc"]), max_size=8)
 
 
 @pytest.mark.hypothesis

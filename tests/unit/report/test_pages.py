@@ -5,7 +5,8 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from itertools import pairwise
+from functools import cache
+from itertools import pairwise, product
 from types import MappingProxyType
 
 import numpy as np
@@ -66,6 +67,7 @@ def job_of(name: str) -> Job:
 def units(worn: Diagnosis, hipol, limits) -> Callable[[str, str], Diagnosis]:
     """The worn unit, and one with circuits of which every land is worn, with valves of one name."""
 
+    @cache
     def named(unit: str, name: str) -> Diagnosis:
         if unit == "four_speed":
             components = MappingProxyType({key: f"{name} {key}" for key in worn.controller.components})
@@ -191,12 +193,10 @@ def check(pages: Pages, language: str, paper: str) -> None:
 
 
 QUICK = [("four_speed", "pl", "a4", LONG)]
-ALL = [
-    (unit, language, paper, name)
-    for unit in ("four_speed", "gm_4l60e")
-    for language in languages()
-    for paper in PAPERS
-    for name in (LONG, SHORT)
+ALL = [  # every unit in every language on every paper, with long names and with short ones by turns
+    (unit, language, paper, (LONG, SHORT)[(turn + number) % 2])
+    for turn, unit in enumerate(("four_speed", "gm_4l60e"))
+    for number, (language, paper) in enumerate(product(languages(), PAPERS))
 ]
 SLOW = [pytest.param(*each, marks=pytest.mark.slow) for each in ALL if each not in QUICK]
 

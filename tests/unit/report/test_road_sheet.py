@@ -15,9 +15,10 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.job.case import Case, SourceFile
 from atleak.report.xlsx import write_workbook
+from tests.unit.conftest import first_of
 
 
-@pytest.mark.parametrize("factor", [0.4, 1.0])
+@pytest.mark.parametrize("factor", first_of([0.4, 1.0]))
 def test_the_verdict_of_a_sheet_and_a_log_follows_from_the_workbooks_cells(
     sample_diagnoses: dict[str, Diagnosis], calculator: type, factor: float
 ) -> None:
