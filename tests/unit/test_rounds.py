@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow  # what a round does with a warning or a skip changes with its settings alone
+
 TESTS = {
     "plain": "def test_passes():\n    assert True\n",
     "skipped": "import pytest\n\ndef test_skipped():\n    pytest.skip('no browser')\n",
@@ -41,7 +43,6 @@ def outcomes(root: Path, folder: Path, **environment: str) -> dict[str, str]:
     return {name: outcome.lower() for outcome, name in lines}
 
 
-@pytest.mark.slow  # the other one shows the same but the skips
 def test_a_warning_and_a_misspelt_mark_fail_and_what_is_slow_is_left_out(root: Path, tmp_path: Path) -> None:
     assert outcomes(root, tmp_path) == {
         "plain": "passed", "skipped": "skipped", "skipped_file": "skipped", "warns": "failed", "misspelt": "error",

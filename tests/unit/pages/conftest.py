@@ -61,6 +61,7 @@ def opened(folder: Path, page: str, language: str = "en") -> Iterator[AppTest]:
         main.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
         app = AppTest.from_file(str(main), default_timeout=240)
         app.context["locale"] = language
+        app.session_state["reader-cookies"] = {"language": None, "units": None}  # not the harness's mock of a client's
         yield go(app, page)
 
 

@@ -54,6 +54,12 @@ def opened(data):
     return openpyxl.load_workbook(io.BytesIO(data))
 
 
+@pytest.fixture(scope="module")
+def book(template):
+    """The template as it is, to look at."""
+    return opened(template)
+
+
 def merged_value(sheet, row, column):
     """What stands in the first cell of the merged range."""
     while isinstance(sheet.cell(row, column), MergedCell):
@@ -65,8 +71,8 @@ def test_the_same_controller_gives_the_same_bytes(controller, template):
     assert write_template(controller) == template
 
 
-def test_every_plane_of_every_land_has_both_parts_two_directions_and_two_repeats(controller, template):
-    sheet = opened(template)[SHEET]
+def test_every_plane_of_every_land_has_both_parts_two_directions_and_two_repeats(controller, book):
+    sheet = book[SHEET]
     rows = [
         tuple(merged_value(sheet, row, column) for column in (COMPONENT, PART, PLANE, DIRECTION, REPEAT))
         for row in range(HEADER + 1, sheet.max_row + 1)
@@ -83,10 +89,8 @@ def test_every_plane_of_every_land_has_both_parts_two_directions_and_two_repeats
     assert len(rows) == len(wanted)
 
 
-def test_names_nominal_diameters_and_clearances_stand_beside_and_say_where_they_are_representative(
-    controller, template
-):
-    sheet = opened(template)[SHEET]
+def test_names_nominal_diameters_and_clearances_stand_beside_and_say_where_they_are_representative(controller, book):
+    sheet = book[SHEET]
     for row in range(HEADER + 1, sheet.max_row + 1):
         component, name, part, plane, nominal, clearance, origin = (
             merged_value(sheet, row, column) for column in (COMPONENT, NAME, PART, PLANE, NOMINAL, CLEARANCE, ORIGIN)
@@ -106,8 +110,7 @@ def test_the_published_diameters_of_spool_6_are_not_called_representative():
     assert merged_value(sheet, row, ORIGIN) == "clearance representative"
 
 
-def test_it_is_made_for_filling_in_on_screen_and_on_paper(template):
-    book = opened(template)
+def test_it_is_made_for_filling_in_on_screen_and_on_paper(book):
     sheet = book[SHEET]
     assert book.sheetnames == [SHEET, LANDS, PRESSURES_TITLE, MEASURING_INSTRUCTIONS]
     assert sheet.freeze_panes == f"D{HEADER + 1}"
@@ -183,8 +186,8 @@ def assert_nothing_of_an_id_is_broken(lands, controller):
         assert width > max(map(len, names))
 
 
-def test_the_rows_follow_the_order_that_the_sheet_states(controller, template):
-    sheet = opened(template)[SHEET]
+def test_the_rows_follow_the_order_that_the_sheet_states(controller, book):
+    sheet = book[SHEET]
     columns = (COMPONENT, PART, REPEAT, PLANE, DIRECTION)
     rows = [
         tuple(merged_value(sheet, row, column) for column in columns) for row in range(HEADER + 1, sheet.max_row + 1)
@@ -196,8 +199,8 @@ def test_the_rows_follow_the_order_that_the_sheet_states(controller, template):
     assert sheet["A2"].value.endswith("all again for the second repeat; then its bore likewise.")
 
 
-def test_every_spool_is_drawn_within_its_component_s_rows_and_named_for_who_cannot_see_it(controller, template):
-    sheet = opened(template)[SHEET]
+def test_every_spool_is_drawn_within_its_component_s_rows_and_named_for_who_cannot_see_it(controller, template, book):
+    sheet = book[SHEET]
     drawn = {}
     for picture, mark in zip(sheet._images, marks_of(template), strict=True):
         row, below = picture.anchor._from.row + 1, picture.anchor.to.row + 1
@@ -280,18 +283,16 @@ def test_numbers_typed_as_text_with_a_decimal_comma_are_read_back(controller, te
         assert reading.diameter == pytest.approx(nominal, abs=0.6e-6)
 
 
-def test_the_instructions_are_as_high_as_their_texts_are_long(controller, template):
-    sheet = opened(template)[MEASURING_INSTRUCTIONS]
+def test_the_instructions_are_as_high_as_their_texts_are_long(controller, book):
+    sheet = book[MEASURING_INSTRUCTIONS]
     for row in sheet.iter_rows(min_row=3):
         for cell, width in zip(row, (24, 96), strict=True):
             lines = len(textwrap.wrap(cell.value or "", 0.9 * width))
             assert sheet.row_dimensions[cell.row].height >= 13.5 * lines
 
 
-def test_the_instructions_are_there(controller, template):
-    text = " ".join(
-        str(cell.value) for row in opened(template)[MEASURING_INSTRUCTIONS].iter_rows() for cell in row if cell.value
-    )
+def test_the_instructions_are_there(controller, book):
+    text = " ".join(str(cell.value) for row in book[MEASURING_INSTRUCTIONS].iter_rows() for cell in row if cell.value)
     text = text.replace("\u00a0", " ")
     for word in ("twice", "20 °C", "lower bound", "0.001", controller.representative):
         assert word in text

@@ -87,8 +87,7 @@ def test_calamine_and_openpyxl_see_the_same_cells(content):
     "profile",
     [
         pytest.param(WORKSHOP, id="workshop"),
-        pytest.param(PAPER, id="paper"),
-        *(pytest.param(profile, id=profile.label, marks=pytest.mark.slow) for profile in WITH_OPTIONS),
+        *(pytest.param(profile, id=profile.label, marks=pytest.mark.slow) for profile in (PAPER, *WITH_OPTIONS)),
     ],
 )
 def test_every_formula_gives_its_cached_value(worn, profile, calculator):

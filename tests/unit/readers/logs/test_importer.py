@@ -30,6 +30,7 @@ from atleak.readers.logs import (
     tidy_csv,
     understand,
 )
+from tests.unit.conftest import first_of
 
 FIXTURES = Path(__file__).parent / "road_test_fixtures"
 
@@ -390,9 +391,7 @@ with open("/proc/self/status", encoding="ascii") as status:
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the system does not tell the peak memory")
-@pytest.mark.parametrize(
-    "what", ["log", "remarks", "zeros", *(pytest.param(what, marks=pytest.mark.slow) for what in ("clocks", "digits"))]
-)
+@pytest.mark.parametrize("what", first_of(["log", "remarks", "zeros", "clocks", "digits"]))
 def test_memory_stays_within_six_times_the_size(tmp_path: Path, what: str) -> None:
     path = tmp_path / "log.csv"
     if what == "zeros":
