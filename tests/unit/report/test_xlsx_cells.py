@@ -198,7 +198,7 @@ def test_tabs_of_conditions_are_named_in_the_reader_s_language():
     }
     assert tabs["en"] == ["Gaps hot idle", "Gaps reverse idle", "Gaps stall", "Gaps cruising fifth"]
     assert tabs["de"][1:3] == ["Leckspalte heißer Leerlauf in R", "Leckspalte Festbremsen in D"]
-    assert tabs["pl"][1:3] == ["Szczeliny gorący bieg jałowy w…", "Szczeliny próba stall w D"]
+    assert tabs["pl"][1:3] == ["Szczeliny gorący bieg jałowy w…", "Szczeliny utyk (stall) w D"]
     assert all(len(name) <= 31 for names in tabs.values() for name in names)
 
 
