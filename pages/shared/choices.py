@@ -63,7 +63,11 @@ def engine() -> None:
     """Ask for the profile, and for every option in which the job may differ from it."""
     say, case, hints = reader.say(), session().case, get_type_hints(Profile)
     profiles = list(PROFILES)
-    _select(say("facts.profile"), "profile", profiles, case.profile, str, lambda name: choose(profile=name, options=()))
+    named_so = partial(say.get, "profile_names")
+    _select(
+        say("facts.profile"), "profile", profiles, case.profile, named_so,
+        lambda name: choose(profile=name, options=()),
+    )  # fmt: skip
     base = PROFILES[case.profile].options
     chosen = base | dict(case.options)
 

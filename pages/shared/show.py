@@ -36,7 +36,7 @@ from atleak.report.charts.screen import drawn
 from atleak.report.tables.first_sentence import first_sentence as first_sentence_of
 from atleak.report.tables.first_sentence import shown_verdict
 from atleak.report.tables.gauges import gauge_table
-from atleak.report.tables.sentences import caveat_marks, caveats, fluid_in_state, rule_name
+from atleak.report.tables.sentences import caveat_marks, caveats, fluid_in_state, profile_words, rule_name
 from atleak.report.tables.table import VERDICT, Column, Facts, Picture, Points, Section, Table, Text, with_sign
 from pages.shared import reader
 from pages.shared.state import Refusal
@@ -342,7 +342,9 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
         )
     ]
     with st.expander(say("show.rests_on")):
-        st.markdown("\n".join([*lines, f"- {say('facts.profile')}: **{plain(diagnosis.profile.label)}**"]))
+        st.markdown(
+            "\n".join([*lines, f"- {say('facts.profile')}: **{plain(profile_words(diagnosis.profile, say))}**"])
+        )
 
 
 def dark() -> bool:

@@ -48,7 +48,7 @@ from atleak.report.tables.estimate import open_words
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.names import component_words
 from atleak.report.tables.road_test import RoadSeries
-from atleak.report.tables.sentences import fluid_in_state, measuring_temperature
+from atleak.report.tables.sentences import fluid_in_state, measuring_temperature, option_words, profile_words
 from atleak.report.tables.table import Column, Table
 from atleak.version import __version__
 
@@ -355,11 +355,8 @@ class Body(PrintedPart):
             controller=say.name(diagnosis.controller.name),
             fluid=fluid_in_state(diagnosis, say),
             viscosity=joined(viscosities, "; "),
-            profile=profile.label,
-            options=joined(
-                f"{name} = {('off', 'on')[value] if isinstance(value, bool) else value}"
-                for name, value in profile.options.items()
-            ),
+            profile=profile_words(profile, say),
+            options=joined(option_words(profile.options, say), "; "),
             measured=f"{diagnosis.measured} / {len(diagnosis.lands)}",
             measuring_temperature=measuring_temperature(diagnosis, say),
             instruments=joined(instruments, "; "),
@@ -472,7 +469,7 @@ class Body(PrintedPart):
         yield bullets([study, *named])
 
     def _provenance(self) -> Iterable[Block]:
-        say, job, profile = self.say, self.job, self.diagnosis.profile.label
+        say, job, profile = self.say, self.job, profile_words(self.diagnosis.profile, self.say)
         yield named_facts(
             "annex",
             say,

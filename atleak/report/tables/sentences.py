@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 from atleak.analysis.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
@@ -14,7 +16,7 @@ from atleak.common.wording import Wording, isolated, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import Crossing, LandDiagnosis
 from atleak.diagnosis.rules import Rule
-from atleak.engine.profile import UNKNOWN
+from atleak.engine.profile import PROFILES, UNKNOWN, Profile
 from atleak.engine.projection import Projection
 from atleak.report.tables.names import land_number, land_words, position_band
 
@@ -67,6 +69,25 @@ def fluid_in_state(diagnosis: Diagnosis, say: Wording) -> str:
     fluid, (low, high) = diagnosis.fluid, USED_THINNER
     state = "fresh_assumed" if diagnosis.fluid_state_assumed else "used_estimated" if fluid.estimated else fluid.state
     return f"{isolated(say.name(fluid.name))}; {say(f'fluid_states.{state}', low=low, high=high)}"
+
+
+def profile_words(profile: Profile, say: Wording) -> str:
+    """Return the name of a profile and what was set apart from it: ``paper (Pump efficiency: Wilson slip)``."""
+    base, name = PROFILES[profile.name].options, say.get("profile_names", profile.name)
+    changed = {option: value for option, value in profile.options.items() if base[option] != value}
+    return f"{name} ({'; '.join(option_words(changed, say))})" if changed else name
+
+
+def option_words(options: Mapping[str, Any], say: Wording) -> list[str]:
+    """Return options of a profile in words: ``Pump efficiency: Wilson slip``."""
+    return [f"{say(f'options.{name}')}: {option_value(name, value, say)}" for name, value in options.items()]
+
+
+def option_value(name: str, value: Any, say: Wording) -> str:
+    """Return the value of an option of a profile in words."""
+    if not isinstance(value, str):
+        return say.plain(value)
+    return say.get("option_values", f"{name}_{value}" if name == "circuits" else value)
 
 
 def measuring_temperature(diagnosis: Diagnosis, say: Wording) -> str:

@@ -19,7 +19,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.uncertainty import TotalUncertainty
 from atleak.engine.projection import LeakFlow, Projection
 from atleak.report.tables.names import spools_taken
-from atleak.report.tables.sentences import counted_in_speed, fluid_in_state
+from atleak.report.tables.sentences import counted_in_speed, fluid_in_state, profile_words
 from atleak.report.xlsx import live_sheet as names
 from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.constants import ORDERED_BELOW, fluid_formulas
@@ -124,8 +124,8 @@ class ConditionsSheet:
             (Sentence("engine speed"), covers(self.diagnosis, self.say)),
             (Sentence("viscosity"), self._viscosity_note()),
             (Sentence("gaps"), gaps),
-            (Sentence("fluid"), f"{fluid_in_state(self.diagnosis, self.say)}; {fluid.source}"),
-            (Sentence("profile"), self.diagnosis.profile.label),
+            (Sentence("fluid"), f"{fluid_in_state(self.diagnosis, self.say)}; {self.say.name(fluid.source)}"),
+            (Sentence("profile"), profile_words(self.diagnosis.profile, self.say)),
         ]
         for at in self.conditions:
             notes.append(

@@ -22,7 +22,14 @@ from atleak.report.tables.first_sentence import first_sentence
 from atleak.report.tables.lands import MatrixRow, condition_matrix
 from atleak.report.tables.names import spools_taken
 from atleak.report.tables.repairs import no_help, option_table, plan_ends
-from atleak.report.tables.sentences import caveat_marks, caveats, fluid_in_state, measuring_temperature
+from atleak.report.tables.sentences import (
+    caveat_marks,
+    caveats,
+    fluid_in_state,
+    measuring_temperature,
+    option_value,
+    profile_words,
+)
 from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.conditions import AS_SPOOLS_MAY_LIE, DEMAND, covers
 from atleak.report.xlsx.lands import LiveSheets
@@ -114,7 +121,7 @@ class Sheets:
             (Sentence("valve body"), Name(record["controller"]["name"])),
             (Sentence("fluid"), fluid_in_state(diagnosis, self.say)),
             (Sentence("limits"), Name(record["limits"]["name"])),
-            (Sentence("profile"), diagnosis.profile.label),
+            (Sentence("profile"), profile_words(diagnosis.profile, self.say)),
             (Sentence("measuring sheet"), record["readings"]["file"]),
             (Sentence("measured at"), measuring_temperature(diagnosis, self.say)),
             (Sentence("road test"), diagnosis.log.road_test.file if diagnosis.log else None),
@@ -342,7 +349,8 @@ class Sheets:
         for name, entry in entries.items():
             self.book.put(sheet, row, 0, self._field(name), self.book.heading)
             wanted = {key: value for key, value in entry.items() if isinstance(value, str | int | float | bool | list)}
-            pairs = [(self._field(key), self._of_catalogue(key, value)) for key, value in wanted.items()]
+            said = self._of_profile if name == "profile" else self._of_catalogue
+            pairs = [(self._field(key), said(key, value)) for key, value in wanted.items()]
             row = self.book.pairs(sheet, row + 1, pairs, 94) + 1
         sheet.set_column(0, 0, 24)
         sheet.set_column(1, 1, 100)
@@ -354,6 +362,11 @@ class Sheets:
     def _field(self, name: str) -> str:
         """Return a field's name as people read it: ``mileage_km`` → ``mileage [km]``."""
         return self.say(f"record_fields.{name}") if name in self.say.texts["record_fields"] else name
+
+    def _of_profile(self, name: str, value: Any) -> Any:
+        if not isinstance(value, str):
+            return value
+        return self.say.get("profile_names", value) if name == "name" else option_value(name, value, self.say)
 
     def _of_catalogue(self, name: str, value: Any) -> Any:
         """Return what is known of an entry of the catalogue, in the reader's language where its words are known."""

@@ -13,7 +13,11 @@ def test_profile_options_reach_the_engine(app: AppTest) -> None:
     assert "Profile: **paper**" in texts(app)
     settle(app, "22_Settings", "Diameter in the gap law", "mean")
     settle(app, "4_Diagnosis", "Loss at a gap's entry and exit", "on")
-    assert "paper, diameter=mean, entry_loss=on" in texts(app)
+    changed = (
+        "paper (Diameter in the gap law: mean of spool and sleeve; "
+        "Loss at a gap's entry and exit: subtracted everywhere)"
+    )
+    assert changed in texts(app)
 
 
 @pytest.mark.page("22_Settings")
@@ -35,7 +39,7 @@ def test_where_the_spools_lie_can_be_unknown(app: AppTest) -> None:
     position().set_value(False).run()
     assert options() == {"eccentricity": 0.4}
     go(app, "4_Diagnosis")
-    assert "workshop, eccentricity=0.4" in texts(app)
+    assert "workshop (Eccentricity e/c: 0.4)" in texts(app)
 
 
 def test_the_state_of_the_fluid_is_asked_and_reaches_the_result(app: AppTest) -> None:
