@@ -31,11 +31,11 @@ for tab, kind in zip(st.tabs([say(f"catalogue.{kind}") for kind in rows.FOLDERS]
         first = names.index(shown_name(getattr(diagnosis, kind), say))
         name = st.selectbox(say("catalogue.show"), names, first, key=f"catalogue-{kind}-{say.language}")
         entry = known[name]
-        st.markdown(f"**{say('columns.source')}:** {show.with_links(entry.source)} ({entry.date})")
+        st.markdown(f"**{say('columns.source')}:** {show.with_links(say.name(entry.source))} ({entry.date})")
         for doubt in entry.doubts:
             st.warning(show.plain(say.sentence(doubt.text)))
         if entry.note:
-            st.markdown(show.plain(entry.note))
+            st.markdown(show.plain(say.name(entry.note)))
         if getattr(entry, "representative", None):
             st.info(f"**{say('catalogue.representative')}** {show.plain(rows.representative(entry, say))}")
         if kind == "fluid":

@@ -38,7 +38,7 @@ def complaint(diagnosis: Diagnosis) -> None:
     if lines[MEASURE_FIRST:]:
         with st.expander(say("diagnosis.complaint_more", count=len(lines) - MEASURE_FIRST)):
             st.markdown("\n".join(lines[MEASURE_FIRST:]))
-    st.caption(plain(say("diagnosis.complaint_source", source=diagnosis.complaint.source)))
+    st.caption(plain(say("diagnosis.complaint_source", source=say.name(diagnosis.complaint.source))))
 
 
 def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
@@ -63,7 +63,7 @@ def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
                     covered=say.number(point.minimum_speed * RPM, 0),
                     counted=counted_in_speed(diagnosis, say),
                     positions=position_sentence(diagnosis, point, say),
-                    source=sources[point.condition.name],
+                    source=say.name(sources[point.condition.name]),
                 )
             )
         )

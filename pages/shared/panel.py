@@ -198,7 +198,11 @@ def _condition() -> None:
         gear = st.selectbox(say("columns.gear"), gears, gears.index(first_gear), gear_name, key=f"{owner}-g")
         mileage = fields.number(say("columns.mileage"), MILEAGE, now.start.mileage, key=_key("mileage"), optional=True)
         st.caption(
-            say("panel.pressures_as", condition=show.plain(say.condition(point)), source=show.plain(point.source))
+            say(
+                "panel.pressures_as",
+                condition=show.plain(say.condition(point)),
+                source=show.plain(say.name(point.source)),
+            )
         )
     if typed is not None and typed != rpm:
         speed = RPM.to_si(typed)

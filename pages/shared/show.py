@@ -334,7 +334,7 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
         messages(diagnosis.uncertainty.messages, reader.say()("about.uncertainty"))
     say = reader.say()
     lines = [
-        f"- {say(f'slots.{name}')}: **{plain(say.name(called))}** — {with_links(record[name]['source'])}"
+        f"- {say(f'slots.{name}')}: **{plain(say.name(called))}** — {with_links(say.name(record[name]['source']))}"
         for name, called in (
             ("controller", record["controller"]["name"]),
             ("fluid", fluid_in_state(diagnosis, say)),

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ast
 import re
+import tomllib
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
@@ -126,6 +128,17 @@ def test_a_language_is_no_copy_of_english(language: str) -> None:
     assert same == []
 
 
+def _sources_and_notes() -> Iterator[str]:
+    """What the shipped files say where each value is from, and their notes: pages, PDF and workbook show both."""
+    kinds = ("controllers", "fluids", "limits")
+    tables: list[Any] = [tomllib.loads(path.read_text()) for kind in kinds for path in shipped_files(kind).values()]
+    while tables:
+        table = tables.pop()
+        tables += table.values() if isinstance(table, dict) else table if isinstance(table, list) else ()
+        if isinstance(table, dict):
+            yield from (table[key] for key in ("source", "note") if isinstance(table.get(key), str))
+
+
 def test_every_name_of_the_shipped_catalogue_is_translated() -> None:
     shipped = [load_controller(name) for name in sorted(shipped_files("controllers"))]
     names = {
@@ -142,11 +155,13 @@ def test_every_name_of_the_shipped_catalogue_is_translated() -> None:
     }
     names |= {name for each in instruments() for name in (each.name, each.name.lower())}
     names |= {each.source for each in instruments()} | {"representative"}  # the source of most operating points
-    of_fluids = [text for each in fluids() for text in (each.name, each.note, *each.representative)]
+    of_fluids = [text for each in fluids() for text in (each.name, *each.representative)]
     of_limits = [each.name for each in limit_sets()]
-    names |= {text for text in (*of_fluids, *of_limits) if re.search(r"\b[a-z]{4,}\b", text)}  # no brands, no keys
+    told = [*of_fluids, *of_limits, *_sources_and_notes()]
+    names |= {text for text in told if re.search(r"\b[a-z]{4,}\b", text)}  # no brands, no keys
     assert len(shipped) > 8
     assert set(ENGLISH["names"]) == names
     assert all(wording("en").name(name) == name for name in names)
     assert wording("de").name("main pressure valve") == "Hauptdruckventil"
+    assert wording("de").name("representative of steel") == "repräsentativ für Stahl"
     assert wording("de").name("valve of a workshop's own file") == "valve of a workshop's own file"

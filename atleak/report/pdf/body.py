@@ -95,7 +95,7 @@ def gauge_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
     yield printed(gauge_table(check, say).without("lost_between", "past_limit"))
     sources = dict.fromkeys(each.permissible.source for each in check.readings if each.permissible)
     if sources:
-        yield text(say("texts.permissible_from", sources=joined(sources, "; ")), small=True)
+        yield text(say("texts.permissible_from", sources=joined(map(say.name, sources), "; ")), small=True)
     for reason in dict.fromkeys(each.unjudged for each in check.readings if each.unjudged is not None):
         yield text(say("texts.gauges_unjudged", reason=say.sentence(reason)), small=True)
     items = pattern_sentences(check, diagnosis.controller, say)
@@ -135,6 +135,12 @@ def chosen_sections(sections: Iterable[str] | None, *, without_sheet: bool = Fal
         if name not in PDF_SECTIONS:
             raise unknown(Sentence("no such section"), name, PDF_SECTIONS)
     return tuple(name for name in PDF_SECTIONS if name in wanted)
+
+
+def _catalogue_source(source: str, say: Wording) -> str | dict[str, str]:
+    """Return a source in the reader's language, or marked as one of the catalogue's own where it has no other words."""
+    named = say.name(source)
+    return passage(source, CATALOGUE_LANGUAGE, say) if named == source else named
 
 
 class Body(PrintedPart):
@@ -368,7 +374,7 @@ class Body(PrintedPart):
 
         def source(steps: Steps) -> str | dict[str, str]:  # what the workshop set, it says in its own words
             own = steps.origin is LimitOrigin.WORKSHOP
-            return steps.source if own else passage(steps.source, CATALOGUE_LANGUAGE, say)
+            return steps.source if own else _catalogue_source(steps.source, say)
 
         yield listed(
             say,
@@ -465,7 +471,7 @@ class Body(PrintedPart):
         yield text(" ".join(say(f"texts.method{name}", value=eccentric) for name in (*said, "_limits")))
         study = say("texts.source_study")
         sources = dict.fromkeys((diagnosis.controller.source, diagnosis.fluid.source, diagnosis.limits.source))
-        named = [passage(each, CATALOGUE_LANGUAGE, say) for each in sources if each and each != study]
+        named = [_catalogue_source(each, say) for each in sources if each and each != study]
         yield bullets([study, *named])
 
     def _provenance(self) -> Iterable[Block]:

@@ -89,7 +89,7 @@ class Front(PrintedPart):
         say, log = self.say, self.diagnosis.log
         permitted = log.permitted if log is not None else None
         lowest = permitted.lowest if permitted is not None else None
-        source = [] if lowest is None else [say("findings.limits_from", source=lowest.source)]
+        source = [] if lowest is None else [say("findings.limits_from", source=say.name(lowest.source))]
         return [say("findings.alone"), *source]
 
     def _more(self) -> list[str]:

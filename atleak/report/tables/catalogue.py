@@ -224,7 +224,7 @@ def limit_tables(limits: Limits, say: Wording) -> list[Table]:
             times=PERCENT,
         ),
         Column("limit_is", of=lambda rule: say.get("origins", rule[1].origin)),
-        Column("source", of=lambda rule: rule[1].source),
+        Column("source", of=lambda rule: say.name(rule[1].source)),
     )
     rules = [(name, steps, *level) for name, steps in limits.rules.items() for level in steps.levels]
     return [Table("limits", shown, rules, say)]

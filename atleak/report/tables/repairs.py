@@ -180,7 +180,14 @@ def option_table(plan: RepairPlan, say: Wording) -> Table:
         Column("price", of=priced, parts=price),
         Column("hours", digits=1, of=repair("hours")),
         Column("tool", width=150, of=repair("tool")),
-        Column("lands", parts=(Column("lands"), Column("id", of=repair("id")), Column("source", of=repair("source")))),
+        Column(
+            "lands",
+            parts=(
+                Column("lands"),
+                Column("id", of=repair("id")),
+                Column("source", of=lambda row: say.name(row.option.repair.source)),
+            ),
+        ),
     )
     return Table("options", columns, option_rows(plan), say)
 

@@ -79,7 +79,7 @@ def place_table(permitted: RoadPressure, say: Wording) -> Table:
         ),
         Column("place_below", "time", 2, of="below"),
         Column("place_above", "time", 2, of="above"),
-        Column("place_source", of=lambda place: worst(place, lambda at: at.source)),
+        Column("place_source", of=lambda place: worst(place, lambda at: say.name(at.source))),
     )
     return Table("places", columns, permitted.places, say)
 

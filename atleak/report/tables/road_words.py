@@ -22,7 +22,7 @@ def pressure_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
     if permitted is not None and permitted.highest is not None and permitted.above > 0.0:
         yield say("findings.above", **_place(permitted.highest, say), seconds=say.number(permitted.above, 1))
     if permitted is not None and permitted.lowest is not None:
-        yield say("findings.limits_from", source=permitted.lowest.source)
+        yield say("findings.limits_from", source=say.name(permitted.lowest.source))
     yield from commanded_sentence(log, say)
 
 

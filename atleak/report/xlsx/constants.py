@@ -123,7 +123,7 @@ def _of_gaps(diagnosis: Diagnosis, law: GapLaw) -> Iterable[NamedQuantity]:
 def _of_fluid(fluid: Fluid, model: str) -> Iterable[NamedQuantity]:
     if model == "d341":
         a, b = fluid.d341
-        points = Sentence("through two points of {source}", source=fluid.source)
+        points = Sentence("through two points of {source}", source=Name(fluid.source))
         yield _constant(names.D341_A, Sentence("A of the line log log (ν + 0.7) = A − B log T"), "", a, points)
         yield _constant(names.D341_B, Sentence("B of the same line"), "", b, points)
         shift = Sentence("what is added to ν [{unit}] before taking logarithms", unit=UnitOf("viscosity"))
@@ -132,18 +132,26 @@ def _of_fluid(fluid: Fluid, model: str) -> Iterable[NamedQuantity]:
         yield _constant(names.ABSOLUTE, zero, UnitOf("above_absolute_zero"), -ABSOLUTE_ZERO, "ISO 80000-5")
         at, density = fluid.density_at
         yield _constant(
-            names.DENSITY_AT, Sentence("temperature at which the density is stated"), TEMPERATURE, at, fluid.source
+            names.DENSITY_AT,
+            Sentence("temperature at which the density is stated"),
+            TEMPERATURE,
+            at,
+            Name(fluid.source),
         )
         yield _constant(
             names.DENSITY_NAME,
             Sentence("density at that temperature"),
             UnitOf("density"),
             density * G_CM3,
-            fluid.source,
+            Name(fluid.source),
         )
         slope = Sentence("change of the density with temperature")
         yield _constant(
-            names.DENSITY_SLOPE_NAME, slope, UnitOf("density_per_kelvin"), fluid.density_slope * G_CM3, fluid.source
+            names.DENSITY_SLOPE_NAME,
+            slope,
+            UnitOf("density_per_kelvin"),
+            fluid.density_slope * G_CM3,
+            Name(fluid.source),
         )
     elif model == "regression":
         labels = (
@@ -178,7 +186,7 @@ def fluid_formulas(model: str, temperature: str) -> tuple[str | None, str | None
 
 def _of_pressures(controller: Controller) -> Iterable[NamedQuantity]:
     """Return what pressures follow from others by, and the shares of them and steady pressures that gaps see."""
-    file = Sentence("the valve body's file: {source}", source=controller.source)
+    file = Sentence("the valve body's file: {source}", source=Name(controller.source))
     for section in ("p_s", "p_m"):
         relation = controller.relations[section]
         of = {"section": section}
@@ -208,20 +216,24 @@ def _of_pressure(pressure: Pressure, file: str) -> Iterable[NamedQuantity]:
 def _of_leak(number: int, leak: Leak) -> Iterable[NamedQuantity]:
     of: dict[str, Any] = {"name": Name(leak.name)}
     flow, at = Sentence("leak {name}: flow", **of), Sentence("leak {name}: pressure drop at that flow", **of)
-    yield _constant(of_leak(number, "flow"), flow, FLOW, leak.flow * DM3_MIN, leak.source)
-    yield _constant(of_leak(number, "drop"), at, PRESSURE, leak.pressure_drop * KPA, leak.source)
+    yield _constant(of_leak(number, "flow"), flow, FLOW, leak.flow * DM3_MIN, Name(leak.source))
+    yield _constant(of_leak(number, "drop"), at, PRESSURE, leak.pressure_drop * KPA, Name(leak.source))
     if leak.viscosity is not None:
         viscosity = Sentence("leak {name}: dynamic viscosity at that flow", **of)
         yield _constant(
-            of_leak(number, "viscosity"), viscosity, UnitOf("dynamic_viscosity"), leak.viscosity * MPA_S, leak.source
+            of_leak(number, "viscosity"),
+            viscosity,
+            UnitOf("dynamic_viscosity"),
+            leak.viscosity * MPA_S,
+            Name(leak.source),
         )
     else:
         density = Sentence("leak {name}: density at that flow", **of)
-        yield _constant(of_leak(number, "density"), density, UnitOf("density"), leak.density * G_CM3, leak.source)
+        yield _constant(of_leak(number, "density"), density, UnitOf("density"), leak.density * G_CM3, Name(leak.source))
 
 
 def _of_tips(pump: Pump, end: str, controller: Controller) -> Iterable[NamedQuantity]:
-    file = Sentence("the valve body's file: {source}", source=controller.source)
+    file = Sentence("the valve body's file: {source}", source=Name(controller.source))
     for number, (_, size) in enumerate(pump.tips if pump.gaps.tips is not None else (), start=1):
         assert pump.gaps.tips is not None
         conductance, bend = _tip_slip(pump.gaps.tips, size)

@@ -150,4 +150,4 @@ def write_gauges(book: ReportBook, sheet: Worksheet, diagnosis: Diagnosis) -> No
 
 def _sources(diagnosis: Diagnosis) -> list[str]:
     readings = diagnosis.pressures.readings if diagnosis.pressures else ()
-    return [each.permissible.source for each in readings if each.permissible]
+    return [Name(each.permissible.source) for each in readings if each.permissible]

@@ -147,11 +147,13 @@ class LimitCells:
             if first:
                 steps = self.limits.rules[each.kind]
                 book.put(sheet, row, origin, book.say.get("origins", steps.origin), book.wrapped)
-                book.put_text(sheet, row, origin + 1, steps.source, book.wrapped, 64)
+                book.put_text(sheet, row, origin + 1, Name(steps.source), book.wrapped, 64)
         row = len(self._rows) + 2
         book.put(sheet, row, 0, _NOTE)
         book.pairs(
-            sheet, row + 1, [(Sentence("limit set"), Name(self.limits.name)), (Sentence("note"), self.limits.note)]
+            sheet,
+            row + 1,
+            [(Sentence("limit set"), Name(self.limits.name)), (Sentence("note"), Name(self.limits.note))],
         )
         sheet.set_column(0, 0, 46)
         sheet.set_column(1, origin - 1, 12)
@@ -331,7 +333,7 @@ class RuleCells:
             "verdict": LiveCell("plain", self.say.signed(verdict), words, AFTER_A_NUMBER),
             "decision": LiveCell("plain", decided and self.say.get("decisions", decided.decision), look=AFTER_A_NUMBER),
             "origin": LiveCell("plain", self.say.get("origins", rule.origin), look=AFTER_A_NUMBER),
-            "source": LiveCell("plain", rule.source, look=AFTER_A_NUMBER),
+            "source": LiveCell("plain", self.say.name(rule.source), look=AFTER_A_NUMBER),
         }
         return cells | behind
 

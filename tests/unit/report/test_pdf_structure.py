@@ -97,9 +97,12 @@ def test_the_document_names_its_language_and_every_passage_in_another_one(
     spoken = [each for each in elements(document.Root.StructTreeRoot) if "/Lang" in each]
     assert {str(each.Lang) for each in spoken} == {"en"}
     places = Counter(str(each.S) for each in spoken)
-    limits = [each for each in worn.limits.rules.values() if each.origin is not LimitOrigin.WORKSHOP]
-    sources = {worn.controller.source, worn.fluid.source, worn.limits.source} - {wording("de")("texts.source_study")}
-    assert places == {"/TD": len(limits), "/LBody": len(sources)}
+    say = wording("de")
+    named = {worn.controller.source, worn.fluid.source, worn.limits.source} - {say("texts.source_study")}
+    of_limits = [each.source for each in worn.limits.rules.values() if each.origin is not LimitOrigin.WORKSHOP]
+    sources, limits = ([each for each in told if say.name(each) == each] for told in (named, of_limits))
+    assert sources
+    assert places == Counter({"/TD": len(limits), "/LBody": len(sources)})
 
 
 def test_title_creator_and_colours_are_those_of_this_job(document: pikepdf.Pdf) -> None:
