@@ -22,10 +22,10 @@ from atleak.catalogue.instruments import load_instruments
 from atleak.catalogue.workbook.cells import CLEARANCES, LENGTHS, PRESSURES, Units
 from atleak.cli.job_options import add_sheet
 from atleak.cli.parser import add_command, add_group
-from atleak.cli.shared import Outputs, add_force, add_json
+from atleak.cli.shared import Outputs, add_force, add_json, add_units
 from atleak.common.errors import InputError
 from atleak.common.sentences import Sentence
-from atleak.common.wording import wording
+from atleak.common.wording import Wording, wording
 from atleak.job_book.book import open_book
 from atleak.job_book.new_sheets import NewSheet, new_sheets, shared_instruments
 from atleak.readers.controller_workbook import is_workbook, read_controller_workbook
@@ -66,6 +66,7 @@ def add_learn(group: Any) -> None:
     add_sheet(parser)
     help = "the valve body that the sheets name, where this one was copied from it"
     parser.add_argument("--made-for", metavar="ID", help=help)
+    add_units(parser)
     add_json(parser)
     add_force(parser)
 
@@ -97,7 +98,7 @@ def run(options: argparse.Namespace) -> int:
     learned = learn(controller, sheets, instruments=instruments, temperature=options.measuring_temperature)
     outputs.write(output=lambda: _learned_toml(options, learned), json=lambda: learned_record(learned))
     if outputs.shown:
-        _show(learned)
+        _show(learned, wording("en", options.units))
     outputs.say_written()
     return 0
 
@@ -118,13 +119,13 @@ def _learned_toml(options: argparse.Namespace, learned: Learned) -> str:
     return written_toml(tables)
 
 
-def _show(learned: Learned) -> None:
-    print(summary(learned))
-    lands = learned_lands(learned, wording("en"))
+def _show(learned: Learned, say: Wording) -> None:
+    print(say.sentence(summary(learned)))
+    lands = learned_lands(learned, say)
     pair = Column("pair", of=lambda each: "{}/{}".format(*each.land.key), whole=True)  # as options and records take it
     print_table(replace(lands, columns=(pair, *lands.columns[1:])))
     for message in learned_messages(learned):
-        print(f"{'! ' if message.level == 'warning' else ''}{message.text}")
+        print(f"{'! ' if message.level == 'warning' else ''}{say.sentence(message.text)}")
 
 
 _LOST = "comments and the order of keys in a TOML file are not kept on the way through a workbook"

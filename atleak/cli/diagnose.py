@@ -45,7 +45,7 @@ def add_parser(commands: Any, name: str) -> None:
     add_json(written)
     add_force(written)
     printed = parser.add_argument_group("how it is printed")
-    add_print(printed)
+    add_print(printed, shown=["units"])
     printed.add_argument("--sections", metavar="LIST", help="of the PDF, with commas; all of them unless given")
     parser.add_argument(
         "--fail-on",
@@ -66,7 +66,8 @@ def run(options: argparse.Namespace) -> int:
 def _diagnosed(options: argparse.Namespace) -> int:
     outputs = Outputs(options, input_files(options))
     case, job = chosen_job(options)
-    printed, font = print_options(options, outputs.formats), print_font(options, outputs.formats)
+    printed = print_options(options, outputs.formats, shown=["units"] if outputs.shown else ())
+    font = print_font(options, outputs.formats)
     if options.sections is not None and options.pdf is None:
         doubt_option("--sections", ["--pdf"])
     diagnosis = case.diagnose()
@@ -99,7 +100,7 @@ def _diagnosed(options: argparse.Namespace) -> int:
     if outputs.shown:
         from atleak.report.terminal import print_diagnosis
 
-        print_diagnosis(diagnosis)
+        print_diagnosis(diagnosis, printed["units"])
     outputs.say_written()
     if job is not None:
         from atleak.analysis.record_doubts import record_doubts

@@ -52,7 +52,7 @@ def add_summary(group: Any) -> None:
         metavar="RECORD",
         help="a job record (.toml or .json) whose workshop, with its logo, stands at the head of the PDF",
     )
-    add_print(parser)
+    add_print(parser, shown=["units"])
     add_json(parser)
     add_force(parser)
 
@@ -76,7 +76,8 @@ def run(options: argparse.Namespace) -> int:
     from atleak.report.terminal import print_sections
 
     outputs = Outputs(options, [options.job])
-    printed, font = print_options(options, outputs.formats), print_font(options, outputs.formats)
+    printed = print_options(options, outputs.formats, shown=["units"] if outputs.shown else ())
+    font = print_font(options, outputs.formats)
     letterhead = None if options.job is None else load_job(options.job)
     results = Results.open(options.results)
     if options.errors and not outputs.files:
@@ -102,7 +103,7 @@ def run(options: argparse.Namespace) -> int:
         if options.errors:
             _list_errors(results)
         else:
-            sections = FleetSections(FleetWords(summary, wording("en")), TERMINAL)
+            sections = FleetSections(FleetWords(summary, wording("en", printed["units"])), TERMINAL)
             print_sections([sections.head(), *sections.all()])
             if summary.by is None and summary.headings:
                 headings = ", ".join(summary.headings)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import SAMPLE_LOG, Outputs, add_columns, add_force, add_json, log_choices, or_sample
+from atleak.cli.shared import SAMPLE_LOG, Outputs, add_columns, add_force, add_json, add_units, log_choices, or_sample
 from atleak.common.errors import InputError, OutputError, Place
 from atleak.common.sentences import Sentence
 from atleak.readers.logs import default_path, describe, remember, tidy_csv, understand
@@ -29,6 +29,7 @@ def add_parser(commands: Any, name: str) -> None:
         help="text, xlsx or mf4, as the logger wrote it; sample: the one that comes with atleak",
     )
     add_columns(parser)
+    add_units(parser, None)
     add_json(parser)
     parser.add_argument("--csv", metavar="FILE|-", help="the log as a plain table in rpm, °C, kPa and km/h")
     add_force(parser)
@@ -56,6 +57,6 @@ def run(options: argparse.Namespace) -> int:
         except OutputError as error:
             print(f"atleak: columns are not remembered: {error}", file=sys.stderr)
     if outputs.shown:
-        print_log(record)
+        print_log(record, options.units)
     outputs.say_written()
     return 0

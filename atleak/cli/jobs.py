@@ -16,11 +16,13 @@ from atleak.cli.app import PORT, open_page, port_number
 from atleak.cli.job_options import add_job_options, as_read, chosen_job
 from atleak.cli.parser import add_command, add_group
 from atleak.cli.shared import (
+    SHOWN,
     Outputs,
     add_force,
     add_job_id,
     add_json,
     add_print,
+    add_units,
     check_targets,
     named_job_files,
     print_font,
@@ -59,14 +61,14 @@ def _add_compare(commands: Any, name: str) -> None:
     parser.add_argument("after", metavar="B", help="the later job, likewise")
     add_json(parser)
     parser.add_argument("--pdf", metavar="FILE.pdf", help="a page for the customer")
-    add_print(parser, shown=True)
+    add_print(parser, shown=SHOWN)
     add_force(parser)
 
 
 def _compare(options: argparse.Namespace) -> int:
     """Compare the jobs, write what was asked for and show it."""
     outputs = Outputs(options, [name for name in (options.before, options.after) if Path(name).is_file()])
-    printed = print_options(options, outputs.formats, shown=outputs.shown)
+    printed = print_options(options, outputs.formats, shown=SHOWN if outputs.shown else ())
     font = print_font(options, outputs.formats)
     compared = compare_jobs(job_of(options.before), job_of(options.after))
 
@@ -310,6 +312,7 @@ def add_parser(commands: Any, name: str) -> None:
     example = "jobs show 2026-0417 --json job.json"
     show = add_command(group, "show", _show, "a job of the book, diagnosed anew", examples=[example])
     add_job_id(show)
+    add_units(show)
     add_json(show)
     add_force(show)
     about = "a job of the book in the dashboard, which is started where it is not up"
@@ -418,12 +421,12 @@ def _show(options: argparse.Namespace) -> int:
     if otherwise:
         print(f"atleak: judged otherwise than by atleak {stored.result_by}, which stored it:", file=sys.stderr)
         for each in otherwise:
-            print(f"  {each}", file=sys.stderr)
+            print(f"  {wording('en', options.units).sentence(each)}", file=sys.stderr)
     written_down = {**record["job"], **stored.file.job.record()}
     of_book = {"id": stored.id, "stored_verdict": stored.file.result.get("verdict")}
     outputs.write(json=lambda: {**record, "job": written_down, **of_book})
     if outputs.shown:
-        print_diagnosis(diagnosis)
+        print_diagnosis(diagnosis, options.units)
     outputs.say_written()
     return 0
 

@@ -112,14 +112,22 @@ _PRINT = {  # what is chosen of printing: the choices, the first unless given
     "units": ("metric", tuple(SYSTEMS)),
     "paper": (DEFAULT_PAPER, tuple(PAPERS)),
 }
-_SHOWN = "language", "units"  # of what a terminal shows
+SHOWN = "language", "units"  # of what a terminal can show
 
 
-def add_print(parser: CommandOptions, *, shown: bool = False) -> None:
-    """Add the options of printing, which `print_options` gathers; what is ``shown`` has that language, too."""
+def add_units(parser: CommandOptions, unless_given: str | None = "metric") -> None:
+    """Add ``--units`` of a command that shows quantities and prints none."""
+    help = f"of what is shown: {unless_given or 'those of the file'} unless given"
+    parser.add_argument("--units", choices=tuple(SYSTEMS), default=unless_given, help=help)
+
+
+def add_print(parser: CommandOptions, *, shown: Collection[str] = ()) -> None:
+    """Add the options of printing, which `print_options` gathers; the ones ``shown`` are the terminal's, too."""
     for name, (unless_given, choices) in _PRINT.items():
-        of = "what is shown and of the PDF" if shown and name in _SHOWN else "the PDF and the workbook"
-        parser.add_argument(f"--{name}", choices=choices, help=f"of {of}: {unless_given} unless given")
+        of = "what is shown, " if name in shown else ""
+        parser.add_argument(
+            f"--{name}", choices=choices, help=f"of {of}the PDF and the workbook: {unless_given} unless given"
+        )
     help = "for characters that the PDF's own fonts lack; without it the one kept on the page Workshop data"
     parser.add_argument("--font", metavar="FILE", help=help)
 
@@ -136,15 +144,15 @@ def print_font(options: argparse.Namespace, formats: Collection[str], asked: str
 
 
 def print_options(
-    options: argparse.Namespace, formats: Collection[str], asked: str = "--{}", *, shown: bool = False
+    options: argparse.Namespace, formats: Collection[str], asked: str = "--{}", *, shown: Collection[str] = ()
 ) -> dict[str, str]:
     """Return language, units and paper; one that is given for nothing is doubted aloud.
 
-    ``formats`` are those to be written, such as ``pdf``; ``asked`` says how one asks for a format, ``shown`` whether
-    the terminal shows that language and those units.
+    ``formats`` are those to be written, such as ``pdf``; ``asked`` says how one asks for a format, ``shown`` names
+    what the terminal follows, too.
     """
     for name in _PRINT:
-        if getattr(options, name) is not None and not {"pdf", "xlsx"} & set(formats) and not (shown and name in _SHOWN):
+        if getattr(options, name) is not None and not {"pdf", "xlsx"} & set(formats) and name not in shown:
             doubt_option(f"--{name}", [asked.format(each) for each in ("pdf", "xlsx")])
     return {name: getattr(options, name) or unless_given for name, (unless_given, _) in _PRINT.items()}
 

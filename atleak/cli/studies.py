@@ -15,6 +15,7 @@ from atleak.cli.shared import (
     add_controller,
     add_force,
     add_json,
+    add_units,
     chosen_controller,
     chosen_road_test,
 )
@@ -75,6 +76,7 @@ def _add_gauge_study(commands: Any, name: str) -> None:
     parser.add_argument(
         "--alpha", metavar="P", default=None, help="the interaction is kept below it; 0.05 unless given"
     )
+    add_units(parser)
     add_json(parser)
     add_force(parser)
 
@@ -88,7 +90,7 @@ def _gauge_study(options: argparse.Namespace) -> int:
     study = analysed(readings, tolerance=tolerance, alpha=alpha)
     outputs.write(json=lambda: study_record(study))
     if outputs.shown:
-        print_sections(study_sections(study, wording("en")).values(), study.messages)
+        print_sections(study_sections(study, wording("en", options.units)).values(), study.messages)
     outputs.say_written()
     return 0
 

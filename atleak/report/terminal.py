@@ -18,9 +18,9 @@ from atleak.analysis.repair.plan import RepairStep, plan_repairs
 from atleak.common.errors import Message
 from atleak.common.printable import printable, unguarded
 from atleak.common.style import look_of
-from atleak.common.units import DM3_MIN, HHMMSS, KPA, PERCENT, RPM, find_unit, kinds_of
+from atleak.common.units import DM3_MIN, HHMMSS, KPA, PERCENT, RPM, SYSTEMS, find_unit, kinds_of
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import begun, signed, wording
+from atleak.common.wording import Wording, begun, signed, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.road import RoadFindings
@@ -82,40 +82,39 @@ def _print(*parts: str | RenderableType) -> None:
         console.print(Text(part) if isinstance(part, str) else part)
 
 
-def print_diagnosis(diagnosis: Diagnosis) -> None:
+def print_diagnosis(diagnosis: Diagnosis, units: str = "metric") -> None:
     """Print totals, flagged lands with the rule that flagged them, order of repair, and warnings."""
-    _print(*_diagnosis(diagnosis))
+    _print(*_diagnosis(diagnosis, wording("en", units)))
 
 
-def _diagnosis(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
-    controller, readings, say = diagnosis.controller, diagnosis.readings, wording("en")
+def _diagnosis(diagnosis: Diagnosis, say: Wording) -> Iterator[str | RenderableType]:
+    controller, readings = diagnosis.controller, diagnosis.readings
     yield f"{controller.name} · {fluid_in_state(diagnosis, say)} · profile {diagnosis.profile.label}"
     measured = f"{diagnosis.measured} of {len(diagnosis.lands)} lands measured"
     if readings is not None:
         measured += f" in {readings.file}; temperature of measuring: {measuring_temperature(diagnosis, say)}"
     yield say("findings.alone") if diagnosis.without_sheet else measured
     of_sheet = readings.messages if readings is not None else ()
-    yield from (message.text for message in of_sheet if message.code in (LENGTHS_MEASURED, REPAIR_FITTED))
-    yield Text(_verdict(diagnosis), style=look_of(shown_verdict(diagnosis)).style)
+    yield from (say.sentence(message.text) for message in of_sheet if message.code in (LENGTHS_MEASURED, REPAIR_FITTED))
+    yield Text(_verdict(diagnosis, say), style=look_of(shown_verdict(diagnosis)).style)
     yield from filter(None, (*caveats(diagnosis, say), readings_in_doubt(diagnosis, say)))
     said = "; ".join(may_parts(diagnosis, say))
     if said:
         yield f"{begun(said)}."
-    yield from _complaint(diagnosis)
+    yield from _complaint(diagnosis, say)
     if not diagnosis.without_sheet:
-        yield from _unit(diagnosis)
-    yield from _gauges(diagnosis)
+        yield from _unit(diagnosis, say)
+    yield from _gauges(diagnosis, say)
     if diagnosis.log is not None:
-        yield from _log(diagnosis, diagnosis.log)
-    yield from (f"! {message.text}" for message in diagnosis.messages if message.level == "warning")
+        yield from _log(diagnosis, diagnosis.log, say)
+    yield from (f"! {say.sentence(message.text)}" for message in diagnosis.messages if message.level == "warning")
 
 
-def _unit(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
+def _unit(diagnosis: Diagnosis, say: Wording) -> Iterator[str | RenderableType]:
     """Return what follows from the clearances: totals, flagged lands, order of repair."""
-    say = wording("en")
     for number, projection in enumerate(diagnosis.presented, start=1):
-        yield from _total(diagnosis, projection, number)
-        yield from _pressures(diagnosis, projection)
+        yield from _total(diagnosis, projection, number, say)
+        yield from _pressures(diagnosis, projection, say)
     yield from filter(None, [pump_sentence(diagnosis, say)])
     counted = counted_in_speed(diagnosis, say)
     yield f"At these speeds the pump covers the leakage and its own slip; {counted}."
@@ -126,12 +125,13 @@ def _unit(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
         yield laid_out(replace(flagged, columns=tuple(named.get(each.key, each) for each in flagged.columns)))
     else:
         yield "No measured land has reached a limit."
-    yield from _matrix(diagnosis)
-    yield from _repairs(diagnosis)
+    yield from _matrix(diagnosis, say)
+    yield from _repairs(diagnosis, say)
 
 
-def print_log(record: dict[str, Any]) -> None:
-    """Print what was understood of a log, from its record."""
+def print_log(record: dict[str, Any], units: str | None = None) -> None:
+    """Print what was understood of a log, from its record: in the log's own units, or in those of a system."""
+    say = wording("en", units or "metric")
     form = [record["format"], record["encoding"], record["decimal"] and f"decimal {record['decimal']}"]
     segments = record["segments"]
     left_out = f" ({record['rows_left_out']} line(s) left out)" if record["rows_left_out"] else ""
@@ -139,7 +139,7 @@ def print_log(record: dict[str, Any]) -> None:
     for each in table.columns:
         each.no_wrap, each.overflow = each.header not in ("column", "unit"), "fold"  # no number goes on in another line
     for column in record["columns"]:
-        unit, ends = _in_own_unit(column)
+        unit, ends = _in_own_unit(column) if units is None else _in_units(column, say)
         unit = f"{unit or '–'}{' (assumed)' if column['unit_assumed'] else ''}"
         numbers = [_short(number) for number in (*ends, column["sampling_hz"])]
         quantity = "\n".join([column["quantity"], *([column["kind"]] if column["kind"] != "unknown" else [])])
@@ -153,6 +153,16 @@ def print_log(record: dict[str, Any]) -> None:
         *(f"? {each['quantity']}: {', '.join(map(str, each['candidates']))}" for each in record["ambiguous"]),
         *(f"{'!' if each['level'] == 'warning' else '·'} {each['text']}" for each in record["messages"]),
     )
+
+
+def _in_units(column: dict[str, Any], say: Wording) -> tuple[str | None, tuple[float | None, float | None]]:
+    """Return the reader's unit of a log's column, and in it the least and the greatest value."""
+    ends = column["min"], column["max"]
+    kind = next((kind for kind, unit in SYSTEMS["metric"].items() if unit.name == column["value_unit"]), None)
+    if kind is None:
+        return column["value_unit"], ends
+    low, high = (None if end is None else round(say.convert(end, kind), max(say.digits(kind), 1)) for end in ends)
+    return say.unit(kind), (low, high)
 
 
 def _in_own_unit(column: dict[str, Any]) -> tuple[str | None, tuple[float | None, float | None]]:
@@ -265,21 +275,20 @@ def _cell(value: Any) -> str:
     return "–" if value is None else str(value)
 
 
-def _log(diagnosis: Diagnosis, log: RoadFindings) -> Iterator[str]:
+def _log(diagnosis: Diagnosis, log: RoadFindings, say: Wording) -> Iterator[str]:
     """Return what the log says by itself, the leakage over it, and what to check next, one line each."""
-    say = wording("en")
     yield f"Road test {log.road_test.file}:"
     for sentence in (*pressure_sentences(log, say), *test_sentences(log, say), *log_sentences(log, say)):
         yield f"  {sentence}"
     if diagnosis.road is not None and diagnosis.judged:  # else it is that of a new unit
-        yield f"  {begun(_road(diagnosis.road, diagnosis.uncertainty))}"
+        yield f"  {begun(_road(diagnosis.road, diagnosis.uncertainty, say))}"
     checks = check_sentences(diagnosis, say)
     if checks:
         yield say("findings.check_next")
         yield from (f"  {number}. {check}" for number, check in enumerate(checks, start=1))
 
 
-def _road(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> str:
+def _road(road: RoadLeakage, uncertainty: UnitUncertainty | None, say: Wording) -> str:
     parts = []
     for row in road_instants(road):
         if row.name != "min_leakage":
@@ -287,21 +296,29 @@ def _road(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> str:
             record = instant_record(at, uncertainty)
             share = ""
             if at.share is not None:
-                share = f" ({at.share * PERCENT:.1f} % of the pump's flow{_between(record, 'share_{}_percent', 1)})"
-            leakage = f"{at.leakage * DM3_MIN:.2f} dm³/min{_between(record, 'leakage_{}_dm3_min', 2)}"
-            parts.append(f"{row.label(wording('en'))} {leakage}{share} at {at.time:.2f} s")
+                between = _between(record, "share_{}_percent", "percent", 1, say)
+                share = f" ({at.share * PERCENT:.1f} % of the pump's flow{between})"
+            between = _between(record, "leakage_{}_dm3_min", "flow", 2, say)
+            leakage = f"{_plainly(at.leakage * DM3_MIN, 'flow', 2, say)} {say.unit('flow')}{between}"
+            parts.append(f"{row.label(say)} {leakage}{share} at {at.time:.2f} s")
     return f"{'; '.join(parts)}."
 
 
-def _between(record: dict[str, Any], name: str, digits: int) -> str:
+def _between(record: dict[str, Any], name: str, kind: str, digits: int, say: Wording) -> str:
     """Return the interval of a value of a record; an empty text where it is not known."""
-    low, high = record[name.format("low")], record[name.format("high")]
-    return "" if low is None or high is None else f", {low:.{digits}f} to {high:.{digits}f}"
+    low, high = (record[name.format(end)] for end in ("low", "high"))
+    if low is None or high is None:
+        return ""
+    return f", {_plainly(low, kind, digits, say)} to {_plainly(high, kind, digits, say)}"
 
 
-def _verdict(diagnosis: Diagnosis) -> str:
+def _plainly(carried: float, kind: str, digits: int, say: Wording) -> str:
+    """Return a value in the reader's unit without blanks between its thousands."""
+    return f"{say.convert(carried, kind):.{say.digits(kind, digits)}f}"
+
+
+def _verdict(diagnosis: Diagnosis, say: Wording) -> str:
     """Return the verdict of the unit, and which land or total gave it."""
-    say = wording("en")
     decided_by, marks, level = diagnosis.decided_by, caveat_marks(diagnosis, say), shown_verdict(diagnosis)
     within = level != diagnosis.verdict  # nothing is past a limit, and something is open or in doubt
     word = f"{look_of(level).sign} {say('diagnosis.open')}" if within else signed(level)
@@ -318,7 +335,7 @@ def _verdict(diagnosis: Diagnosis) -> str:
         return f"{sentence}, by the {_measured_by(diagnosis)} alone" if alone else sentence
     if isinstance(decided_by, Rule):
         because = because_of(diagnosis, decided_by, say)
-        return f"{sentence} {because}" if because else f"{sentence}, decided by the {decided_by.label}"
+        return f"{sentence} {because}" if because else f"{sentence}, decided by the {say.sentence(decided_by.label)}"
     assert isinstance(decided_by, LandDiagnosis)
     return f"{sentence}, decided by {_named(diagnosis, decided_by)}"
 
@@ -342,20 +359,20 @@ def _measured_by(diagnosis: Diagnosis) -> str:
     return f"{judged} of gauges and the {main} of the log"
 
 
-def _complaint(diagnosis: Diagnosis) -> Iterator[str]:
+def _complaint(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
     """Return the customer's complaint, what explains it, and the lands that it asks to measure first, one line each."""
     if diagnosis.complaint is None:
         return
-    shows = "; ".join(each.condition.label for each in diagnosis.complained)
+    shows = "; ".join(say.condition(each.condition) for each in diagnosis.complained)
     ranked = measure_first(diagnosis)
-    yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. {finding(diagnosis, wording('en'))}"
+    yield f"Complaint: {diagnosis.complaint.label}. It shows at: {shows}. {finding(diagnosis, say)}"
     for each in ranked[:MEASURE_FIRST]:
-        yield f"  {_named(diagnosis, each.land)}: {reason(each, wording('en'))}"
+        yield f"  {_named(diagnosis, each.land)}: {reason(each, say)}"
     if len(ranked) > MEASURE_FIRST:
         yield f"  … and {len(ranked) - MEASURE_FIRST} more that leak there"
 
 
-def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterator[str]:
+def _total(diagnosis: Diagnosis, projection: Projection, number: int, say: Wording) -> Iterator[str]:
     """Return the lines of one condition: the share beside that of the same unit new, then the flows."""
     worst = ", the worst condition" if projection is diagnosis.worst and len(diagnosis.projections) > 1 else ""
     rule = diagnosis.total_rule(projection)
@@ -366,14 +383,17 @@ def _total(diagnosis: Diagnosis, projection: Projection, number: int) -> Iterato
     decided = diagnosis.decided(rule)
     if rule.probable and rule.verdict.flagged and decided is not None:
         band = f"{band} with a probability of {decided.probability_over_limit * PERCENT:.0f} %"
-    yield f"{number}. {projection.condition.label}: {share}, {band}{worst}{new}"
-    flows = f"{projection.leakage * DM3_MIN:.2f} of {projection.pump_capacity * DM3_MIN:.2f} dm³/min"
+    yield f"{number}. {say.condition(projection.condition)}: {share}, {band}{worst}{new}"
+    leakage, capacity = (
+        _plainly(flow * DM3_MIN, "flow", 2, say) for flow in (projection.leakage, projection.pump_capacity)
+    )
+    flows = f"{leakage} of {capacity} {say.unit('flow')}"
     yield f"   {flows}; {positions(diagnosis, projection)}; covered from {projection.minimum_speed * RPM:.0f} rpm"
 
 
-def _pressures(diagnosis: Diagnosis, projection: Projection) -> Iterator[str]:
+def _pressures(diagnosis: Diagnosis, projection: Projection, say: Wording) -> Iterator[str]:
     """Return the lines of one condition about its pressures: line, reserve, then the circuits, the worst by itself."""
-    say, at = wording("en"), pressures_at(diagnosis, projection)
+    at = pressures_at(diagnosis, projection)
     yield f"   {pressure_sentence(at, say)}"
     level = "" if at.reserve_verdict is None else f" {signed(at.reserve_verdict)}"
     yield f"   {reserve_sentence(at, say)}{level}"
@@ -382,12 +402,14 @@ def _pressures(diagnosis: Diagnosis, projection: Projection) -> Iterator[str]:
         if circuit.verdict is not None and circuit.verdict.flagged:
             yield f"   {circuit_sentence(diagnosis, circuit, say)}"
         elif not circuit.vented and circuit.circuit is not None:
-            others.setdefault(circuit.verdict, []).append(f"{circuit.circuit.name} {circuit.now * KPA:.0f} kPa")
+            others.setdefault(circuit.verdict, []).append(
+                f"{circuit.circuit.name} {_plainly(circuit.now * KPA, 'pressure', 0, say)} {say.unit('pressure')}"
+            )
     for verdict, circuits in others.items():
         yield f"   {signed(verdict) + ': ' if verdict else ''}{', '.join(circuits)}"
 
 
-def _matrix(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
+def _matrix(diagnosis: Diagnosis, say: Wording) -> Iterator[str | RenderableType]:
     """Return the flagged lands, or where none is the largest leaks, at every condition by its number."""
     rows = leaking_worst_first(diagnosis, diagnosis.presented)
     shown = [row for row in rows if row.land.verdict.flagged] or rows[:LARGEST]
@@ -395,7 +417,7 @@ def _matrix(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
         return
     what = "flagged lands" if diagnosis.flagged else "lands that leak most"
     yield f"Share of the pump's flow [%] of the {what} at the conditions above, by their numbers:"
-    table = matrix_table(diagnosis, shown, wording("en"))
+    table = matrix_table(diagnosis, shown, say)
     pair = Column("pair", words="pair", of=lambda row: "/".join(map(str, row.land.key)))
     _, *shares, _ = (replace(each, kind=None, words=f"{number}.") for number, each in enumerate(table.columns))
     for first in range(0, len(shares), CONDITIONS_ABREAST):
@@ -406,9 +428,9 @@ def _matrix(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
             yield f"{component}/{land} {row.elsewhere}"
 
 
-def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
+def _repairs(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
     """Return the order of repair, each land with what it brings where it helps most, and where that ends."""
-    plan, say = plan_repairs(diagnosis), wording("en")
+    plan = plan_repairs(diagnosis)
     rows, (*ends,) = option_rows(plan), plan_ends(plan, say)
     if plan.pump_first:
         yield ends.pop(0)
@@ -416,30 +438,29 @@ def _repairs(diagnosis: Diagnosis) -> Iterator[str]:
         as_left = "as its repair leaves it" if rows else "as new"
         yield f"Order of repair, each land {as_left} after those before it:"
     for number, step in enumerate(plan.steps, start=1):
-        yield f"{number:3}. {_named(diagnosis, step.land)}: {_helps(step)}"
+        yield f"{number:3}. {_named(diagnosis, step.land)}: {_helps(step, say)}"
         for row in rows:
             if row.step is step:
-                yield f"       {'→' if row.chosen else 'or'} {planned(row, wording('en'))}"
+                yield f"       {'→' if row.chosen else 'or'} {planned(row, say)}"
     yield from ends
 
 
-def _helps(step: RepairStep) -> str:
+def _helps(step: RepairStep, say: Wording) -> str:
     if not step.helps:
-        return no_help(step, wording("en"))
+        return no_help(step, say)
     at = step.at
-    before, after = (wording("en").number(each.share * PERCENT, 1) for each in (at.before, at.after))
+    before, after = (say.number(each.share * PERCENT, 1) for each in (at.before, at.after))
     shares = f"{before} → {after} %"
-    return f"total share at {at.condition.label} {shares} ({at.after.band})"
+    return f"total share at {say.condition(at.condition)} {shares} ({at.after.band})"
 
 
-def _gauges(diagnosis: Diagnosis) -> Iterator[str | RenderableType]:
+def _gauges(diagnosis: Diagnosis, say: Wording) -> Iterator[str | RenderableType]:
     """Return what gauges showed, reading by reading, and the patterns in it."""
     check = diagnosis.pressures
     if check is None:
         return
     judged = "not judged" if check.verdict is None else signed(check.verdict)
     yield f"Gauge readings of {check.table.file}, the vehicle standing: {judged}"
-    say = wording("en")
     table = gauge_table(check, say).without("lost_between")
     yield laid_out(table if len(table.columns) <= GAUGES_ABREAST else table.without("decision"))
     for pattern in pattern_sentences(check, diagnosis.controller, say):
