@@ -15,10 +15,10 @@ from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.instruments import load_instrument
 from atleak.catalogue.limits import load_limits
 from atleak.cli.parser import add_command, add_group
-from atleak.cli.shared import Outputs, add_force, add_json
+from atleak.cli.shared import Outputs, add_force, add_json, add_units
 from atleak.common.files import made_folder
 from atleak.common.printable import asked_for
-from atleak.common.wording import wording
+from atleak.common.wording import Wording, wording
 from atleak.report.json.diagnosis import limits_record
 from atleak.report.tables.catalogue import evidence_counts, open_values
 from atleak.report.terminal import print_records
@@ -34,6 +34,8 @@ def add_parser(commands: Any, name: str) -> None:
         return
     run = {"controllers": _controllers, "fluids": _fluids, "limits": _limits, "instruments": _instruments}[name]
     parser = add_command(commands, name, run, examples=(name, f"{name} --json -"))
+    if name in ("fluids", "instruments"):
+        add_units(parser)
     add_json(parser)
     add_force(parser)
 
@@ -140,8 +142,32 @@ def _list(
     records = [{**row, **mine, "atleak": __version__} for row, mine in zip(rows, own, strict=True)]
     outputs.write(json=lambda: records)
     if outputs.shown:
-        print_records([*columns, "own"], [{**row, **mine} for row, mine in zip(shown or rows, own, strict=True)])
+        listed = [{name: row[name] for name in columns} for row in shown or rows]
+        if getattr(options, "units", "metric") != "metric":
+            listed = [_in_units(row, wording("en", options.units)) for row in listed]
+        names = list(listed[0]) if listed else columns
+        print_records([*names, "own"], [{**row, **mine} for row, mine in zip(listed, own, strict=True)])
     outputs.say_written()
     for fault in known.faults:
         print(f"atleak: left aside: {fault}", file=sys.stderr)
     return 0
+
+
+_KINDS = {"_mm2_s": "viscosity", "_g_cm3": "density", "_c": "temperature", "_um": "clearance"}  # by the end of a key
+
+
+def _in_units(record: dict[str, Any], say: Wording) -> dict[str, Any]:
+    """Return a record for a reader of other units than those in its keys."""
+    shown = {}
+    for name, value in record.items():
+        end, kind = next(((end, kind) for end, kind in _KINDS.items() if name.endswith(end)), ("", None))
+        if kind is None:
+            shown[name] = value
+            continue
+        if isinstance(value, dict):  # by temperature
+            points = ((say.plain_value(each, kind), float(at)) for at, each in value.items())
+            value = ", ".join(f"{each} at {say.plain_quantity(at, 'temperature')}" for each, at in points)
+        elif value is not None:
+            value = say.plain_value(value, kind)
+        shown[f"{name.removesuffix(end)} [{say.unit(kind)}]"] = value
+    return shown

@@ -123,6 +123,8 @@ def _unit(diagnosis: Diagnosis, say: Wording) -> Iterator[str | RenderableType]:
         flagged = flagged.without(*(key for key in ON_PAPER if key != "mounting"), "decision")
         named = {"pair": Column("pair", of=lambda land: _named(diagnosis, land))}
         yield laid_out(replace(flagged, columns=tuple(named.get(each.key, each) for each in flagged.columns)))
+        if say.units == "us":
+            yield say("texts.radial")
     else:
         yield "No measured land has reached a limit."
     yield from _matrix(diagnosis, say)

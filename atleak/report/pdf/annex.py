@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
+from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.limits import RuleKind
 from atleak.common.units import MM, PERCENT, UM
 from atleak.diagnosis.land import LandDiagnosis
@@ -182,7 +183,8 @@ class Annex(PrintedPart):
             ),
         ]
         yield self._by_valve(self._rows(readings.readings), columns, lambda row: row.component)
-        yield text(say("annex.about_readings"), small=True)
+        reference = say.plain_value(REFERENCE_TEMPERATURE, "temperature")
+        yield text(say("annex.about_readings", reference=reference), small=True)
 
     def _rows(self, readings: Iterable[Reading]) -> list[_Row]:
         """Return the readings in the valve body's order, those of planes that belong to no land last."""

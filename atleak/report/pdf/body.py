@@ -207,7 +207,8 @@ class Body(PrintedPart):
         table = self.names.lands.without(*_ELSEWHERE, "land", "share", "decided_by")
         yield printed(replace(table, rows=flagged, remark=self.names.reason).filled)
         decided = ("decision",) if any(land.decision for land in flagged) else ()
-        notes = ["both_rules", *decided, *(["uncertainty"] if self.diagnosis.uncertainty else [])]
+        radial = ["radial"] if say.units == "us" else []  # its readers have diametral ones from their manuals
+        notes = [*radial, "both_rules", *decided, *(["uncertainty"] if self.diagnosis.uncertainty else [])]
         yield text(" ".join(say(f"texts.{note}") for note in notes), small=True)
 
     def _again(self) -> Iterable[Block]:
@@ -327,8 +328,8 @@ class Body(PrintedPart):
         viscosities = [
             say(
                 "facts.viscosity_at",
-                nu=say.number(fluid.kinematic_viscosity(at, profile.viscosity) * MM2_S, 2),
-                rho=say.number(fluid.density(at, profile.viscosity) * G_CM3, 4),
+                nu=say.value(fluid.kinematic_viscosity(at, profile.viscosity) * MM2_S, "viscosity", 2),
+                rho=say.value(fluid.density(at, profile.viscosity) * G_CM3, "density", 4),
                 temperature=say.plain_value(at, "temperature"),
             )
             for at in (each.condition.temperature for each in diagnosis.reported)

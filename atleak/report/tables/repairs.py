@@ -296,7 +296,7 @@ def _remains(left: Remainder, say: Wording) -> str:
     stays = say("plan.stays", condition=condition, share=say.percent(total.share), band=say.level(total.band))
     if not left.new_is_past:
         return f"{stays} {say('plan.by_lands')}"
-    viscosity, loss = say.number(left.kinematic_viscosity * MM2_S, 2), say.percent(left.pump_loss, 0)
+    viscosity, loss = say.value(left.kinematic_viscosity * MM2_S, "viscosity", 2), say.percent(left.pump_loss, 0)
     new = say("plan.as_new", share=say.percent(left.new_share))
     return f"{stays} {new} {say('plan.not_lands', viscosity=viscosity, loss=loss)}"
 
