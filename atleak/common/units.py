@@ -322,8 +322,8 @@ SYSTEMS: Mapping[str, Mapping[str, ShownUnit]] = {
         "pressure": ShownUnit("psi", 0, _PSI),
         "temperature": ShownUnit("°F", 0, _FAHRENHEIT, 32.0),
         "temperature_difference": ShownUnit("°F", 1, _FAHRENHEIT),
-        "flow": ShownUnit("gpm", 2, _GALLONS),  # as pumps and coolers are rated
-        "leak": ShownUnit("in³/min", 1, 1.0e6 * _CUBIC_INCHES, finer=-1),  # as hydraulic spool valves are rated
+        "flow": ShownUnit("gpm", 2, _GALLONS),  # as pumps are rated, and coolers flow-checked
+        "leak": ShownUnit("in³/min", 1, 1.0e6 * _CUBIC_INCHES, finer=-1),  # 0.00 gpm tells no land from another
         "distance": ShownUnit("mi", 0, 1.0e3 / MILE),
         "speed": ShownUnit("mph", 0, 1.0e3 / MILE),
         "displacement": ShownUnit("in³", 3, _CUBIC_INCHES, finer=3),

@@ -70,6 +70,10 @@ _HOW_TO_CHANGE = (
         "change more unprotects the sheet (Review, Unprotect Sheet)."
     ),
 )
+_FACTORS = Sentence(
+    "Each formula converts the cells that it takes to the metric units of its equation, and its result back: a factor "
+    "such as 25.4 beside a cell does that."
+)
 _LEVELS: dict[MessageLevel, Sentence] = {"info": Sentence("info"), "warning": Sentence("warning")}
 _LEAST = 10  # columns of the summary: what stands alone is a long text
 _KINDS = {"_km": "distance", "_c": "temperature", "_um": "clearance"}  # of quantity, by the end of a field's name
@@ -139,7 +143,7 @@ class Sheets:
             row = self._totals(page, row) + 1
             row = flagged.write(page, row) + 1
             row = self._repair(page, row, plan) + 1
-            for note in _HOW_TO_CHANGE:
+            for note in (*_HOW_TO_CHANGE, *([] if self.say.units == "metric" else [_FACTORS])):
                 row = page.across(row, note)
         sheet.print_area(0, 0, row - 1, page.last)  # the title may run further
 
