@@ -66,6 +66,12 @@ def printed(language: str = "en", units: str = "metric") -> tuple[FleetSummary, 
     return made, content, text_of(content)
 
 
+@cache
+def printed_case(case: str) -> tuple[FleetSummary, bytes]:
+    made = summary(**CASES[case])
+    return made, write_summary_pdf(made)
+
+
 def assert_rates_stand_there(made: FleetSummary, text: str, say: Wording) -> None:
     words = FleetWords(made, say)
     assert plain(words.headline()) in text
@@ -141,8 +147,7 @@ def test_every_language_has_its_words_and_units(language: str, units: str) -> No
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_whatever_a_fleet_is_it_fits_eight_pages_within_their_edges(case: str) -> None:
-    made = summary(**CASES[case])
-    content = write_summary_pdf(made)
+    _, content = printed_case(case)
     assert b"<pdfuaid:part>1<" in content
     with pypdfium2.PdfDocument(content) as document:
         assert 1 < len(document) <= 8
@@ -162,15 +167,15 @@ def test_whatever_a_fleet_is_it_fits_eight_pages_within_their_edges(case: str) -
 def test_words_of_charts_and_tables_are_legible(case: str) -> None:
     from tests.unit.report.test_typography import LEAST, sizes
 
-    content = write_summary_pdf(summary(**CASES[case]))
+    _, content = printed_case(case)
     small = sorted({(page, round(size, 1)) for page, size, _ in sizes(content) if size < LEAST})
     assert small == []
 
 
 @pytest.mark.slow
 def test_valve_bodies_beyond_those_with_sections_stand_in_the_table_and_are_told() -> None:
-    made = summary(**CASES["many valve bodies, many groups"])
-    text, words = text_of(write_summary_pdf(made)), FleetWords(made, wording("en"))
+    made, content = printed_case("many valve bodies, many groups")
+    text, words = text_of(content), FleetWords(made, wording("en"))
     for body in made.bodies:
         assert words.body(body.controller) in text
     assert wording("en")("fleet_summary.beyond", count=len(made.bodies) - DETAILED, detailed=DETAILED) in text
