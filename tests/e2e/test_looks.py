@@ -70,15 +70,26 @@ OVER = """() => {
     return alike.flatMap(kind => over(kind, kind))
         .concat(over(shown(`${main} [data-testid=stElementToolbar]`), shown(`${main} :is(${texts})`)))
 }"""
-PAGES = sorted(path.stem for path in Path(__file__).parents[2].joinpath("pages").glob("[1-9]*_*.py"))
+JOB, OTHERS = (  # the pages of a job, and all others
+    sorted(path.stem for path in Path(__file__).parents[2].joinpath("pages").glob(numbered))
+    for numbered in ("[1-9]_*.py", "[1-9][0-9]_*.py")
+)
 # Goes to a page as the browser's own buttons do.
 GO = "name => { history.pushState({}, '', name + location.search); dispatchEvent(new PopStateEvent('popstate')) }"
 ANOTHER = "heading => ![heading, undefined].includes(document.querySelector('h1')?.innerText)"
 
 
-@pytest.mark.parametrize("job", ["sample", pytest.param("empty", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("job", "pages"),
+    [
+        ("sample", JOB),
+        pytest.param("sample", OTHERS, marks=pytest.mark.slow),
+        pytest.param("empty", [*JOB, *OTHERS], marks=pytest.mark.slow),
+    ],
+    ids=["the sample's pages", "other pages", "an empty job"],
+)
 def test_nothing_that_is_touched_lies_over_anything_else(
-    browser: playwright_api.Browser, server: str, job: str
+    browser: playwright_api.Browser, server: str, job: str, pages: list[str]
 ) -> None:
     context = browser.new_context(viewport={"width": 820, "height": 1180}, has_touch=True, is_mobile=True)
     context.set_default_timeout(SOON)
@@ -89,7 +100,7 @@ def test_nothing_that_is_touched_lies_over_anything_else(
     if job == "empty":
         page.get_by_role("button", name="New, empty job").tap()
         sample.wait_for(state="detached")
-    for stem in PAGES:
+    for stem in pages:
         name, heading = stem.partition("_")[2], page.locator("h1").first.inner_text()
         if not page.url.partition("?")[0].endswith(f"/{name}"):
             page.evaluate(GO, f"/{name}")
