@@ -85,7 +85,9 @@ def open_from_book(id: str, steps: Steps | None = None) -> bool:
     now = session()
     name = reader.say()("done.job_of_book", id=id)
     if steps is None:
-        steps = way_back(reader.say()("done.opened", name=name)) if unsaved() else Steps()
+        steps = Steps()
+        if unsaved():
+            steps = way_back(lambda say: say("done.opened", name=say("done.job_of_book", id=id)))
     try:
         stored = book().load(id)
         case = held(replace(opened_case(stored.file.case), sample=stored.sample))

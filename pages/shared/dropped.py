@@ -12,9 +12,9 @@ from atleak.job.kinds import FileKind, kind_of, slots_of
 from atleak.job.zip_file import parse_job
 from atleak.readers.controller_workbook import read_controller_workbook
 from atleak.report.pictures import printable_picture
-from pages.shared import reader
 from pages.shared.cases import catalogue_entry, controller_of
 from pages.shared.state import Refusal, job, open_job, pick, put_file, put_job, remember, session
+from pages.shared.undo import Told
 
 _ORDER = tuple(FileKind)  # a job before what is added to it, its valve body before the sheet
 _OF_JOB = (FileKind.READINGS, FileKind.ROAD_TEST, FileKind.PRESSURES)
@@ -22,7 +22,7 @@ _OF_JOB = (FileKind.READINGS, FileKind.ROAD_TEST, FileKind.PRESSURES)
 
 def take(files: Sequence[SourceFile]) -> None:
     """Take files into the job, each to its place; what cannot be used is kept in ``refused`` of the session."""
-    now, say = session(), reader.say()
+    now = session()
     now.notices, now.not_taken = (), ()
     now.refused.pop("job", None)
     kinds = []
@@ -33,11 +33,12 @@ def take(files: Sequence[SourceFile]) -> None:
             now.not_taken += (Refusal(file.name, error),)
     kinds.sort(key=lambda each: _ORDER.index(each[0]))
     if any(kind is not FileKind.JOB for kind, _ in kinds):  # a job that is opened is remembered there
-        remember(say("done.taken_in", name=", ".join(file.name for _, file in kinds)))
+        names = ", ".join(file.name for _, file in kinds)
+        remember(lambda say: say("done.taken_in", name=names))
     last = dict(kinds)
     for kind, file in kinds:
         if kind in _OF_JOB and file is not last[kind]:
-            _say(say("done.left_out", name=file.name, other=last[kind].name))
+            _leave_out(file, last[kind])
             continue
         try:
             _take(kind, file)
@@ -56,11 +57,11 @@ def _take(kind: FileKind, file: SourceFile) -> None:
         record = parse_job(file.content, file.name)
         check_decisions(record, controller_of(now.case), file.name)
         put_job(record.with_pictures(job().pictures))
-        _say(reader.say()("done.record", name=file.name))
+        _tell(lambda say: say("done.record", name=file.name))
     elif kind is FileKind.PICTURE:
         printable_picture(file.name, file.content)
         put_job(job().with_photo(file.name, file.content))
-        _say(reader.say()("done.photo", name=file.name))
+        _tell(lambda say: say("done.photo", name=file.name))
     elif kind is FileKind.CONTROLLER_WORKBOOK:
         described = read_controller_workbook(file.content, name=file.name)
         name = f"{described.controller.id}.toml"
@@ -73,10 +74,12 @@ def _take(kind: FileKind, file: SourceFile) -> None:
 def _choose(slots: Sequence[str], file: SourceFile) -> None:
     for slot in slots:
         pick(slot, file)
-    say = reader.say()
-    names = ", ".join(say(f"slots.{slot}") for slot in slots)
-    _say(say("done.used_for", name=file.name, slots=names))
+    _tell(lambda say: say("done.used_for", name=file.name, slots=", ".join(say(f"slots.{slot}") for slot in slots)))
 
 
-def _say(text: str) -> None:
-    session().notices += (text,)
+def _leave_out(file: SourceFile, other: SourceFile) -> None:
+    _tell(lambda say: say("done.left_out", name=file.name, other=other.name))
+
+
+def _tell(told: Told) -> None:
+    session().notices += (told,)

@@ -15,13 +15,13 @@ from atleak.report.json.diagnosis import diagnosis_record
 from pages.shared import reader
 from pages.shared.cases import diagnosis_of, opened_case
 from pages.shared.state import OF_FLEET, InBook, Refusal, session, show_job, way_back
-from pages.shared.undo import Steps
+from pages.shared.undo import Steps, Told
 
 if TYPE_CHECKING:
     from atleak.fleet.sources import KeptUnit
 
 
-def show_unit(kept: KeptUnit, folder: str, *, done: str = "") -> None:
+def show_unit(kept: KeptUnit, folder: str, *, done: Told | None = None) -> None:
     """Show the own job of a unit; the job book has it once it is changed.
 
     Parameters
@@ -43,7 +43,7 @@ def show_unit(kept: KeptUnit, folder: str, *, done: str = "") -> None:
     diagnosis = diagnosis_of(case)
     otherwise = judged_otherwise(kept.result, _without_circuits(diagnosis_record(diagnosis)), numbers=True)
     in_book = InBook(result_by=kept.unit["atleak"], judged_otherwise=otherwise, of_fleet=f"{folder}-{kept.unit[HASH]}")
-    steps = way_back(done) if done else Steps()
+    steps = way_back(done) if done is not None else Steps()
     show_job(case, with_sheet(record, diagnosis.readings) or record, in_book, steps)
 
 

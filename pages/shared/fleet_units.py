@@ -262,7 +262,11 @@ def _open(kept: KeptUnit, folder: KnownFolder) -> None:
     """Open a unit's own job in this session, or keep why that is not possible; for a callback."""
     row = kept.unit
     st.session_state.pop(_FAULT, None)
-    done = reader.say()("done.opened", name=row["number"] or row["name"][len(_folder_of(row["name"])) :])
+    name = row["number"] or row["name"][len(_folder_of(row["name"])) :]
+
+    def done(say: Wording) -> str:
+        return say("done.opened", name=name)
+
     try:
         if row["reference"].startswith(BOOK):
             kept.opened()

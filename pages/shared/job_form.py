@@ -210,7 +210,8 @@ def _uploads(what: str, *, several: bool) -> None:
     fault_key = f"{key(what)}-fault"
 
     def take(pictures: Sequence[UploadedFile]) -> None:
-        remember(reader.say()("done.taken_in", name=", ".join(picture.name for picture in pictures)))
+        names = ", ".join(picture.name for picture in pictures)
+        remember(lambda say: say("done.taken_in", name=names))
         for picture in pictures:
             name, content = picture.name, picture.getvalue()
             try:
@@ -227,7 +228,7 @@ def _uploads(what: str, *, several: bool) -> None:
 
 
 def _take_photo_away(file: str) -> None:
-    remember(reader.say()("done.taken_away", name=file.rpartition("/")[2]))
+    remember(lambda say: say("done.taken_away", name=file.rpartition("/")[2]))
     _put(job().without_photo(file))
 
 

@@ -215,7 +215,8 @@ def _put(typed: Typed, answer: dict[str, Any] | None = None) -> None:
     content = written_sheet(typed, _judged(typed, case).counting, controller_of(case))
     file = None if content is None else SourceFile(TYPED_FILE, content)
     if before is not None and before.name != TYPED_FILE:
-        remember(reader.say()("done.typed_on", name=before.name))
+        gone_on_from = before.name
+        remember(lambda say: say("done.typed_on", name=gone_on_from))
         gauges = None if typed.sheet is None else typed.sheet.pressures
         if gauges is not None and case.pressures is None:
             put_file("pressures", SourceFile(TYPED_GAUGES, TypedGauges.going_on_from(gauges).written()))

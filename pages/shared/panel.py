@@ -65,7 +65,7 @@ def draw() -> Diagnosis:
             with st.container():
                 _status(slot, result)
         for notice in session().notices:
-            st.caption(show.plain(notice))
+            st.caption(show.plain(notice(reader.say())))
     with st.container():  # one element however many notices there are: the elements below keep their places
         _notices()
     return diagnosis_of(session().good)
@@ -133,7 +133,7 @@ def _jobs() -> None:
     with st.container():
         for name, way, done in (("undo", book.undo, steps.past), ("redo", book.redo, steps.future)):
             if done:
-                what = show.plain(say(f"panel.{name}", what=done[-1].done))
+                what = show.plain(say(f"panel.{name}", what=done[-1].done(say)))
                 st.button(what, on_click=way, width="stretch", key=name)
     cleared = say("panel.cleared")
     st.button(say("panel.new_job"), on_click=new_job, width="stretch", help=cleared)

@@ -76,7 +76,7 @@ def draw(diagnosis: Diagnosis) -> None:
     st.markdown(plain(" ".join(effect_sentences(repairs, chosen, effect, say))))
     decided = chosen == decided_repairs(repairs, job())
     if st.button(say("repair_plan.take"), help=say("repair_plan.take_help"), type="primary", key="take-repairs"):
-        remember(say("done.repairs"))
+        remember(lambda say: say("done.repairs"))
         put_job(with_repairs(repairs, job(), chosen))
         address.keep(_ADDRESS, "")  # from now on the ticks follow the decisions
         st.rerun()  # the whole page: the job's record has changed, and is saved

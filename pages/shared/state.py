@@ -27,7 +27,6 @@ from atleak.job.result import judged_otherwise
 from atleak.job.zip_file import read_job_file
 from atleak.measurements.job_card import Job
 from atleak.report.json.diagnosis import diagnosis_record
-from pages.shared import reader
 from pages.shared.cases import (
     FITTED,
     PageCase,
@@ -39,7 +38,7 @@ from pages.shared.cases import (
     opened_case,
     sample_case,
 )
-from pages.shared.undo import Left, Step, Steps
+from pages.shared.undo import Left, Step, Steps, Told
 
 FILES = tuple(FITTED)
 KEPT = (*SLOTS, "profile", "options")  # choices that a new, empty job takes over
@@ -93,7 +92,7 @@ class Session:
     own: dict[str, SourceFile] = field(default_factory=dict)  # by slot: the last file of one's own that was given
     turns: int = 0  # part of the keys of the choices' widgets: they start anew where something else made the choice
     not_taken: tuple[Refusal, ...] = ()  # of the files that came in last, those that are no part of a job
-    notices: tuple[str, ...] = ()  # what was done with the files that came in last
+    notices: tuple[Told, ...] = ()  # what was done with the files that came in last
     follow: bool = False  # whether the sheet that is tried may choose the controller that its head names
     steps: Steps = field(default_factory=Steps)  # that can be taken back and done again
     windows: dict[str, tuple[float, float]] = field(default_factory=dict)  # part shown [s], by the log's SHA-256
@@ -144,7 +143,8 @@ def take_away(slot: str) -> None:
     """Take a file out of the job, or the refused one that was to replace it; for a callback."""
     now = session()
     if now.refused.pop(slot, None) is None:
-        remember(reader.say()("done.taken_away", name=getattr(now.case, slot).name))
+        name = getattr(now.case, slot).name
+        remember(lambda say: say("done.taken_away", name=name))
         put_file(slot, None)
 
 
@@ -178,7 +178,7 @@ def pick(slot: str, choice: CaseChoice) -> None:
     choose(**{slot: choice})
 
 
-def remember(done: str) -> None:
+def remember(done: Told) -> None:
     """Keep the job as it is, so that what is done to it next can be taken back."""
     now = session()
     now.steps = now.steps.settled(now.case, job()).with_step(Step(done, now.case, job()))
@@ -197,28 +197,28 @@ def state_of_job() -> str:
     return repr((session().good.key, record.model_dump_json(exclude_defaults=True), sorted(pictures.items())))
 
 
-def left(done: str, steps: Steps) -> Left:
+def left(done: Told, steps: Steps) -> Left:
     """Return the job on the screen, with its steps, as one that another takes the place of."""
     now = session()
     saved = now.in_book.id is not None and not unsaved()
     return Left(done, now.case, job(), now.in_book, saved, steps)
 
 
-def way_back(done: str) -> Steps:
+def way_back(done: Told) -> Steps:
     """Return the steps of a job that is shown next: back to the one on the screen."""
     return Steps().with_step(left(done, replace(session().steps, future=())))
 
 
 def take_sample() -> None:
     """Return to the sample job, with fresh widgets and an empty job record."""
-    show_job(sample_case(), Job(), InBook(), way_back(reader.say()("done.sample")))
+    show_job(sample_case(), Job(), InBook(), way_back(lambda say: say("done.sample")))
 
 
 def new_job() -> None:
     """Start an empty job; the controller, the instruments and the engine's options stay."""
     now = session()
     case = PageCase(**{name: getattr(now.good, name) for name in KEPT} | chosen_by_id(now.good))
-    show_job(case, Job(), InBook(), way_back(reader.say()("done.new")))
+    show_job(case, Job(), InBook(), way_back(lambda say: say("done.new")))
 
 
 def show_job(case: PageCase, record: Job, in_book: InBook, steps: Steps) -> None:
@@ -244,7 +244,7 @@ def open_job(name: str, content: bytes) -> bool:
         return False
     place = now.in_book.place  # what is dropped after it is meant for it
     in_book = InBook(new=True, result_by=job_file.result_by, judged_otherwise=otherwise, place=place)
-    show_job(case, job_file.job, in_book, way_back(reader.say()("done.opened", name=name)))
+    show_job(case, job_file.job, in_book, way_back(lambda say: say("done.opened", name=name)))
     return True
 
 
@@ -296,9 +296,9 @@ def _take_head(diagnosis: Diagnosis) -> None:
     taken = taken_from_sheet(before, filled)
     if taken:
         put_job(filled)
-        say = reader.say()
-        named = ", ".join(say(f"head.{name}") for name in taken)
-        session().notices += (say("done.head_taken", names=named),)
+        session().notices += (
+            lambda say: say("done.head_taken", names=", ".join(say(f"head.{name}") for name in taken)),
+        )
 
 
 def _followed(now: Session, error: AtleakError) -> bool:
@@ -310,7 +310,7 @@ def _followed(now: Session, error: AtleakError) -> bool:
         return False
     now.follow = False
     pick("controller", name)
-    now.notices += (reader.say()("done.head_chose", name=name),)
+    now.notices += (lambda say: say("done.head_chose", name=name),)
     return True
 
 

@@ -5,10 +5,11 @@ A step takes back what it did, and nothing that was typed or chosen since.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from atleak.common.wording import Wording
 from atleak.job.case import Case
 from atleak.measurements.job_card import Job, Record
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from pages.shared.state import InBook
 
 Value = TypeVar("Value")
+Told = Callable[[Wording], str]  # what was done, in the language of whoever reads it, which may change after it
 _Entries = dict[tuple[Any, int], Any]
 _ABOUT = ("file", "component", "land", "part", "repair", "name", "serial")  # what tells entries of a record apart
 UNDOABLE = 10  # steps back that a session keeps
@@ -26,7 +28,7 @@ UNDOABLE = 10  # steps back that a session keeps
 class Step:
     """Something that was done in the job on the screen."""
 
-    done: str  # what was done, for people
+    done: Told
     case: PageCase  # before it
     record: Job
     after: tuple[PageCase, Job] | None = None  # None until what was done is in the job
@@ -49,7 +51,7 @@ class Step:
 class Left:
     """A job that was on the screen before another one took its place."""
 
-    done: str
+    done: Told
     case: PageCase
     record: Job
     in_book: InBook

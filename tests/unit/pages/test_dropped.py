@@ -10,6 +10,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.entries import catalogue_files
+from atleak.common.wording import wording
 from atleak.report.sheets.measuring_sheet import write_template
 from tests.unit.conftest import first_of
 from tests.unit.pages.conftest import ROOT, XLSX, choice, flagged, press, texts, uploader
@@ -75,6 +76,8 @@ def test_a_sheet_whose_head_names_another_valve_body_chooses_it_and_tells_whose_
     uploader(app).upload("five.xlsx", sheet, XLSX).run()
     assert not app.exception
     assert "Taken into the job from the head of the sheet: job number, vehicle, mileage, instrument." in texts(app)
+    in_german = [notice(wording("de")) for notice in app.session_state["atleak"].notices]
+    assert any(each.startswith("Aus dem Kopf des Messblatts in den Auftrag übernommen: Auftrag") for each in in_german)
     assert app.session_state["job-record"].vehicle.mileage_km == 212_000.0
     assert choice(app, "Valve body").value == "five_speed_2005"
     assert "The sheet's head names the valve body five_speed_2005: it was chosen." in texts(app)

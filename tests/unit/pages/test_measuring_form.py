@@ -10,6 +10,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller import Controller
+from atleak.common.wording import wording
 from atleak.job.case import SourceFile
 from atleak.readers.sheets.measuring_sheet import read_readings
 from tests.unit.pages.conftest import ROOT
@@ -125,7 +126,8 @@ def test_a_sheet_that_was_given_is_gone_on_from_with_its_gauge_readings(opened: 
     assert case.readings.name == "typed readings.csv"
     assert b"D;slow idle;line;450;" in case.pressures.content
     before = app.session_state["atleak"].steps.past[-1]
-    assert (before.case.readings.name, before.done) == ("mine.xlsx", "Messwerte aus mine.xlsx von Hand fortgesetzt")
+    assert before.case.readings.name == "mine.xlsx"
+    assert before.done(wording("de")) == "Messwerte aus mine.xlsx von Hand fortgesetzt"
 
 
 def test_the_samples_readings_can_only_be_looked_at(opened: Opened) -> None:
