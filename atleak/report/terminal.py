@@ -18,7 +18,7 @@ from atleak.analysis.repair.plan import RepairStep, plan_repairs
 from atleak.common.errors import Message
 from atleak.common.printable import printable, unguarded
 from atleak.common.style import look_of
-from atleak.common.units import DM3_MIN, HHMMSS, KPA, PERCENT, RPM, SYSTEMS, find_unit, kinds_of
+from atleak.common.units import DM3_MIN, HHMMSS, KPA, PERCENT, RPM, SYSTEMS, find_unit, gear_name, kinds_of
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, begun, signed, wording
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -144,6 +144,8 @@ def print_log(record: dict[str, Any], units: str | None = None) -> None:
         unit, ends = _in_own_unit(column) if units is None else _in_units(column, say)
         unit = f"{unit or '–'}{' (assumed)' if column['unit_assumed'] else ''}"
         numbers = [_short(number) for number in (*ends, column["sampling_hz"])]
+        if column["quantity"] == "gear":
+            numbers[:2] = ["–" if end is None else gear_name(int(end)) for end in ends]
         quantity = "\n".join([column["quantity"], *([column["kind"]] if column["kind"] != "unknown" else [])])
         cells = (quantity, column["column"] or column["source"], unit, str(column["samples"]))
         table.add_row(*(Text(cell) for cell in (*cells, *numbers)))

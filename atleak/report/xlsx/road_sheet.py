@@ -7,6 +7,7 @@ from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
+from atleak.catalogue.workbook.cells import gear_shown
 from atleak.common.sentences import Name, Sentence
 from atleak.common.style import CHART_GRID, PAPER_INKS
 from atleak.common.units import UnitOf, gear_name
@@ -92,7 +93,7 @@ class RoadSheets:
             form = book.form(_FORMATS.get(kind, kind), kind or None)
             for line, value in enumerate((say.convert(values, kind) if kind else values).tolist(), start=row + 1):
                 if value == value:  # NaN: an empty cell, a gap in the chart
-                    sheet.write_number(line, column, value, form)
+                    book.put(sheet, line, column, gear_shown(int(value)) if name == "gear" else value, form)
         first, last = row + 1, row + kept
         flows = [name for name in ("pump_capacity_dm3_min", "leakage_dm3_min") if name in names]
         drawn = [(name, series.labels[name][0], names.index(name)) for name in flows]
