@@ -235,7 +235,7 @@ def _mark(figure: Figure, test: RoadTest, inside: Sequence[Event], say: Wording)
         if shift:  # the lane names the others
             notes.append(
                 {"x": begin, "y": 1.0, "xref": "x", "yref": "paper", "xanchor": "left", "yanchor": "bottom",
-                 "showarrow": False, "font": {"size": 10}, "text": event.gears}
+                 "showarrow": False, "font": {"size": 10}, "text": str(event.gears).replace(" ", "")}
             )  # fmt: skip
     figure.update_layout(shapes=shapes, annotations=notes if len(notes) <= LABELLED else [])
 

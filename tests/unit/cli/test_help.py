@@ -124,7 +124,10 @@ def test_a_name_that_ends_as_another_kind_of_file_does_is_refused(
     ("options", "said"),
     [
         (("--language", "de"), ["--language does nothing without --pdf"]),
-        (("--units", "us", "--sections", "lands"), ["--units does nothing", "--sections does nothing without --pdf"]),
+        (
+            ("--language", "de", "--sections", "lands"),
+            ["--language does nothing", "--sections does nothing without --pdf"],
+        ),
         (("--paper", "letter"), ["--paper does nothing without --pdf or --xlsx"]),
         ((), []),
     ],

@@ -77,7 +77,7 @@ def test_a_copy_is_named_kept_saved_used_and_edited_again(app: AppTest) -> None:
     assert f"Saved: {path}" in texts(app)
     labelled(app.button, "Use it for this job").click().run()
     assert choice(app, "Valve body").value == "our_box"
-    assert "-1" in next(box for box in app.sidebar.selectbox if box.label == "Gear").options
+    assert "R" in next(box for box in app.sidebar.selectbox if box.label == "Gear").options
     labelled(app.text_input, "Gears *").set_value("1 2 3 4").run()
     labelled(app.button, "Save as own file").click().run()  # over the file that it was saved as
     assert tomllib.loads(path.read_text(encoding="utf-8"))["gears"] == [1, 2, 3, 4]
