@@ -237,8 +237,11 @@ def matrix_table(diagnosis: Diagnosis, rows: Sequence[MatrixRow], say: Wording) 
     columns = (
         Column("pair", width=250, of=lambda row: land_in_words(diagnosis, row.land.key, say)),
         *shares,
-        Column("elsewhere", width=300, words=say("diagnosis.matrix_elsewhere"), of=lambda row: row.elsewhere or None),
-    )
+        Column(
+            "elsewhere", width=300, words=say("diagnosis.matrix_elsewhere"),
+            of=lambda row: say.sentence(row.elsewhere) or None,
+        ),
+    )  # fmt: skip
     return Table("matrix", columns, rows, say)
 
 

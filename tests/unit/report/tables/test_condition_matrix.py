@@ -15,12 +15,13 @@ from atleak.catalogue.controller_file import controllers, load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.common.verdicts import Verdict
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.engine.profile import PAPER, PROFILES, WORKSHOP, Profile
 from atleak.measurements.readings import Readings
 from atleak.report.json.diagnosis import diagnosis_record, to_json
-from atleak.report.tables.lands import MatrixRow, condition_matrix, leaking_worst_first
+from atleak.report.tables.lands import MatrixRow, condition_matrix, leaking_worst_first, matrix_table
 
 Edited = Callable[..., Path]
 Build = Callable[..., Readings]
@@ -86,6 +87,12 @@ def test_a_gap_into_a_live_circuit_says_so(four_speed: Controller, hipol: Fluid,
     only_there = row_of(diagnose(four_speed, hipol, limits), ("8", 1))  # in second gear alone
     assert [bool(cell.elsewhere) for cell in only_there.cells] == [True, False]
     assert only_there.elsewhere
+
+
+def test_the_matrix_says_it_in_the_reader_s_language(four_speed: Controller, hipol: Fluid, limits: Limits) -> None:
+    found = diagnose(four_speed, hipol, limits)
+    row = row_of(found, ("5", 1))
+    assert matrix_table(found, [row], wording("de")).texts(row)[-1] == "leckt in: p_m, nicht von der Pumpe genommen"
 
 
 def test_a_circuit_without_a_name_is_another_circuit(edited: Edited, hipol: Fluid, limits: Limits) -> None:
