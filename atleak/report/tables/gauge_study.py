@@ -104,9 +104,9 @@ def anova_table(study: GaugeStudy, say: Wording) -> Table:
     """Return the analysis of variance as a table that people read."""
     shown = (
         Column("variation_source", of=lambda row: say(f"gauge_study_names.{row['source']}"), width=150),
-        Column("squares", digits=2, of="squares_um2"),
+        Column("squares", "clearance_squared", 2, of="squares_um2"),
         Column("freedom", digits=0),
-        Column("mean_square", digits=2, of="mean_square_um2"),
+        Column("mean_square", "clearance_squared", 2, of="mean_square_um2"),
         Column("f_ratio", digits=2, of="f"),
         Column("by_chance", digits=4, of="probability"),
     )
