@@ -82,8 +82,8 @@ FORM_PART_NAMES: Mapping[str, Sentence] = {
 
 
 def formats_of(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
-    """Return the formats for every tab; lengths have as many digits as the reader's unit wants."""
-    length = f"0.{'0' * say.digits('length', 3)}"
+    """Return the formats for every tab; lengths have the digits that its notes ask for: 0.001 mm, 0.00005 in."""
+    length = "0.000" if say.unit("length") == "mm" else "0.00000"
     shade = SHEET_COLOURS
     cell = {"border": 1, "border_color": shade["border"], "valign": "vcenter"}
     given = {**cell, "bg_color": shade["given"]}
