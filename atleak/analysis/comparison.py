@@ -29,7 +29,7 @@ from atleak.analysis.changes import (
     same_condition,
 )
 from atleak.common.errors import InputError, Message
-from atleak.common.sentences import Sentence, in_a_row, some
+from atleak.common.sentences import Sentence, counted, in_a_row, some
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.messages import LANDS_LISTED
@@ -118,9 +118,11 @@ def _missing_lands(found: Comparison) -> Iterator[Message]:
             yield Message("warning", f"land_only_{side}", _DESCRIBED_ONLY[side].of(lands=_names(absent)))
         alone = [each for each in found.lands if each.only_on(side) and not each.described_only_on(side)]
         if alone:
-            several = Sentence("On the other side they count as new in totals and pressures")
-            one = Sentence("On the other side it counts as new in totals and pressures")
-            counts = several if len(alone) > 1 else one
+            counts = counted(
+                len(alone),
+                "On the other side it counts as new in totals and pressures",
+                "On the other side they count as new in totals and pressures",
+            )
             text = _MEASURED_ONLY[side].of(lands=_names(alone), counts=counts)
             yield Message("warning", f"measured_only_{side}", text)
     half = [land for land in found.compared if land.half]

@@ -19,8 +19,9 @@ from atleak.catalogue.instruments import Instrument, Part
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import InputError, Message, Place, unknown
 from atleak.common.sentences import Name, Sentence
+from atleak.common.translations import languages
 from atleak.common.units import Quantity
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.measurements.job_card import InstrumentUsed, Job, RepairDecision

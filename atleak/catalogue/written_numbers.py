@@ -192,7 +192,7 @@ def written(value: float, asked: AskedNumber, say: Wording | None = None) -> str
     text = repr(float(value)).removesuffix(".0")
     possible = [each for each in possible_values(text) if _within(each, asked.limits)]
     text = f"{text}0" if len(possible) > 1 else text
-    return text if say is None else text.replace(".", say.texts["decimal"])
+    return text if say is None else text.replace(".", say.decimal)
 
 
 def _within(value: float, ends: tuple[float, float]) -> bool:

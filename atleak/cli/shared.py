@@ -19,8 +19,8 @@ from atleak.common.printable import asked_for, unguarded
 from atleak.common.seals import SealedKind
 from atleak.common.sentences import Sentence
 from atleak.common.style import DEFAULT_PAPER, PAPERS
+from atleak.common.translations import languages
 from atleak.common.units import SYSTEMS
-from atleak.common.wording import languages
 
 if TYPE_CHECKING:
     from atleak.catalogue.controller import Controller

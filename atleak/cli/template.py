@@ -8,8 +8,8 @@ from typing import Any
 from atleak.catalogue.written_numbers import MILEAGE
 from atleak.cli.parser import add_command
 from atleak.cli.shared import Outputs, add_controller, add_force, chosen_controller, number_of_argument
+from atleak.common.translations import languages
 from atleak.common.units import SYSTEMS
-from atleak.common.wording import languages
 from atleak.job.zip_file import load_job
 from atleak.measurements.job_card import Job, clean_text
 from atleak.report.sheets import measuring_head as head

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import reduce
+from gettext import NullTranslations
 from typing import Any
 
 
@@ -26,7 +27,7 @@ class Sentence(str):
     Parameters
     ----------
     template
-        a literal of the code; the languages have their own wording of exactly this text.
+        a literal of the code; the languages' catalogues have their own wording of exactly this text.
     values
         what stands at its places.
 
@@ -39,6 +40,7 @@ class Sentence(str):
 
     template: str
     values: Mapping[str, Any]
+    several: str = ""  # the template where ``{count}`` is another number than one
 
     def __new__(cls, template: str, /, **values: Any) -> Sentence:
         """Write the sentence in English."""
@@ -54,14 +56,22 @@ class Sentence(str):
         """
         return type(self)(self.template, **values)
 
+    def translated(self, catalogue: NullTranslations) -> str:
+        """Return the template in the language of a catalogue, in the plural form of ``count`` if it has several."""
+        if self.several:
+            return catalogue.ngettext(self.template, self.several, self.values["count"])
+        return catalogue.gettext(self.template) if self.template else ""
 
-def counted(count: int, one: Sentence, several: Sentence, **values: Any) -> Sentence:
-    """Write one wording or the other, by how many there are; ``{count}`` says it.
 
-    >>> counted(2, Sentence("{count} row of {what}"), Sentence("{count} rows of {what}"), what="means")
+def counted(count: int, one: str, several: str, /, **values: Any) -> Sentence:
+    """Write one wording or the other, by how many there are; ``{count}`` says it. A language may have further forms.
+
+    >>> counted(2, "{count} row of {what}", "{count} rows of {what}", what="means")
     '2 rows of means'
     """
-    return (several if count > 1 else one).of(count=count, **values)
+    said = Sentence.__new__(Sentence, one if count == 1 else several, count=count, **values)
+    said.template, said.several = one, several
+    return said
 
 
 def in_a_row(parts: Iterable[Any]) -> Sentence:

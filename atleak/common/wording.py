@@ -1,26 +1,25 @@
-"""Give words and numbers in a reader's language and units, from one folder of texts per language."""
+"""Give words and numbers in a reader's language and units."""
 
 from __future__ import annotations
 
 import datetime as dt
 import math
 import re
-import tomllib
 import unicodedata
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cache
-from pathlib import Path
+from gettext import NullTranslations
 from typing import Any, Protocol, runtime_checkable
 
-from atleak.common.errors import AtleakError, Place, unknown
+from atleak.common.errors import AtleakError, Place
 from atleak.common.sentences import Listed, Name, Sentence, filled
 from atleak.common.style import look_of
+from atleak.common.translations import Text, catalogue, english
 from atleak.common.units import PERCENT, RPM, Quantity, ShownUnit, UnitOf, gear_name, unit_system
 from atleak.common.verdicts import Band, Verdict
 
-_FOLDER = Path(__file__).parents[1] / "texts"
 _PLACE = re.compile(r"\{(\w+)\}")
 _UNIT = "unit_"  # begins a place that holds the reader's unit of a kind of quantity
 _FIXED = re.compile(r",?\.(\d)f")  # how a place of a sentence asks for decimal places
@@ -83,22 +82,30 @@ class Wording:
     """The texts of one language, and a system of units; there is one of each pair."""
 
     language: str
-    texts: Mapping[str, Any]
+    catalogue: NullTranslations
     units: str
     system: Mapping[str, ShownUnit]
+    _tables: dict[str, Mapping[str, str]] = field(default_factory=dict, repr=False)
 
-    def __call__(self, key: str, /, **values: object) -> str:
+    def __call__(self, key: str, /, **values: Any) -> str:
         """Return the text of a dotted key, its ``{places}`` filled in, ``{unit_pressure}`` with the reader's unit.
 
-        A place may be given a `Quantity`, which is written in the reader's unit.
+        A place may be given a `Quantity`, which is written in the reader's unit. A text with plural forms takes the one
+        of ``count``, and writes it as a number.
 
         Raises
         ------
         KeyError
-            if English lacks the key.
+            if there is no text of this key.
         """
         table, _, name = key.partition(".")
-        return _PLACE.sub(lambda match: self._filled(match[1], values), self.texts[table][name])
+        text = english()[table][name]
+        if text.several:
+            template = text.translated(self.catalogue, values["count"])
+            values["count"] = self.number(values["count"], 0)
+        else:
+            template = self.table(table)[name]
+        return _PLACE.sub(lambda match: self._filled(match[1], values), template)
 
     def _filled(self, place: str, values: Mapping[str, object]) -> str:
         if place not in values and place.startswith(_UNIT):
@@ -106,16 +113,27 @@ class Wording:
         value = values[place]
         return self.value(*value) if isinstance(value, Quantity) else isolated(self.sentence(value))
 
+    def table(self, name: str) -> Mapping[str, str]:
+        """Return the texts of one table in the reader's language, by key."""
+        if name not in self._tables:
+            texts = english()[name].items()
+            self._tables[name] = {
+                key: text.translated(self.catalogue) if isinstance(text, Text) else self.name(text)
+                for key, text in texts
+            }
+        return self._tables[name]
+
     def get(self, table: str, name: str) -> str:
         """Return the text for a name, or the name itself where no text is known for it."""
-        return self.texts[table].get(name, name)
+        return self.table(table).get(name, name)
 
-    def name(self, name: str) -> str:
-        """Return a name of a valve body's file in the reader's language: of a valve, a circuit, an operating point.
+    def name(self, name: str, context: str | None = None) -> str:
+        """Return a name in the reader's language: a valve's, a circuit's, an operating point's.
 
-        Those of the shipped files are known; any other stays as it is.
+        Those of the shipped files are known, and in the context ``form`` the headings of the forms in which such files
+        are typed; any other stays as it is.
         """
-        return self.get("names", name)
+        return Text(name, context=context).translated(self.catalogue)
 
     def condition(self, point: _Condition) -> str:
         """Return the name of an operating point in the reader's language and unit."""
@@ -126,7 +144,7 @@ class Wording:
             speed = self.number(point.engine_speed * RPM, 0)
             return self("conditions.stated", gear=gear_name(point.gear), temperature=temperature, speed=speed)
         stated, name = f", {point.temperature:g} °C", self.name(point.label)
-        if name == point.label and self.language != "en" and point.name in self.texts["conditions"]:
+        if name == point.label and self.language != "en" and point.name in self.table("conditions"):
             name = self(f"conditions.{point.name}") + stated
         if name.endswith(stated):
             name = self("conditions.at", name=name.removesuffix(stated), temperature=temperature)
@@ -150,12 +168,18 @@ class Wording:
             said = said.sentence
         if not isinstance(said, Sentence) or (self.language == "en" and self.units == "metric"):
             return str(said)
-        template = self.texts.get("messages", {}).get(said.template, said.template)
-        return filled(template, {name: _spoken(value, self) for name, value in said.values.items()})
+        return filled(
+            said.translated(self.catalogue), {name: _spoken(value, self) for name, value in said.values.items()}
+        )
+
+    @property
+    def decimal(self) -> str:
+        """The language's decimal sign."""
+        return self.table("language")["decimal"]
 
     def level(self, level: Verdict | Band) -> str:
         """Return the word of a verdict or a band."""
-        return self.texts["bands" if isinstance(level, Band) else "verdicts"][level]
+        return self.table("bands" if isinstance(level, Band) else "verdicts")[level]
 
     def signed(self, level: Verdict | Band) -> str:
         """Return sign and word of a verdict or a band: ``■ replace``."""
@@ -169,7 +193,7 @@ class Wording:
         """
         if value is None or not math.isfinite(value):
             return "–"
-        text = f"{value:,.{digits}f}".replace(",", _NARROW).replace(".", self.texts["decimal"])
+        text = f"{value:,.{digits}f}".replace(",", _NARROW).replace(".", self.decimal)
         return text.replace("-", "−") if float(f"{value:.{digits}f}") != 0.0 else text.replace("-", "")
 
     def percent(self, fraction: float | None, digits: int = 1) -> str:
@@ -180,12 +204,12 @@ class Wording:
         """Return a number with no more digits than it has."""
         text = f"{value:.{digits}g}"
         text = f"{Decimal(text):f}" if "e" in text else text  # 0.00003937 in, not 3.937e-05
-        return text.replace(".", self.texts["decimal"]).replace("-", "−")
+        return text.replace(".", self.decimal).replace("-", "−")
 
     def date(self, value: dt.date) -> str:
         """Return a date in the language's form; English has ISO 8601: its readers disagree about day and month."""
         day, month, year = f"{value.day:02d}", f"{value.month:02d}", f"{value.year:04d}"
-        return self.texts["date"].format(day=day, month=month, year=year)
+        return self.table("language")["date"].format(day=day, month=month, year=year)
 
     def unit(self, kind: str) -> str:
         """Return the unit in which the reader has a kind of quantity: ``µm``."""
@@ -298,7 +322,7 @@ class _Spoken:
         return self.say.spelled(value, kind, int(places[1]) if places else digits)
 
     def _number(self, written: str) -> str:
-        decimal = self.say.texts["decimal"]
+        decimal = self.say.decimal
         return written.translate(str.maketrans({",": _NARROW, ".": decimal, "-": "−"}))
 
 
@@ -308,9 +332,7 @@ class _SpokenList(Listed):
     __slots__ = ()
 
     def __format__(self, specification: str) -> str:
-        comma = any(
-            isinstance(each.value, Quantity | float) and each.say.texts["decimal"] == "," for each in self.values
-        )
+        comma = any(isinstance(each.value, Quantity | float) and each.say.decimal == "," for each in self.values)
         return ("; " if comma else ", ").join(format(each, specification) for each in self.values)
 
 
@@ -320,53 +342,15 @@ def _spoken(value: Any, say: Wording) -> Any:
     return _Spoken(value, say)
 
 
-@cache
-def languages() -> tuple[str, ...]:
-    """Return the codes of the languages that atleak speaks."""
-    return tuple(sorted(path.name for path in _FOLDER.iterdir() if path.is_dir()))
-
-
-@cache
-def own_texts(language: str) -> Mapping[str, Any]:
-    """Return the texts that the files of a language give, by table and key.
-
-    Raises
-    ------
-    InputError
-        if no text is written in that language.
-    """
-    known = languages()
-    if language not in known:
-        raise unknown(Sentence("no report in this language"), language, known)
-    texts: dict[str, Any] = {}
-    for path in sorted((_FOLDER / language).glob("*.toml")):
-        for name, table in tomllib.loads(path.read_text(encoding="utf-8")).items():
-            known_texts = texts.setdefault(name, {}) if isinstance(table, dict) else texts
-            new_texts = table if isinstance(table, dict) else {name: table}
-            twice = known_texts.keys() & new_texts.keys()
-            assert not twice, f"{path.name} of {language} gives texts of another file in {name}: {sorted(twice)}"
-            known_texts.update(new_texts)
-    return texts
-
-
-@cache
-def own_table(language: str, name: str, about: str = "") -> Mapping[str, str]:
-    """Return one table of `own_texts`, without reading the others: of the files alone that hold a text ``about``."""
-    written = (path.read_text(encoding="utf-8") for path in (_FOLDER / language).glob("*.toml"))
-    tables = [tomllib.loads(text)[name] for text in written if f"\n[{name}]\n" in text and about in text]
-    return {key: text for table in tables for key, text in table.items()}
-
-
 def wording(language: str, units: str = "metric") -> Wording:
     """Return the texts of a language.
 
-    Several files of a language may add to one table, such as each page its ``columns``. A text that a language lacks is
-    the English one.
+    A text that a language lacks is the English one.
 
     Parameters
     ----------
     language
-        one of `languages`.
+        one of `atleak.common.translations.languages`.
     units
         system of units in which quantities are written: metric, metric_bar or us.
 
@@ -380,12 +364,7 @@ def wording(language: str, units: str = "metric") -> Wording:
 
 @cache
 def _wording(language: str, units: str) -> Wording:
-    english, own = own_texts("en"), own_texts(language)
-    texts = {
-        name: {**table, **own.get(name, {})} if isinstance(table, dict) else own.get(name, table)
-        for name, table in english.items()
-    }
-    return Wording(language, {**own, **texts}, units, unit_system(units))
+    return Wording(language, catalogue(language), units, unit_system(units))
 
 
 def signed(level: Verdict | Band) -> str:

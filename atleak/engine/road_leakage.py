@@ -398,14 +398,10 @@ def _start_message(count: int, samples: int, *, alone: bool) -> Message:
         return Message("warning", "start_alone", text)
     text = counted(
         count,
-        Sentence(
-            "The engine is started 1 time in this log: the extremes of {samples} samples until {seconds:g} s after the "
-            "engine runs are given apart."
-        ),
-        Sentence(
-            "The engine is started {count} times in this log: the extremes of {samples} samples until {seconds:g} s "
-            "after the engine runs are given apart."
-        ),
+        "The engine is started 1 time in this log: the extremes of {samples} samples until {seconds:g} s after the "
+        "engine runs are given apart.",
+        "The engine is started {count} times in this log: the extremes of {samples} samples until {seconds:g} s "
+        "after the engine runs are given apart.",
         samples=samples,
         seconds=Thresholds.start_seconds,
     )

@@ -298,7 +298,7 @@ class FleetTables:
 
     def _text(self, key: str, of: _Of = "", words: str = "", **more: Any) -> Column:
         """Return a column of words."""
-        notes = self.say.texts["fleet_notes"]
+        notes = self.say.table("fleet_notes")
         note = notes.get("past" if key.startswith("past_") else key, "")
         return Column(key, words=words or self.say(f"fleet_columns.{key}"), of=_found(of or key), note=note, **more)
 
@@ -326,7 +326,7 @@ class FleetTables:
 
     def _part(self, whole: Column, part: str, of: Callable[[Any], Any], **more: Any) -> Column:
         """Return the column of one of the numbers that a thing is made of."""
-        part_word, about = self.say(f"fleet_parts.{part}"), self.say.texts["fleet_part_notes"][part]
+        part_word, about = self.say(f"fleet_parts.{part}"), self.say.table("fleet_part_notes")[part]
         words = self.say("fleet_parts.of", what=whole.title(self.say), part=part_word) if part_word else whole.words
         note = " ".join(filter(None, (whole.note, about)))
         return Column(f"{whole.key}.{part}", words=words, of=of, note=note, **more)

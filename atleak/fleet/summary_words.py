@@ -167,8 +167,7 @@ class FleetWords:
         if not counts.units:
             return self.say("fleet_summary.headline_none")
         if not counts.judged:
-            key = "headline_unmeasured_one" if counts.units == 1 else "headline_unmeasured"
-            return self.say(f"fleet_summary.{key}", units=self.say.number(counts.units, 0))
+            return self.say("fleet_summary.headline_unmeasured", count=counts.units)
         return self.say("fleet_summary.headline", rate=self.rate(counts.rates[Verdict.REPLACE]))
 
     def findings(self) -> Iterator[str]:

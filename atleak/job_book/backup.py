@@ -19,7 +19,7 @@ from sqlalchemy import exc
 
 from atleak.common.errors import AtleakError, BookError, Place
 from atleak.common.files import PRIVATE, replacing
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Sentence, counted
 from atleak.common.verdicts import level_named
 from atleak.job_book.book import LAND_COLUMNS, Book, StoredJob
 from atleak.job_book.database import copy_file, in_words, opened_engine, writing
@@ -248,9 +248,11 @@ def restore(path: str | Path, book: Book, *, force: bool = False, damaged: bool 
             there = _count(connection)
             if there and not force:
                 raise BookError(
-                    Sentence("the job book holds {count} job, and nothing was restored", count=there)
-                    if there == 1
-                    else Sentence("the job book holds {count} jobs, and nothing was restored", count=there),
+                    counted(
+                        there,
+                        "the job book holds {count} job, and nothing was restored",
+                        "the job book holds {count} jobs, and nothing was restored",
+                    ),
                     place=Place(file=book.name),
                     expected=Sentence("an empty book, or --force to put the backup in its place"),
                 )

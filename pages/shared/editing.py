@@ -77,7 +77,7 @@ class Editing:
 
     def translated(self, text: str, say: Wording) -> str:
         """Return a heading or help as the reader reads it."""
-        return say.get("entry_fields", text)
+        return say.name(text, "form")
 
 
 @dataclass(frozen=True)

@@ -151,8 +151,7 @@ def draw_whole(words: FleetWords) -> None:
     st.markdown(f"**{show.plain(words.headline())}** {show.plain(' '.join(words.findings()))}")
     show.section(sections(words).verdicts(), "fleet")
     show.messages(summary.messages, say("about.fleet"), opened=True)
-    made_by = "fleet.made_by_one" if summary.visits == 1 else "fleet.made_by"
-    st.caption(show.plain(say(made_by, visits=say.number(summary.visits, 0), version=summary.atleak)))
+    st.caption(show.plain(say("fleet.made_by", count=summary.visits, version=summary.atleak)))
 
 
 def sections(words: FleetWords) -> FleetSections:
@@ -212,9 +211,7 @@ def choose_body(words: FleetWords) -> ValveBody:
 
 
 def _of_body(body: ValveBody, words: FleetWords) -> str:
-    count = body.counts.units
-    units = words.say("fleet.one_unit") if count == 1 else words.say("fleet.units", count=words.say.number(count, 0))
-    return f"{words.body(body.controller)} · {units}"
+    return f"{words.body(body.controller)} · {words.say('fleet.units', count=body.counts.units)}"
 
 
 def heading_words(heading: str, say: Wording) -> str:

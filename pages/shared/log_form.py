@@ -144,7 +144,7 @@ def _frame(rows: list[dict[str, Any]], say: Wording) -> pd.DataFrame:
 
 def _config(rows: list[dict[str, Any]], say: Wording) -> dict[str, Any]:
     """Return how the columns of written values look: numbers stand on the right."""
-    helps, config = say.texts["column_help"], {}
+    helps, config = say.table("column_help"), {}
     for key in rows[0] if rows else ():
         side: Any = "right" if key in _NUMBERS else "left"
         config[say(f"columns.{key}")] = st.column_config.TextColumn(help=helps.get(key), alignment=side)

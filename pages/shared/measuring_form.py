@@ -205,7 +205,7 @@ def _opened(case: PageCase, file: SourceFile | None) -> Typed:
         typed = typed_in(file.content, sheet, controller_of(case))
     except AtleakError:
         typed = None
-    return typed or Typed.going_on_from(sheet, decimal=reader.say().texts["decimal"])
+    return typed or Typed.going_on_from(sheet, decimal=reader.say().decimal)
 
 
 def _put(typed: Typed, answer: dict[str, Any] | None = None) -> None:

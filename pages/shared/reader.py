@@ -8,8 +8,9 @@ import streamlit as st
 from streamlit.delta_generator import DeltaGenerator
 
 from atleak.common.style import DEFAULT_PAPER, PAPERS
+from atleak.common.translations import languages
 from atleak.common.units import SYSTEMS
-from atleak.common.wording import Wording, languages, wording
+from atleak.common.wording import Wording, wording
 
 OTHERWISE = "en", "metric"
 _CHOICES = ("language", "units")
@@ -58,7 +59,7 @@ def mark_page() -> None:
 def draw_choices() -> None:
     """Show the choice of language and of units; what is picked holds at once, and in this browser's next visits."""
     words = say()
-    names = {language: wording(language).texts["language"] for language in languages()}
+    names = {language: wording(language)("language.name") for language in languages()}
     _choice("language", words.language, names, words("reader.language"))
     systems = {units: words(f"unit_systems.{units}") for units in SYSTEMS}
     _choice("units", words.units, systems, words("reader.units"))
@@ -68,7 +69,7 @@ def draw_choices() -> None:
 def pick_language(place: DeltaGenerator, key: str) -> str:
     """Ask in which language a file is to be written: in the reader's own unless another one is picked."""
     words = say()
-    names = {language: wording(language).texts["language"] for language in languages()}
+    names = {language: wording(language)("language.name") for language in languages()}
     start = list(names).index(words.language)
     key = f"{key}-{words.language}"
     return str(place.selectbox(words("reader.language"), list(names), start, names.__getitem__, key=key))

@@ -131,15 +131,11 @@ def messages(notes: Iterable[Message], about: str, opened: bool = False) -> None
     warnings = [message for message in notes if message.level == "warning"]
     remarks = [message for message in notes if message.level != "warning"]
     if warnings:
-        with st.expander(_counted("warning", warnings, about, say), expanded=opened or len(warnings) <= 3):
+        with st.expander(say("show.warnings", count=len(warnings), about=about), expanded=opened or len(warnings) <= 3):
             st.warning("\n".join(f"- {_with_place(message)}" for message in warnings))
     if remarks:
-        with st.expander(_counted("remark", remarks, about, say)):
+        with st.expander(say("show.remarks", count=len(remarks), about=about)):
             st.markdown("\n".join(f"- {_with_place(message)}" for message in remarks))
-
-
-def _counted(what: str, notes: Sequence[Message], about: str, say: Wording) -> str:
-    return say(f"show.{what}{'s' * (len(notes) > 1)}", count=len(notes), about=about)
 
 
 def _with_place(message: Message) -> str:
@@ -393,7 +389,7 @@ def chart(
         axis["title"] = {**axis["title"], "font": {**axis["title"].get("font", {}), "color": ink}}
     for note in layout.get("annotations", []):
         note["font"] = {**note.get("font", {}), "color": ink}
-    layout["separators"] = f"{reader.say().texts['decimal']}\u00a0"  # of decimals, of thousands
+    layout["separators"] = f"{reader.say().decimal}\u00a0"  # of decimals, of thousands
     layout["legend"] = {**layout.get("legend", {}), "font": {"color": ink}}
     layout |= {"dragmode": False} if on_span is None else {"dragmode": "select", "selectdirection": "h"}
     for trace in traces:

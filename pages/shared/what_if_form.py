@@ -162,7 +162,7 @@ def _select(name: str, labels: dict[Any, str], otherwise: Any) -> Any:
         options.index(otherwise if chosen[name] is None else chosen[name]),
         key=key,
         format_func=labels.__getitem__,
-        help=say.texts["what_if"].get(f"{name}_help"),
+        help=say.table("what_if").get(f"{name}_help"),
         on_change=_keep,
         args=(name, key),
     )

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import pytest
+from babel.messages.pofile import read_po
 
-from atleak.common.wording import languages, own_texts
+from atleak.common.translations import languages, source
 from tests.unit.product_code import ROOT
 
 GLOSSARY = tomllib.loads((ROOT / "docs/glossary.toml").read_text(encoding="utf-8"))
@@ -19,12 +20,13 @@ TRANSLATED = [each for each in languages() if any(each in term for term in TERMS
 NOT_FOUND = "usage in the trade, no document found"
 
 
-def pairs(language: str) -> Iterator[tuple[str, str]]:
-    """Every English text with its translation."""
-    english = own_texts("en")
-    for table, texts in own_texts(language).items():
-        for key, said in texts.items() if isinstance(texts, dict) else ():
-            yield (key if table == "messages" else english[table][key]), said
+@cache
+def pairs(language: str) -> list[tuple[str, str]]:
+    """Every English text with its translation, in each of its forms."""
+    with source(language).open("rb") as file:
+        texts = [(message.id, message.string) for message in read_po(file, language) if message.id]
+    plural = [(english[-1], form) for english, forms in texts if isinstance(english, tuple) for form in forms]
+    return [(english, said) for english, said in texts if isinstance(english, str)] + plural
 
 
 def has_term(english: str, term: str) -> bool:

@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import re
-import tomllib
 from collections.abc import Iterator
-from typing import Any
+from pathlib import Path
+from types import ModuleType
 
 import pytest
 
-from atleak.catalogue.controller_file import load_controller
-from atleak.catalogue.entries import shipped_files
-from atleak.catalogue.fluid import fluids
-from atleak.catalogue.instruments import instruments
-from atleak.catalogue.limits import limit_sets
+from atleak.common.translations import english, languages
 from atleak.common.units import SYSTEMS
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from tests.unit.product_code import ROOT, nodes
 
-ENGLISH = wording("en").texts
-KEYS = {f"{table}.{key}" for table, texts in ENGLISH.items() if isinstance(texts, dict) for key in texts}
+KEYS = {f"{table}.{key}" for table, texts in english().items() for key in texts}
 DOTTED = re.compile(r"\w+\..+")
+_WHOLE = (("get", 2), ("table", 1))  # methods of a wording that ask for a whole table, by how many arguments they take
 
 
 def _written(node: ast.expr) -> str | None:
@@ -76,13 +73,13 @@ def test_every_column_has_its_heading() -> None:
     assert named
     headings = {each[1]: {f"columns.{each[1]}", f"printed.{each[1]}", each[1]} for each in named}
     assert [each for each in named if not headings[each[1]] & KEYS] == []
-    assert set(ENGLISH["column_help"]) <= set(ENGLISH["columns"])
+    assert set(english()["column_help"]) <= set(english()["columns"])
 
 
 def test_every_page_and_unit_has_its_name() -> None:
     pages = {path.stem.partition("_")[2] for path in (ROOT / "pages").glob("[0-9]*_*.py")}
-    assert pages <= set(ENGLISH["pages"])
-    assert set(ENGLISH["unit_systems"]) == set(SYSTEMS)
+    assert pages <= set(english()["pages"])
+    assert set(english()["unit_systems"]) == set(SYSTEMS)
 
 
 def test_no_text_stands_unused() -> None:
@@ -90,7 +87,7 @@ def test_no_text_stands_unused() -> None:
     strings: set[str] = set()
     patterns: set[str] = set()
     # by `Wording.level`, the menu, each column, and the form of a catalogue's entry
-    whole = {"verdicts", "bands", "pages", "column_help", "entry_fields"}
+    whole = {"verdicts", "bands", "pages", "column_help", "study_words", "uncertainty_sources"}
     for found in nodes().values():
         for node in found:
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
@@ -99,9 +96,7 @@ def test_no_text_stands_unused() -> None:
                 pattern = _written(node) or ""
                 if DOTTED.fullmatch(pattern.replace("\\", "")):
                     patterns.add(pattern)
-            elif isinstance(node, ast.Subscript) and getattr(node.value, "attr", "") == "texts":
-                whole |= {node.slice.value} if isinstance(node.slice, ast.Constant) else set()
-            elif isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "get" and len(node.args) == 2:
+            elif isinstance(node, ast.Call) and (getattr(node.func, "attr", ""), len(node.args)) in _WHOLE:
                 first = node.args[0]
                 whole |= {first.value} if isinstance(first, ast.Constant) else set()
     whole.discard("printed")  # where a printed table finds its columns' headings
@@ -115,53 +110,55 @@ def test_no_text_stands_unused() -> None:
     assert sorted(key for key in KEYS if not is_used(key)) == []
 
 
-@pytest.mark.parametrize("language", [each for each in languages() if each != "en"])
-def test_a_language_is_no_copy_of_english(language: str) -> None:
-    """What was forgotten to be translated is the same sentence in both: four words and more are never."""
-    texts, alike = wording(language).texts, {"texts.source_study", "conditions.at"}  # a citation; places alone
-    same = [
-        key
-        for key in KEYS - alike
-        for table, _, name in [key.partition(".")]
-        if ENGLISH[table][name] == texts[table][name] and len(re.findall(r"[a-z]{3,}", ENGLISH[table][name])) > 3
-    ]
-    assert same == []
+@pytest.fixture(name="tool")
+def _tool(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """The tool that keeps the catalogues."""
+    monkeypatch.syspath_prepend(str(ROOT / "tools"))
+    return importlib.import_module("translations")
 
 
-def _sources_and_notes() -> Iterator[str]:
-    """What the shipped files say where each value is from, and their notes: pages, PDF and workbook show both."""
-    kinds = ("controllers", "fluids", "limits")
-    tables: list[Any] = [tomllib.loads(path.read_text()) for kind in kinds for path in shipped_files(kind).values()]
-    while tables:
-        table = tables.pop()
-        tables += table.values() if isinstance(table, dict) else table if isinstance(table, list) else ()
-        if isinstance(table, dict):
-            yield from (table[key] for key in ("source", "note") if isinstance(table.get(key), str))
+@pytest.mark.parametrize("language", [language for language in languages() if language != "en"])
+def test_every_text_is_translated_and_none_stands_unused(tool: ModuleType, language: str) -> None:
+    """Sentences of the code, texts that are asked for by key, names of the shipped files and of the forms."""
+    assert list(tool.faults(language)) == []
 
 
-def test_every_name_of_the_shipped_catalogue_is_translated() -> None:
-    shipped = [load_controller(name) for name in sorted(shipped_files("controllers"))]
-    names = {
-        name
-        for controller in shipped
-        for name in (
-            controller.name,
-            *controller.components.values(),
-            *(each.name for each in (*controller.circuits, *controller.leaks, *controller.consumers)),
-            *(each.label for each in (*controller.operating_points, *controller.complaints)),
-            *(each.name for each in controller.repairs),
-            *filter(None, [controller.representative]),
-        )
-    }
-    names |= {name for each in instruments() for name in (each.name, each.name.lower())}
-    names |= {each.source for each in instruments()} | {"representative"}  # the source of most operating points
-    of_fluids = [text for each in fluids() for text in (each.name, *each.representative)]
-    of_limits = [each.name for each in limit_sets()]
-    told = [*of_fluids, *of_limits, *_sources_and_notes()]
-    names |= {text for text in told if re.search(r"\b[a-z]{4,}\b", text)}  # no brands, no keys
-    assert len(shipped) > 8
-    assert set(ENGLISH["names"]) == names
-    assert all(wording("en").name(name) == name for name in names)
+def test_each_fault_of_a_catalogue_is_named(tool: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    catalogue = tool.read("pl")
+    catalogue.get("{count} row").string = ("{count} wiersz", "{rows} wiersze", "{count} wierszy")
+    catalogue.get("its folder may not be written, or is not there").string = catalogue.get("a file name").string = ""
+    catalogue.get("the file is no job book").string = "the file is no job book"
+    catalogue.add("no longer a text", "dawny tekst")
+    catalogue.delete("another file")
+    monkeypatch.setattr(tool, "read", lambda language: catalogue)
+    assert sorted(fault.partition(":")[0] for fault in tool.faults("pl")) == [
+        "left in English", "no text of the program", "not in the catalogue", "not translated", "not translated",
+        "other places",
+    ]  # fmt: skip
+
+
+def test_a_changed_sentence_keeps_its_translation_as_a_draft(
+    tool: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A translator sees what it was; nobody else does, until it was looked at."""
+    old, new = "the file is no job book", "the file is no job book of atleak"
+    wanted = [message for message in tool.template() if message.id != old]
+    catalogue = tool.Catalog()
+    for message in wanted:
+        catalogue.add(message.id, context=message.context)
+    catalogue.add(new)
+    monkeypatch.setattr(tool, "template", lambda: catalogue)
+    kept = tmp_path / "atleak.po"
+    kept.write_bytes(tool.source("pl").read_bytes())
+    monkeypatch.setattr(tool, "source", lambda language: kept)
+    tool.update("pl")
+    assert tool.read("pl").get(new).fuzzy
+    assert tool.read("pl").get(new).string == "plik nie jest książką zleceń"
+    assert list(tool.faults("pl")) == [f"not translated: {new}"]
+
+
+def test_names_of_the_shipped_catalogue_are_translated_and_others_stay(tool: ModuleType) -> None:
+    assert len(tool.shipped_names()) > 250
     assert wording("de").name("main pressure valve") == "Hauptdruckventil"
     assert wording("de").name("representative of steel") == "repräsentativ für Stahl"
     assert wording("de").name("valve of a workshop's own file") == "valve of a workshop's own file"

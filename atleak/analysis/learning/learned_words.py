@@ -19,7 +19,7 @@ from atleak.analysis.learning.learned_clearances import (
 )
 from atleak.analysis.learning.outliers import UNITS_TO_JUDGE_A_SHIFT, UNITS_TO_NAME_ONE, WhyUnit
 from atleak.common.errors import Message, Place
-from atleak.common.sentences import Sentence, in_a_row, some
+from atleak.common.sentences import Sentence, counted, in_a_row, some
 from atleak.common.units import PERCENT, UM, Quantity
 from atleak.diagnosis.messages import LANDS_LISTED
 
@@ -285,7 +285,7 @@ def summary(learned: Learned) -> Sentence:
         "the lands): ± {by_units} {by_units.unit} by the units and their readings, the rest by the calibration of the "
         "instruments, which more units do not improve.",
         lands=lands,
-        units=Sentence("1 unit") if count == 1 else Sentence("{count} units", count=count),
+        units=counted(count, "{count} unit", "{count} units"),
         known=_width(median(land.uncertainty for land in learned.lands)),
         covered=COVERED * PERCENT,
         by_units=_width(median(land.uncertainty_by_units for land in learned.lands)),

@@ -14,8 +14,9 @@ from typing import Any, Literal, cast
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_tables import SelectorRange
 from atleak.catalogue.written_numbers import decimal_number
+from atleak.common.translations import languages
 from atleak.common.units import Unit, find_unit
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.measurements.gauge_readings import LINE_TAP, Engine
 from atleak.readers.cells.extent import MOST_TABLES
 from atleak.readers.cells.sheet import BRACKETS, Cell, Sheet, text_of

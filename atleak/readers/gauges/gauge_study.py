@@ -23,7 +23,7 @@ from atleak.catalogue.written_numbers import decimal_number
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import Message, Place, one_of
 from atleak.common.file_faults import faults_together
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Sentence, counted
 from atleak.common.units import MM, UM, Quantity, Unit, find_unit, unit
 from atleak.measurements.gauge_study import FEWEST, GaugeStudyError, StudyReadings
 from atleak.readers.cells.extent import FAULTS
@@ -252,12 +252,15 @@ def _gaps(cells: _Cells, table: StudyTable) -> Iterator[GaugeStudyError]:
     for part, operator in product(parts, operators):
         given = cells.by_pair.get((part, operator), [])
         if len(given) != most:
-            problem = Sentence("operator {operator} read part {part} not at all")
+            who = {"operator": operator, "part": part}
+            problem = Sentence("operator {operator} read part {part} not at all", **who)
             if given:
-                problem = Sentence("operator {operator} read part {part} {count} times")
-                if len(given) == 1:
-                    problem = Sentence("operator {operator} read part {part} 1 time")
-            problem = problem.of(operator=operator, part=part, count=len(given))
+                problem = counted(
+                    len(given),
+                    "operator {operator} read part {part} {count} time",
+                    "operator {operator} read part {part} {count} times",
+                    **who,
+                )
             yield GaugeStudyError(problem, place=given[-1][2] if given else file, expected=expected)
 
 

@@ -97,8 +97,8 @@ class _StatedNumbers:
         if (more := len(contradictions) - _SHOWN) > 0:
             text = counted(
                 more,
-                Sentence("{count} more row where column {heading!r} contradicts the diameters"),
-                Sentence("{count} more rows where column {heading!r} contradicts the diameters"),
+                "{count} more row where column {heading!r} contradicts the diameters",
+                "{count} more rows where column {heading!r} contradicts the diameters",
                 heading=heading,
             )
             place = self.table.sheet.place(contradictions[_SHOWN][0], index, heading)
@@ -230,14 +230,10 @@ def _correction(table: HeadedTable, index: int, rows: Collection[int], columns: 
     heading = table.heading(index)
     text = counted(
         len(stated),
-        Sentence(
-            "column {heading!r} is not zero in {count} row (up to {largest:g}, row {row}): it was not applied to the "
-            "diameters"
-        ),
-        Sentence(
-            "column {heading!r} is not zero in {count} rows (up to {largest:g}, row {row}): it was not applied to the "
-            "diameters"
-        ),
+        "column {heading!r} is not zero in {count} row (up to {largest:g}, row {row}): it was not applied to the "
+        "diameters",
+        "column {heading!r} is not zero in {count} rows (up to {largest:g}, row {row}): it was not applied to the "
+        "diameters",
         heading=heading,
         largest=stated[row],
         row=table.sheet.row_number(row),

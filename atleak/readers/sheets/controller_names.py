@@ -14,8 +14,9 @@ from functools import cached_property
 from atleak.catalogue.controller import Controller, Land
 from atleak.common.errors import ReadingsError, nearest_name
 from atleak.common.sentences import Name, Sentence
+from atleak.common.translations import languages
 from atleak.common.units import Unit, unit
-from atleak.common.wording import languages, own_table
+from atleak.common.wording import wording
 from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.readers.cells.sheet import Cell
 from atleak.readers.sheets.words import numbers_in, plain, plane_names, text_of
@@ -108,8 +109,8 @@ class ControllerNames:
     def _spellings(self) -> dict[str, str]:
         spelled: dict[str, str] = {}
         for language in languages():
-            translations = own_table(language, "names")
-            names = {part: plain(translations.get(name, name)) for part, name in self.controller.components.items()}
+            say = wording(language)
+            names = {part: plain(say.name(name)) for part, name in self.controller.components.items()}
             often = Counter(names.values())
             spelled |= {name: component for component, name in names.items() if often[name] == 1}
         for component in self.controller.components:

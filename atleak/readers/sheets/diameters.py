@@ -17,9 +17,10 @@ from atleak.catalogue.instruments import Part
 from atleak.catalogue.words import PART_WORDS, angle
 from atleak.common.errors import Message, Place, ReadingsError
 from atleak.common.sentences import Sentence
+from atleak.common.translations import languages
 from atleak.common.units import Unit, unit_names
 from atleak.common.units import unit as unit_named
-from atleak.common.wording import languages, own_table
+from atleak.common.wording import wording
 from atleak.measurements.readings import NOMINAL_HEADING, Reading
 from atleak.readers.cells.sheet import Sheet, rows_named
 from atleak.readers.sheets.column_headings import Role
@@ -298,6 +299,5 @@ def is_own_form(table: HeadedTable) -> bool:
 @cache
 def nominal_headings() -> frozenset[str]:
     """Return the heading of the form's own column of nominal diameters in every language, without its unit."""
-    english = str(NOMINAL_HEADING)
-    headings = (own_table(language, "messages", english.split()[0]).get(english, english) for language in languages())
+    headings = (wording(language).sentence(NOMINAL_HEADING) for language in languages())
     return frozenset(" ".join(heading.split()) for heading in headings)

@@ -229,7 +229,7 @@ class Exclusions:
                 whats = some(tuple(what for what, _ in groups), _SHOWN)
                 groups = [(whats, [row for _, rows in groups for row in rows])]
             for what, rows in groups:
-                count = counted(len(rows), Sentence("{count} row"), Sentence("{count} rows"))
+                count = counted(len(rows), "{count} row", "{count} rows")
                 reason = text.of(rows=count, what=what, named=rows_named(self.sheet, rows))
                 code = why if why in LEFT_ASIDE else _HIDDEN
                 yield Message("info" if why in _NO_WARNING else "warning", code, reason, self.sheet.place())

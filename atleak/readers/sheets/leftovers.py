@@ -426,8 +426,8 @@ def _slip(table: HeadedTable, row: int, index: int) -> ReadingsError:
 def _which(table: HeadedTable, rivals: Sequence[int]) -> ReadingsError:
     problem = counted(
         len(rivals),
-        Sentence("column {names} holds numbers of the size of the diameters as {read} does: which is the measurement?"),
-        Sentence("columns {names} hold numbers of the size of the diameters as {read} does: which is the measurement?"),
+        "column {names} holds numbers of the size of the diameters as {read} does: which is the measurement?",
+        "columns {names} hold numbers of the size of the diameters as {read} does: which is the measurement?",
         names=tuple(_name(table, index) for index in rivals),
         read=tuple(repr(column.name) for column in table.values),
     )

@@ -285,8 +285,11 @@ class _Measurement:
             yield Message("info", "taken_from_title", text, table.sheet.place(table.rows[0]))
         unmeasured = sum(rows.rows_without_reading for rows in self.rows)
         if unmeasured:
-            one = Sentence("{count} row without a reading: not measured")
-            text = counted(unmeasured, one, Sentence("{count} rows without a reading: not measured"))
+            text = counted(
+                unmeasured,
+                "{count} row without a reading: not measured",
+                "{count} rows without a reading: not measured",
+            )
             yield Message("info", "rows_not_measured", text, Place(sheet.file, sheet.name))
 
 
@@ -296,14 +299,10 @@ def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:
     place = Sentence("{component}, plane {plane}")
     text = counted(
         len(unworn),
-        Sentence(
-            "{count} reading at an unworn end (component {places}): of the pair when new, not of its wear. `atleak "
-            "controller learn` makes mounting clearances of them"
-        ),
-        Sentence(
-            "{count} readings at an unworn end (component {places}): of the pair when new, not of its wear. `atleak "
-            "controller learn` makes mounting clearances of them"
-        ),
+        "{count} reading at an unworn end (component {places}): of the pair when new, not of its wear. `atleak "
+        "controller learn` makes mounting clearances of them",
+        "{count} readings at an unworn end (component {places}): of the pair when new, not of its wear. `atleak "
+        "controller learn` makes mounting clearances of them",
         places=in_a_row(dict.fromkeys(place.of(component=end.component, plane=end.plane) for end in unworn)),
     )
     return [Message("info", "unworn_ends", text, unworn[0].place)]

@@ -114,8 +114,8 @@ class _Reader:
             )
             text = counted(
                 left_out,
-                Sentence("{count} row left aside: read were those where {chosen}"),
-                Sentence("{count} rows left aside: read were those where {chosen}"),
+                "{count} row left aside: read were those where {chosen}",
+                "{count} rows left aside: read were those where {chosen}",
                 chosen=chosen,
             )
             rows.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
@@ -434,9 +434,13 @@ class _Reader:
             (self.columns.hidden_read, Sentence("read, because no visible column holds the same part")),
         ):
             if columns:
-                one, several = Sentence("hidden column {names} {done}"), Sentence("hidden columns {names} {done}")
-                names = tuple(repr(column.name) for column in columns)
-                text = counted(len(columns), one, several, names=names, done=done)
+                text = counted(
+                    len(columns),
+                    "hidden column {names} {done}",
+                    "hidden columns {names} {done}",
+                    names=tuple(repr(column.name) for column in columns),
+                    done=done,
+                )
                 self.rows.messages.append(Message("warning", "hidden_columns", text, self.table.heading_place()))
 
     def _refuse(

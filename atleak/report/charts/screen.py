@@ -219,7 +219,7 @@ def _medians(figure: Figure, row: int, chart: ClassChart, field: Field, say: Wor
 
 
 def _spread_words(spread: Spread, kind: str, say: Wording) -> str:
-    units = say("fleet.one_unit") if spread.units == 1 else say("fleet.units", count=say.number(spread.units, 0))
+    units = say("fleet.units", count=spread.units)
     median = say("fleet.median_of", value=say.quantity(spread.median, kind))
     if spread.quantiles is None:
         ends = say("fleet.from_to", ends=say.span([spread.least, spread.most], kind))

@@ -130,7 +130,7 @@ def _intervals(columns: Sequence[Column]) -> dict[str, tuple[Column, Column]]:
 
 def _name(column: Column, say: Wording) -> str:
     """Return a heading with the unit below it; words begin with a capital letter, a symbol stays as it is."""
-    title = column.words if column.words is not None else say.texts["printed"].get(column.key)
+    title = column.words if column.words is not None else say.table("printed").get(column.key)
     if title is None:
         title = say(column.key) if "." in column.key else column.title(say)
     unit = column.unit(say)

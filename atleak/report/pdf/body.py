@@ -487,7 +487,7 @@ class Body(PrintedPart):
             approved_by=job.approved_by,
         )
         yield text(say("annex.whole"), small=True)
-        yield text(say("texts.made_with", version=__version__, profile=profile, language=say.texts["language"]))
+        yield text(say("texts.made_with", version=__version__, profile=profile, language=say("language.name")))
         diagnosis, record = self.diagnosis, head_record(self.diagnosis)
         files: dict[str, dict[str, Any]] = {"readings": record["readings"]}
         if diagnosis.log is not None:

@@ -140,7 +140,7 @@ class CustomerPage(PrintedPart):
     @property
     def _told_as(self) -> Verdict:
         """Return the verdict, or the next milder one for which there are words: a customer is told fewer levels."""
-        worded = (each for each in reversed(VERDICTS) if f"urgent_{each}" in self.say.texts["customer"])
+        worded = (each for each in reversed(VERDICTS) if f"urgent_{each}" in self.say.table("customer"))
         return next(each for each in worded if each.rank <= self.verdict.rank)
 
     # --- who, and how bad

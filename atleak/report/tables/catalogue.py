@@ -130,7 +130,7 @@ def _described(controller: Controller, say: Wording) -> dict[str, Any]:
 
 
 def _word(text: str, say: Wording) -> str:
-    return say.get("entry_fields", text)
+    return say.name(text, "form")
 
 
 def _quantity(declared: Declared) -> str | None:

@@ -364,8 +364,7 @@ def effect_sentences(
     if past:
         yield say("repair_plan.stays", rules="; ".join(rule_reached(rule, say) for rule in past))
     else:
-        one = len(chosen) == 1
-        yield say("repair_plan.all_within_one") if one else say("repair_plan.all_within", count=len(chosen))
+        yield say("repair_plan.all_within", count=len(chosen))
     mended = {key for move in chosen for key in move.lands}
     controller = repairs.diagnosis.controller
     left = [land_number(controller, land.key, say) for land in repairs.diagnosis.flagged if land.key not in mended]

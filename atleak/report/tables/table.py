@@ -104,7 +104,7 @@ class Column:
 
     def help(self, say: Wording) -> str | None:
         """Return what the column means; None where its heading says enough."""
-        return self.note or say.texts["column_help"].get(self.key)
+        return self.note or say.table("column_help").get(self.key)
 
     def places(self, say: Wording) -> int:
         """Return how many decimal places its numbers take in the reader's unit."""

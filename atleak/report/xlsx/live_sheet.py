@@ -312,7 +312,7 @@ def sheet_conditions(diagnosis: Diagnosis, say: Wording) -> list[SheetCondition]
 
 def _in_a_sheets_name(point: OperatingPoint, say: Wording) -> str:
     """Return the name of an operating point, without its temperature, in letters that Excel takes in a sheet's name."""
-    if say.language == "en" or point.name in say.texts["conditions"]:
+    if say.language == "en" or point.name in say.table("conditions"):
         return say.get("conditions", point.name).replace("_", " ")
     label = say.name(point.label).removesuffix(f", {point.temperature:g} °C")
     return " ".join(_NOT_IN_A_SHEETS_NAME.sub(" ", label).split()) or point.name

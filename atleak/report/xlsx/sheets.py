@@ -365,7 +365,7 @@ class Sheets:
 
     def _field(self, name: str) -> str:
         """Return a field's name as people read it: ``mileage_km`` → ``mileage [km]``."""
-        return self.say(f"record_fields.{name}") if name in self.say.texts["record_fields"] else name
+        return self.say(f"record_fields.{name}") if name in self.say.table("record_fields") else name
 
     def _of_profile(self, name: str, value: Any) -> Any:
         if not isinstance(value, str):

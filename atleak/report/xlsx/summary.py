@@ -223,7 +223,7 @@ class Headline:
     def _percent(self, share: str) -> str:
         """Return the formula of a share [%] as text, with the language's decimal sign whatever program shows it."""
         tenths = f"ROUND({share}*10,0)"
-        return _joined([f"INT({tenths}/10)", quote(self.say.texts["decimal"]), f"MOD({tenths},10)", quote("\u00a0%")])
+        return _joined([f"INT({tenths}/10)", quote(self.say.decimal), f"MOD({tenths},10)", quote("\u00a0%")])
 
     def _said(self, key: str, live: Mapping[str, str], **values: object) -> str:
         """Return the formula of a sentence of the texts with formulas at some of its places."""

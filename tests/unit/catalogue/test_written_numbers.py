@@ -19,8 +19,9 @@ from atleak.catalogue.written_numbers import (
     read_number,
     written,
 )
+from atleak.common.translations import languages
 from atleak.common.units import SYSTEMS
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 
 ASKED = (TEMPERATURE, ENGINE_SPEED, MILEAGE, SHIFT)
 # decimal sign and sign between thousands: English, German, Swiss, French, Polish, plain

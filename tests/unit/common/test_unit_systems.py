@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from atleak.common.errors import InputError
+from atleak.common.translations import languages
 from atleak.common.units import SYSTEMS
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 
 KINDS = tuple(SYSTEMS["metric"])
 

@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from atleak.common.style import LOOKS
+from atleak.common.translations import languages
 from atleak.common.verdicts import BANDS, FLAGGED, VERDICTS, Band, Verdict
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 
 ADDED_LEVEL = '    WATCH = "watch"\n    SOON = "soon"\n'
 ADDED_LOOK = """    Verdict.SOON: Look(
@@ -169,8 +170,7 @@ def test_a_level_is_added_in_three_places_and_every_renderer_shows_it(root: Path
         ("common/verdicts.py", '    WATCH = "watch"\n', ADDED_LEVEL),
         ("common/style.py", "    Verdict.REPLACE: Look(", ADDED_LOOK),
         *(
-            (f"texts/{name}/report.toml", f"[{table}]\n", f'[{table}]\nsoon = "{words}"\n')
-            for name in languages()
+            ("texts/report.toml", f"[{table}]\n", f'[{table}]\nsoon = "{words}"\n')
             for table, words in (("verdicts", "repair soon"), ("sentences", "Soon: {flagged} of {measured}, {total}."))
         ),
     ):

@@ -1,4 +1,4 @@
-"""A language of the report is one file of texts: nothing else names the languages there are."""
+"""A language is one folder with a catalogue: nothing else names the languages there are."""
 
 from __future__ import annotations
 
@@ -8,9 +8,21 @@ import subprocess
 import sys
 from pathlib import Path
 
+import platformdirs
 import pypdfium2
+import pytest
 
-from atleak.common.wording import languages
+from atleak.common.translations import catalogue, languages, source
+
+CATALOGUE = """
+msgid ""
+msgstr ""
+"Content-Type: text/plain; charset=utf-8\\n"
+"Plural-Forms: nplurals=2; plural=(n != 1);\\n"
+
+msgid "Internal leakage of a valve body"
+msgstr "Fugas internas de la caja de válvulas"
+"""
 
 
 def test_a_language_is_added_as_one_folder_and_the_command_line_prints_it(root: Path, tmp_path: Path) -> None:
@@ -18,25 +30,31 @@ def test_a_language_is_added_as_one_folder_and_the_command_line_prints_it(root: 
     assert added not in languages()
     copy = tmp_path / "copy"
     shutil.copytree(root / "atleak", copy / "atleak", ignore=shutil.ignore_patterns("__pycache__"))
-    spoken = copy / "atleak" / "texts" / added
-    shutil.copytree(root / "atleak" / "texts" / "en", spoken)
-    english = (spoken / "report.toml").read_text(encoding="utf-8")
-    old = 'report = "Internal leakage of a valve body"'
-    assert english.count(old) == 1
-    texts = english.replace(old, 'report = "Fugas internas de la caja de válvulas"')
-    lacked = 'picture = "The valve body"\n'
-    assert texts.count(lacked) == 1
-    texts = texts.replace(lacked, "")
-    (spoken / "report.toml").write_text(texts, encoding="utf-8")
+    catalogue = copy / source(added).relative_to(root)
+    catalogue.parent.mkdir(parents=True)
+    catalogue.write_text(CATALOGUE, encoding="utf-8")
     report = tmp_path / "report.pdf"
     sheet = root / "sample_data" / "measuring_sheet_four_speed.xlsx"
     command = [sys.executable, "-m", "atleak", "diagnose", str(sheet), "--pdf", str(report), "--language", added]
-    environment = os.environ | {"PYTHONPATH": str(copy), "ATLEAK_HOME": str(tmp_path)}
+    environment = os.environ | {"PYTHONPATH": str(copy), "ATLEAK_HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
     done = subprocess.run(command, capture_output=True, encoding="utf-8", env=environment, cwd=tmp_path, check=False)
     assert done.returncode == 0, done.stderr
     printed = pypdfium2.PdfDocument(report)[1].get_textpage().get_text_range()
     assert "Fugas internas de la caja de válvulas" in printed
     assert "The valve body" in printed, "a text that the language lacks is printed in English"
+
+
+def test_without_babel_a_checkout_speaks_english_and_says_so_in_a_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda *_, **__: tmp_path)
+    for module in ("babel", "babel.messages"):
+        monkeypatch.setitem(sys.modules, module, None)
+    said = catalogue.__wrapped__("de")
+    assert said.gettext("a file name") == "a file name"
+    (line,) = caplog.messages
+    assert "Babel" in line
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_no_source_file_lists_the_languages(root: Path) -> None:

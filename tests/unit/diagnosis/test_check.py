@@ -14,8 +14,9 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.limits import Limits
+from atleak.common.translations import languages
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.gauge_check import CheckedReading
@@ -466,7 +467,7 @@ def test_every_pattern_has_its_sentence_in_every_language(unit, judged) -> None:
     assert len(set(texts.values())) == len(texts)
     assert all("D, 3, 2, 1" in text for text in texts.values())
     for language in languages():
-        assert {"practice", "project", "computed"} <= set(wording(language).texts["pattern_sources"])
+        assert {"practice", "project", "computed"} <= set(wording(language).table("pattern_sources"))
 
 
 # --- a line for which nothing is permitted

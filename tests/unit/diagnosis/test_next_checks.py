@@ -8,7 +8,8 @@ from dataclasses import replace
 import pytest
 
 from atleak.catalogue.controller_tables import State
-from atleak.common.wording import languages, wording
+from atleak.common.translations import languages
+from atleak.common.wording import wording
 from atleak.diagnosis.next_checks import next_checks
 from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_pressure import (

@@ -13,8 +13,9 @@ from atleak.catalogue.controller_file import checked_controller, load_controller
 from atleak.catalogue.entries import read_tables
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.limits import Limits, RuleKind
+from atleak.common.translations import languages
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.provisional import AssumedBasis

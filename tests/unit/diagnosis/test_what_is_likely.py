@@ -15,8 +15,9 @@ from atleak.catalogue.controller_file import controllers, load_controller
 from atleak.catalogue.controller_tables import NewOrigin
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind, Steps
+from atleak.common.translations import languages
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.rules import Rule

@@ -17,8 +17,9 @@ from matplotlib.figure import Figure
 
 from atleak.analysis.rates import rate
 from atleak.common.style import OK_IN_PART
+from atleak.common.translations import languages
 from atleak.common.verdicts import FLAGGED, Verdict
-from atleak.common.wording import Wording, languages, wording
+from atleak.common.wording import Wording, wording
 from atleak.fleet.summary_charts import FleetCharts
 from atleak.fleet.summary_pdf import DEPTHS, DETAILED, write_summary_pdf
 from atleak.fleet.summary_words import TERMS, FleetWords, within_words

@@ -16,8 +16,9 @@ from openpyxl.utils import range_boundaries
 from openpyxl.worksheet.worksheet import Worksheet
 from python_calamine import CalamineWorkbook
 
+from atleak.common.translations import languages
 from atleak.common.verdicts import FLAGGED, Verdict
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.fleet.summary_tables import FleetTables
 from atleak.fleet.summary_words import FleetWords, cumulated
 from atleak.fleet.summary_workbook import write_summary_workbook

@@ -6,7 +6,8 @@ import pytest
 
 from atleak.analysis.pressures import behind_limits
 from atleak.analysis.record_doubts import record_doubts
-from atleak.common.wording import languages, wording
+from atleak.common.translations import languages
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
 

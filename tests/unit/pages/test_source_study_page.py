@@ -54,7 +54,7 @@ def test_a_job_of_ones_own_runs_through_the_same_variants(page, root: Path) -> N
 
 
 def test_what_the_article_s_tables_say_is_said_in_every_language() -> None:
-    words = wording("en").texts["study_words"]
+    words = wording("en").table("study_words")
     said = {text for each in ERRATA for text in (each.article, each.finding, each.here)}
     said |= {each.note for each in VARIANTS if each.note} | {label for label, _ in OPTION_STEPS}
     said |= {f"{each.variant or 'pump'}: {each.quantity}" for each in STATED_POINTS}

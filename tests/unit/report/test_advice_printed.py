@@ -7,8 +7,9 @@ from dataclasses import replace
 import pytest
 
 from atleak.catalogue.limits import LimitOrigin, Steps
+from atleak.common.translations import languages
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.measurements.job_card import Job

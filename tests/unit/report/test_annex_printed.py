@@ -15,8 +15,9 @@ import pytest
 
 from atleak.analysis.pressures import pressures_at
 from atleak.catalogue.controller_file import load_controller
+from atleak.common.translations import languages
 from atleak.common.units import UM
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty.results import MOST_BUDGETS

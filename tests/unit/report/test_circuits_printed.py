@@ -17,8 +17,9 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.common.style import find_paper
+from atleak.common.translations import languages
 from atleak.common.verdicts import Band, Verdict
-from atleak.common.wording import begun, languages, signed, wording
+from atleak.common.wording import begun, signed, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.rules import Rule

@@ -12,7 +12,8 @@ import pytest
 
 from atleak.analysis.changes import Comparison
 from atleak.analysis.comparison import compare
-from atleak.common.wording import languages, wording
+from atleak.common.translations import languages
+from atleak.common.wording import wording
 from atleak.diagnosis.examination import diagnose
 from atleak.measurements.job_card import Job
 from atleak.report.charts.comparison_figures import total_chart

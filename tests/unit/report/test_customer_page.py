@@ -13,8 +13,9 @@ import pytest
 from atleak.analysis.repair.plan import plan_repairs
 from atleak.catalogue.circuits import Pressure
 from atleak.catalogue.controller_file import load_controller
+from atleak.common.translations import languages
 from atleak.common.verdicts import Band, Verdict
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
@@ -154,7 +155,7 @@ def test_a_complaint_is_explained_by_the_pressure_that_valves_cost_where_it_show
     assert say("held.line") in said or say.name(linked.held.circuit.name) in said
     assert held in said
     assert new in said
-    assert "%" not in say.texts["customer"]["explained"]
+    assert "%" not in say.table("customer")["explained"]
 
 
 def test_what_a_repair_helps_most_is_the_pressure_where_it_helps_one(all_worn, worn):
@@ -340,7 +341,7 @@ def test_a_valve_that_is_the_only_one_to_repair_is_not_called_one_of_several(gro
     assert {step.land.key[0] for step in plan.steps} == {"25", "10"}
     assert worn_valves(found, plan.choice)[0].brings(found.worst).saving > 0.0
     first, say = pages_of(write_pdf(found, sections=SIGNED))[0], wording("en")
-    assert say.texts["customer"]["do_first"].split("{")[0] not in first
+    assert say.table("customer")["do_first"].split("{")[0] not in first
 
 
 def test_oil_leaks_into_a_section_the_sump_or_a_fixed_pressure_and_each_is_told_apart(aside):

@@ -8,7 +8,8 @@ import numpy as np
 import openpyxl
 import pytest
 
-from atleak.common.wording import languages, wording
+from atleak.common.translations import languages
+from atleak.common.wording import wording
 from atleak.measurements.gauge_study import GaugeStudyError
 from atleak.readers.gauges.gauge_study import read_study
 from atleak.report.sheets.gauge_study_form import STUDY_HEADER, write_study_form

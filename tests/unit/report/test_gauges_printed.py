@@ -9,7 +9,8 @@ import openpyxl
 import pandas as pd
 import pytest
 
-from atleak.common.wording import languages, wording
+from atleak.common.translations import languages
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import Case, SourceFile
 from atleak.measurements.gauge_readings import Engine
@@ -46,7 +47,7 @@ def test_the_pdf_lists_every_reading_and_what_the_table_hints_at(gauged: Diagnos
     for word in (say.level("critical"), say.sentence(Engine.FAST_IDLE.label).split()[0], "gauges.csv"):
         assert word in text
     for kind in ("low_at_slow_idle", "circuit_loss"):
-        start = say.texts["patterns"][kind].split("{")[0].strip() or say.name("forward clutch")
+        start = say.table("patterns")[kind].split("{")[0].strip() or say.name("forward clutch")
         assert start[:30] in text
 
 

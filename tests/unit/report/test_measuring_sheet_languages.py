@@ -12,7 +12,8 @@ import pytest
 from atleak.analysis.record_doubts import with_sheet
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import ReadingsError
-from atleak.common.wording import languages, wording
+from atleak.common.translations import languages
+from atleak.common.wording import wording
 from atleak.measurements.gauge_readings import Engine, GaugeCell, GaugeReading, PressureTable
 from atleak.measurements.job_card import Job, Transmission, Vehicle
 from atleak.measurements.readings import OwnLands, OwnLength, Reading, Readings

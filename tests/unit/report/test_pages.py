@@ -17,7 +17,8 @@ from PIL import Image
 
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.style import PAPERS
-from atleak.common.wording import languages, wording
+from atleak.common.translations import languages
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.measurements.job_card import Job

@@ -22,7 +22,8 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.common.errors import InputError
 from atleak.common.style import look_of
-from atleak.common.wording import languages, own_texts, wording
+from atleak.common.translations import languages
+from atleak.common.wording import wording
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.land import Crossing
 from atleak.diagnosis.uncertainty import Assumptions
@@ -274,21 +275,6 @@ def test_the_method_says_what_the_profile_counts(worn, language, profile, said):
     assert {name for name in every if squeezed(say(f"texts.method_{name}")) in text} == said
 
 
-def test_languages_have_the_same_keys_and_places():
-    english = wording("en").texts
-
-    def places(texts: dict) -> dict[tuple[str, str], list[str]]:
-        tables = {name: table for name, table in texts.items() if isinstance(table, dict) and name != "messages"}
-        return {
-            (name, key): sorted(re.findall(r"\{(\w+)\}", text))
-            for name, table in tables.items()
-            for key, text in table.items()
-        }
-
-    for language in languages():
-        assert places(own_texts(language)) == places(english)
-
-
 def test_hostile_text_stays_text(worn, hostile):
     for text in hostile:
         job = Job(customer={"name": text}, workshop={"name": text}, notes=text, technician=text)
@@ -342,7 +328,7 @@ def test_unknown_language_and_paper_are_refused(worn):
 
 
 def test_every_section_has_a_title():
-    assert set(PDF_SECTIONS) == set(wording("en").texts["sections"])
+    assert set(PDF_SECTIONS) == set(wording("en").table("sections"))
 
 
 def test_same_job_same_bytes_also_from_threads(worn, job, printed):

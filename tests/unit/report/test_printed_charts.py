@@ -14,8 +14,9 @@ import pytest
 from atleak.analysis.pressures import pressures_at
 from atleak.analysis.repair.plan import plan_repairs
 from atleak.common.style import PAPER_INKS
+from atleak.common.translations import languages
 from atleak.common.verdicts import Band, Verdict
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
 from atleak.report.charts.paper import drawn_on_paper

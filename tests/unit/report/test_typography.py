@@ -11,7 +11,8 @@ import pypdfium2.raw as pdfium
 import pytest
 
 from atleak.catalogue.controller_file import load_controller
-from atleak.common.wording import languages, wording
+from atleak.common.translations import languages
+from atleak.common.wording import wording
 from atleak.measurements.job_card import Job
 from atleak.report.charts.drawing import controller_svg
 from atleak.report.pdf import write_pdf

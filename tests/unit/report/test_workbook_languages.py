@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import io
-import tomllib
-from importlib import resources
 
 import openpyxl
 import pytest
+from babel.messages.pofile import read_po
 
+from atleak.common.translations import source
 from atleak.common.wording import wording
 from atleak.report.xlsx import write_workbook
 
@@ -30,12 +30,10 @@ def test_every_formula_of_another_language_gives_its_cached_value(german, calcul
 
 @pytest.mark.parametrize("language", ["de", "pl"])
 def test_no_cell_stays_in_english(worn_clutch, language):
-    texts, messages = resources.files("atleak").joinpath("texts", language), {}
-    for name in ("messages_workbook.toml", "messages_workbook_audit.toml"):
-        messages |= tomllib.loads(texts.joinpath(name).read_text(encoding="utf-8"))["messages"]
-    english = {template for template, said in messages.items() if template != said and "{" not in template}
+    texts = {message.id: message.string for message in read_po(source(language).open("rb")) if message.id}
+    english = {text for text, said in texts.items() if isinstance(text, str) and text != said and "{" not in text}
     shown = texts_of(write_workbook(worn_clutch, language=language))
-    assert shown & english - set(messages.values()) == set()
+    assert shown & english - set(map(str, texts.values())) == set()
     assert not [text for text in shown if " kPa], as issued" in text or "spools concentric" in text]
 
 

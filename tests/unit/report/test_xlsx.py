@@ -360,7 +360,7 @@ def test_an_unknown_paper_is_refused(unmeasured):
 def test_a_decision_is_named_as_the_texts_name_it(worn, monkeypatch):
     decisions = {land.uncertainty.decision for land in worn.lands if land.uncertainty is not None} - {None}
     for decision in decisions:
-        monkeypatch.setitem(wording("en").texts["decisions"], decision, f"decided: {decision}")
+        monkeypatch.setitem(wording("en").table("decisions"), decision, f"decided: {decision}")
     book = openpyxl.load_workbook(io.BytesIO(write_workbook(worn)), data_only=True)
     column = column_of(book, "Lands", "decision as issued")
     assert {cell.value for cell in book["Lands"][column][1:]} - {None} == {f"decided: {name}" for name in decisions}

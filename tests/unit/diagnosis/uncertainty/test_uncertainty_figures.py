@@ -78,6 +78,6 @@ def test_limit_of_a_clearance_is_drawn_where_it_decides(
 
 def test_a_decision_is_named_as_the_texts_name_it(unit: UnitUncertainty, monkeypatch: pytest.MonkeyPatch) -> None:
     for decision in DECISIONS:
-        monkeypatch.setitem(wording("en").texts["decisions"], decision, f"decided: {decision}")
+        monkeypatch.setitem(wording("en").table("decisions"), decision, f"decided: {decision}")
     named = {trace.name for trace in figures.land_clearances(unit, ENGLISH, lands=len(unit.lands)).data}
     assert named >= {f"decided: {land.decision}" for land in unit.lands}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.common.wording import languages
+from atleak.common.translations import languages
 from atleak.measurements.readings import Reading, Readings, SheetIdentity
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.sheets.measuring_sheet import write_readings

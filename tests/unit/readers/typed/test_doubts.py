@@ -9,7 +9,8 @@ from dataclasses import replace
 import pytest
 
 from atleak.catalogue.controller import Controller
-from atleak.common.wording import languages, wording
+from atleak.common.translations import languages
+from atleak.common.wording import wording
 from atleak.measurements.measuring_plan import PlanCell
 from atleak.measurements.readings import Readings
 from atleak.readers.typed_sheet import JudgedEntry, Typed, judge

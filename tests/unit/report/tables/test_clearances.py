@@ -9,7 +9,8 @@ import pytest
 from atleak.catalogue.controller_file import controllers
 from atleak.catalogue.fluid import fluids
 from atleak.catalogue.limits import limit_sets
-from atleak.common.wording import languages, wording
+from atleak.common.translations import languages
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.tables.catalogue import TABLES, representative
 from atleak.report.tables.clearances import clearance_table
@@ -66,7 +67,7 @@ def test_a_fluids_curve_goes_through_its_data_sheet_and_stays_in_its_span(entry)
             assert curve[at] == pytest.approx(nu * 1e6, rel=1e-9, abs=0.0)
     low, high = entry.span()
     assert all(low <= temperature <= high for temperature in curve)
-    assert not [name for name in entry.representative if name not in wording("en").texts["value_names"]]
+    assert not [name for name in entry.representative if name not in wording("en").table("value_names")]
     assert "_" not in representative(entry, wording("en"))
 
 

@@ -16,8 +16,9 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.style import LOOKS
+from atleak.common.translations import languages
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.engine.flows import FlowKind
@@ -198,7 +199,7 @@ def test_words_and_numbers_are_those_of_the_language(worn_clutch: Diagnosis, lan
     svg = ElementTree.fromstring(flow_svg(flow_diagram(worn_clutch, worn_clutch.hot_idle, say=say), "x", say))
     said = " ".join(text.text or "" for text in svg.iter(f"{SVG}text"))
     assert f"{say('flows.sump')} {flow_words(worn_clutch.hot_idle.leakage, say)}" in said
-    decimal = say.texts["decimal"]
+    decimal = say.decimal
     assert f"{say('flows.pump')} 12{decimal}6" in said
 
 

@@ -10,9 +10,10 @@ import pytest
 from atleak.analysis.repair.choice import OfferedRepairs
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.style import LOOKS
+from atleak.common.translations import languages
 from atleak.common.units import PERCENT, UM
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.charts.drawing import component_svgs
 from atleak.report.tables.lands import (

@@ -16,8 +16,9 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.common.sentences import Sentence
+from atleak.common.translations import languages
 from atleak.common.units import RPM
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.measurements.events import AccelerationTest, Event

@@ -9,8 +9,9 @@ import pytest
 import xlsxwriter
 
 from atleak.common.style import find_paper
+from atleak.common.translations import languages
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import languages, wording
+from atleak.common.wording import wording
 from atleak.report.pdf.blocks import printed
 from atleak.report.tables.table import Column, Judged, Table
 from atleak.report.terminal import print_table

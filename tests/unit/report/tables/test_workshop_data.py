@@ -11,7 +11,6 @@ from atleak.catalogue.entries import read_tables, shipped_files
 from atleak.catalogue.workbook.cells import Units
 from atleak.catalogue.workbook.draft import Draft, Subject, checked, copy_of, draft_of, read_draft
 from atleak.catalogue.workbook.subjects import CONTROLLER, FLUID, INSTRUMENT, LIMITS, SUBJECTS
-from atleak.common.wording import wording
 
 SHIPPED = [(kind, name) for kind in SUBJECTS for name in shipped_files(kind)]
 
@@ -122,15 +121,6 @@ def test_a_draft_is_read_back_only_as_what_it_is() -> None:
     assert read_draft(FLUID, draft.written()) == draft
     assert read_draft(INSTRUMENT, draft.written()) is None
     assert read_draft(CONTROLLER, draft.written()) is None
-
-
-@pytest.mark.parametrize("language", ["de", "pl"])
-def test_every_heading_and_help_of_the_forms_is_translated(language: str) -> None:
-    said = set()
-    for sheet in (sheet for subject in (*SUBJECTS.values(), CONTROLLER) for sheet in subject.sheets):
-        said |= {sheet.name, sheet.about, *(column.heading for column in sheet.columns)}
-        said |= {column.help for column in sheet.columns if column.help}
-    assert said - wording(language).texts["entry_fields"].keys() == set()
 
 
 @pytest.mark.parametrize("subject", [*SUBJECTS.values(), CONTROLLER], ids=lambda subject: subject.kind)
