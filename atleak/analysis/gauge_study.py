@@ -18,7 +18,7 @@ import numpy as np
 
 from atleak.catalogue.instruments import Instrument
 from atleak.common.errors import InputError, Message
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Sentence, counted
 from atleak.common.units import UM, Quantity
 from atleak.measurements.gauge_study import StudyReadings
 
@@ -242,10 +242,12 @@ def _messages(study: GaugeStudy, negative: Sequence[str]) -> list[Message]:
         messages.append(Message("info", "variance_set_to_zero", _SET_TO_ZERO[name]))
     categories = study.categories
     if categories is not None and categories < FEWEST_CATEGORIES:
-        text = Sentence(
+        text = counted(
+            categories,
+            "The gauge tells {count} group of these parts apart; AIAG asks for {fewest}. Parts that differ less than "
+            "those on which it will be used make this number small, too.",
             "The gauge tells {count} groups of these parts apart; AIAG asks for {fewest}. Parts that differ less than "
             "those on which it will be used make this number small, too.",
-            count=categories,
             fewest=FEWEST_CATEGORIES,
         )
         messages.append(Message("warning", "few_categories", text))

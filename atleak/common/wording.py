@@ -322,8 +322,7 @@ class _Spoken:
         return self.say.spelled(value, kind, int(places[1]) if places else digits)
 
     def _number(self, written: str) -> str:
-        decimal = self.say.decimal
-        return written.translate(str.maketrans({",": _NARROW, ".": decimal, "-": "−"}))
+        return written.translate(str.maketrans(",.-", f"{_NARROW}{self.say.decimal}−"))
 
 
 class _SpokenList(Listed):

@@ -155,11 +155,9 @@ class FleetSections:
     def intro(self, body: ValveBody) -> Section:
         """Say how many units there are, what leads, and what to know about them."""
         say, counts = self.say, body.counts
-        key = "body_units"
-        if counts.units == 1:
-            key = "body_unit" if counts.judged else "body_unit_unmeasured"
-        numbers = {"units": counts.units, "judged": counts.judged, "visits": body.visits}
-        sentences = [say(f"fleet_summary.{key}", **{name: say.number(number, 0) for name, number in numbers.items()})]
+        numbers = {"judged": say.number(counts.judged, 0), "visits": say.number(body.visits, 0)}
+        key = "body_units" if counts.judged else "body_unjudged"
+        sentences = [say(f"fleet_summary.{key}", count=counts.units, **numbers)]
         if counts.judged:
             sentences.append(say("fleet_summary.headline", rate=self.words.rate(counts.rates[Verdict.REPLACE])))
             sentences.append(self.words.leading_pair(body))

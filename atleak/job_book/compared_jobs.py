@@ -15,7 +15,7 @@ import sqlalchemy as sa
 from atleak.analysis.changes import Comparison
 from atleak.analysis.comparison import compare
 from atleak.common.errors import BookError, InputError, Message, Place
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Sentence, counted
 from atleak.common.verdicts import level_named
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.parts import JobFile
@@ -63,7 +63,9 @@ def named_job(book: Book, name: str) -> str:
         expected = Sentence("one of {names}", names="; ".join(several[:_SHOWN]))
         if len(several) > _SHOWN:
             expected = Sentence("{names} and {count} more", names=expected, count=len(several) - _SHOWN)
-        problem = Sentence("{count} jobs of the job book are called so", count=len(found))
+        problem = counted(
+            len(found), "{count} job of the job book is called so", "{count} jobs of the job book are called so"
+        )
         raise BookError(problem, place=place, value=name, expected=expected)
     return str(found[0].id)
 

@@ -25,7 +25,10 @@ def pairs(language: str) -> list[tuple[str, str]]:
     """Every English text with its translation, in each of its forms."""
     with source(language).open("rb") as file:
         texts = [(message.id, message.string) for message in read_po(file, language) if message.id]
-    plural = [(english[-1], form) for english, forms in texts if isinstance(english, tuple) for form in forms]
+    counted = [(english, said) for english, said in texts if isinstance(english, tuple)]
+    plural = [(one, forms[0]) for (one, _), forms in counted] + [
+        (more, f) for (_, more), forms in counted for f in forms[1:]
+    ]
     return [(english, said) for english, said in texts if isinstance(english, str)] + plural
 
 

@@ -201,10 +201,11 @@ def _few_units(learned: Learned) -> Iterator[Message]:
     if learned.spread is None or count > _FEW_UNITS:
         return
     sentences = [
-        Sentence(
+        counted(
+            count,
+            "{count} unit is few: the uncertainties are wider by Student's t",
             "{count} units are few: their spread is taken over all lands together, and the uncertainties are wider by "
             "Student's t",
-            count=count,
         )
     ]
     if len(learned.units) < UNITS_TO_NAME_ONE:

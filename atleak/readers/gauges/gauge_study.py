@@ -248,7 +248,11 @@ def _gaps(cells: _Cells, table: StudyTable) -> Iterator[GaugeStudyError]:
         expected = Sentence("at least {count} readings of each", count=FEWEST)
         yield GaugeStudyError(Sentence("every operator read every part once"), place=file, expected=expected)
         return
-    expected = Sentence("{count} readings, as of the others: every operator reads every part equally often", count=most)
+    expected = counted(
+        most,
+        "{count} reading, as of the others: every operator reads every part equally often",
+        "{count} readings, as of the others: every operator reads every part equally often",
+    )
     for part, operator in product(parts, operators):
         given = cells.by_pair.get((part, operator), [])
         if len(given) != most:

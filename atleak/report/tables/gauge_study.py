@@ -118,7 +118,7 @@ def result_sentence(study: GaugeStudy, say: Wording) -> str:
     if study.judged is None:
         return say("gauge_study.nothing")
     count = study.categories
-    categories = say("gauge_study.no_categories") if count is None else say("gauge_study.categories", number=count)
+    categories = say("gauge_study.no_categories") if count is None else say("gauge_study.categories", count=count)
     share, key = (
         (study.grr.of_study, "result") if study.tolerance is None else (study.grr.of_tolerance, "result_tolerance")
     )

@@ -211,7 +211,7 @@ def test_a_fleet_of_errors_alone_and_one_of_which_nothing_was_measured_can_be_pr
     )
     unmeasured = replace(made, bodies=(body,), counts=body.counts, worst=())
     text = text_of(write_summary_pdf(unmeasured))
-    assert say("fleet_summary.headline_unmeasured", units=3) in text
+    assert say("fleet_summary.headline_unmeasured", count=3) in text
     assert say("fleet_summary.no_logs") in text
     assert say("fleet_summary.section_wear") not in text
     assert len(write_summary_workbook(unmeasured)) > 1000
