@@ -86,7 +86,7 @@ def _compare(options: argparse.Namespace) -> int:
         from atleak.report.terminal import print_sections
 
         comparison, say = compared.comparison, wording(printed["language"], printed["units"])
-        print_sections(comparison_sections(comparison, say, brief=True), comparison.messages)
+        print_sections(comparison_sections(comparison, say, brief=True), comparison.messages, say)
     outputs.say_written()
     return 0
 

@@ -90,7 +90,8 @@ def _gauge_study(options: argparse.Namespace) -> int:
     study = analysed(readings, tolerance=tolerance, alpha=alpha)
     outputs.write(json=lambda: study_record(study))
     if outputs.shown:
-        print_sections(study_sections(study, wording("en", options.units)).values(), study.messages)
+        say = wording("en", options.units)
+        print_sections(study_sections(study, say).values(), study.messages, say)
     outputs.say_written()
     return 0
 

@@ -232,7 +232,7 @@ def print_table(content: Table) -> None:
     _print(laid_out(content), *dict.fromkeys(remarks))
 
 
-def print_sections(sections: Iterable[Section], messages: Iterable[Message] = ()) -> None:
+def print_sections(sections: Iterable[Section], messages: Iterable[Message] = (), say: Wording | None = None) -> None:
     """Print sections, one after the other, of a chart the numbers that it shows; then messages, warnings marked."""
     console = TerminalConsole()
     for section in sections:
@@ -247,7 +247,8 @@ def print_sections(sections: Iterable[Section], messages: Iterable[Message] = ()
             for line in _lines(part):
                 console.print(Text(line, style="" if level is None else look_of(level).style))
     for message in messages:
-        console.print(Text(f"{'!' if message.level == 'warning' else '·'} {message.text}"))
+        said = message.text if say is None else say.sentence(message.text)
+        console.print(Text(f"{'!' if message.level == 'warning' else '·'} {said}"))
 
 
 def _lines(part: SectionPart) -> Iterator[str]:

@@ -97,7 +97,7 @@ def test_the_terminal_speaks_the_language_and_units_that_are_asked_for(run: Run,
 
 
 def test_the_terminal_puts_the_road_tests_beside_one_another(
-    run: Run, sample_log: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run: Run, jobs: tuple[Path, Path], sample_log: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "160")
     job = written(tmp_path, "driven", Case(controller="minimal_example", road_test=SourceFile.at(sample_log)))
@@ -105,6 +105,8 @@ def test_the_terminal_puts_the_road_tests_beside_one_another(
     assert status == 0
     (row,) = (line for line in out.splitlines() if "minimum-acceleration test" in line)
     assert "0.3 → 0.3" in row
+    out = run("compare", job, jobs[1], "--language", "de")[1]
+    assert "· Der Auftrag nachher hat keine Probefahrt" in out
 
 
 def test_the_page_is_written_and_never_over_a_foreign_file(run: Run, jobs: tuple[Path, Path], tmp_path: Path) -> None:
