@@ -83,7 +83,7 @@ class ReportBook:
         made = self._formats.get(key)
         if made is None:
             said = NUMBER_FORMATS.get(number, number)
-            if of is not None and said.strip("0") == ".":
+            if of is not None and number != said and said.strip("0") == ".":
                 places = self.say.digits(of, len(said) - said.index(".") - 1)
                 said = f"0.{'0' * places}" if places else "0"
             for words in (_NOTHING, _DEMAND):

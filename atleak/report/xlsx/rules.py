@@ -142,7 +142,8 @@ class LimitCells:
             for level, value in each.values.items():
                 column = 1 + self.levels.index(level)
                 of = _quantity(each.kind, each.part)
-                write_cell(book, sheet, row, column, LiveCell("um", value, look=CHANGEABLE, of=of))
+                form = _as_stated("um", value, of, book.say)
+                write_cell(book, sheet, row, column, LiveCell(form, value, look=CHANGEABLE, of=of))
                 book.define(self._names[each.kind, level, each.part], row, column, self._sheet)
             if first:
                 steps = self.limits.rules[each.kind]
@@ -163,6 +164,14 @@ class LimitCells:
 
 def _quantity(kind: RuleKind, part: _Part) -> str | None:
     return kind.quantity if part == "limit" else "clearance" if part == "at_least" else None
+
+
+def _as_stated(number: str, value: float, of: str | None, say: Wording) -> str:
+    """Return the format of a limit: in another unit than its file's with the digits that its source may have had."""
+    if of is None or say.units == "metric":
+        return number
+    _, point, places = f"{say.system[of].stated(value):.6g}".partition(".")
+    return f"0{point}{'0' * len(places)}"
 
 
 def _rows(kind: RuleKind, steps: Steps) -> Iterable[_Row]:
@@ -319,12 +328,9 @@ class RuleCells:
             cells["new"] = LiveCell(kind, rule.new * factor, asked.new, of=of)
         for level, limit in rule.steps.levels:
             text = self._limit(here, rule, asked, level)
-            by_file = text is None
-            cells[_verdict(level)] = (
-                LiveCell(rule.kind.suffix, limit * factor, look=CHANGEABLE, of=of)
-                if by_file
-                else LiveCell(kind, limit * factor, text, of=of)
-            )
+            form = _as_stated(kind if text else rule.kind.suffix, limit * factor, of, self.say)
+            look: Mapping[str, Any] = {} if text else CHANGEABLE  # of the valve body's file
+            cells[_verdict(level)] = LiveCell(form, limit * factor, text, look, of)
         if rule.probable and isfinite(rule.value):
             cells["issued"] = LiveCell(kind, rule.value * factor, of=of)
         cells["rank"] = LiveCell("plain", RANKED.index(rule.verdict) + 1, _rank(rule, here))

@@ -116,3 +116,14 @@ def test_libreoffice_computes_the_workbook_in_us_units(units, recalculated, refe
     cached = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
     formulas = openpyxl.load_workbook(io.BytesIO(content))
     assert referee.differing(formulas, recalculated(formulas), cached) == []
+
+
+def test_a_limit_has_the_digits_of_its_source(units):
+    sheet = read(units[1], "us")["Limits"]
+    shown = {
+        f"{cell.value:.{len(cell.number_format.partition('.')[2])}f} psi"
+        for row in sheet.iter_rows()
+        for cell in row
+        if "[psi]" in str(sheet.cell(cell.row, 1).value) and isinstance(cell.value, float)
+    }
+    assert shown == {"8 psi", "15 psi", "10 psi"}
