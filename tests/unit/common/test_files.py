@@ -169,8 +169,9 @@ def test_a_report_that_does_not_fit_on_the_disk_leaves_the_earlier_one(
     def little_room() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
 
-    kept = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}  # else a compiled module is cut short too, and fails another test
-    finished = subprocess.run(command, capture_output=True, check=False, env=kept, preexec_fn=little_room)
+    # else a compiled module is cut short too, and fails another test
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
+    finished = subprocess.run(command, capture_output=True, check=False, env=environment, preexec_fn=little_room)
     assert finished.returncode == 2
     assert b"cannot be written" in finished.stderr
     assert target.read_bytes() == b"earlier"
