@@ -81,7 +81,7 @@ def source(language: str) -> Path:
 
 @cache
 def catalogue(language: str) -> gettext.NullTranslations:
-    """Return the translations of a language: those that came compiled with the package, else those of its source.
+    """Return the translations of a language: of its source in a checkout, else as they came compiled with the package.
 
     Raises
     ------
@@ -92,8 +92,10 @@ def catalogue(language: str) -> gettext.NullTranslations:
         raise unknown(Sentence("no report in this language"), language, languages())
     if language == "en":
         return gettext.NullTranslations()
-    made = source(language).with_suffix(".mo")
-    compiled = made.read_bytes() if made.is_file() else _compiled(source(language).read_bytes(), language)
+    written = source(language)  # before what an editor of catalogues compiled beside it, which may be of an earlier one
+    compiled = (
+        _compiled(written.read_bytes(), language) if written.is_file() else written.with_suffix(".mo").read_bytes()
+    )
     return gettext.GNUTranslations(io.BytesIO(compiled)) if compiled else gettext.NullTranslations()
 
 
@@ -102,12 +104,13 @@ def _compiled(written: bytes, language: str) -> bytes:
     from platformdirs import user_cache_path  # only a checkout needs it
 
     kept = user_cache_path(DOMAIN, appauthor=False) / f"{language}-{hashlib.sha256(written).hexdigest()}.mo"
-    if kept.is_file():
+    with suppress(OSError):  # not made yet, or of a home that may not be read
         return kept.read_bytes()
     try:
         from babel.messages import mofile, pofile
     except ModuleNotFoundError:
-        logging.getLogger(__name__).warning('atleak speaks English alone: pip install -e ".[test]" brings Babel')
+        line = 'no Babel to compile the texts of "%s", which stay English: python -m pip install -e ".[test]" brings it'
+        logging.getLogger(__name__).warning(line, language)
         return b""
     made = io.BytesIO()
     mofile.write_mo(made, pofile.read_po(io.BytesIO(written), language))

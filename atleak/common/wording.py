@@ -116,11 +116,7 @@ class Wording:
     def table(self, name: str) -> Mapping[str, str]:
         """Return the texts of one table in the reader's language, by key."""
         if name not in self._tables:
-            texts = english()[name].items()
-            self._tables[name] = {
-                key: text.translated(self.catalogue) if isinstance(text, Text) else self.name(text)
-                for key, text in texts
-            }
+            self._tables[name] = {key: text.translated(self.catalogue) for key, text in english()[name].items()}
         return self._tables[name]
 
     def get(self, table: str, name: str) -> str:

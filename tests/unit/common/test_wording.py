@@ -11,7 +11,10 @@ from pathlib import Path
 import platformdirs
 import pypdfium2
 import pytest
+from babel.messages.mofile import write_mo
+from babel.messages.pofile import read_po
 
+from atleak.common import translations
 from atleak.common.translations import catalogue, languages, source
 
 CATALOGUE = """
@@ -55,6 +58,35 @@ def test_without_babel_a_checkout_speaks_english_and_says_so_in_a_line(
     (line,) = caplog.messages
     assert "Babel" in line
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_installed_package_reads_what_came_compiled_and_needs_no_babel(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with source("pl").open("rb") as read, (tmp_path / "atleak.mo").open("wb") as written:
+        write_mo(written, read_po(read))
+    monkeypatch.setattr(translations, "source", lambda language: tmp_path / "atleak.po")
+    for module in ("babel", "babel.messages", "platformdirs"):
+        monkeypatch.setitem(sys.modules, module, None)
+    said = catalogue.__wrapped__("pl")
+    assert [said.ngettext("{count} row", "{count} rows", count) for count in (0, 1, 2)] == [
+        "{count} wierszy", "{count} wiersz", "{count} wiersze",
+    ]  # fmt: skip
+
+
+def test_a_home_that_may_not_be_read_only_costs_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda *_, **__: tmp_path / ("x" * 300))
+    assert catalogue.__wrapped__("de").gettext("a file name") == "ein Dateiname"
+
+
+def test_what_an_editor_compiled_beside_a_catalogue_is_not_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Poedit does when it saves; the next change of the catalogue would not be seen."""
+    written = shutil.copy(source("de"), tmp_path)
+    Path(written).with_suffix(".mo").write_bytes(b"of an earlier catalogue")
+    monkeypatch.setattr(translations, "source", lambda language: Path(written))
+    assert catalogue.__wrapped__("de").gettext("a file name") == "ein Dateiname"
 
 
 def test_no_source_file_lists_the_languages(root: Path) -> None:
