@@ -31,6 +31,7 @@ from atleak.common.translations import Text, english, languages, source
 
 ROOT = Path(__file__).resolve().parents[1]
 _FORMS = {"Sentence": slice(1), "counted": slice(1, 3)}  # which arguments of a call are a text's forms
+_COUNT = {("count", "", None)}  # a place that the form for one may lack
 _SIGNS = " .,:;()–…\n"  # that stand between places without a word
 
 
@@ -145,13 +146,14 @@ def faults(language: str) -> Iterator[str]:
     yield from (f"not in the catalogue: {key}" for key in sorted(wanted - there.keys(), key=str))
     yield from (f"no text of the program: {key}" for key in sorted(there.keys() - wanted, key=str))
     for (text, _), message in there.items():
-        one = text if isinstance(text, str) else text[-1]
+        one, several = (text, text) if isinstance(text, str) else text
         forms = _forms(message)
+        apart = (_places(forms[0]) ^ _places(one)) - (_COUNT if isinstance(text, tuple) else set())
         if not all(forms) or message.fuzzy:
             yield f"not translated: {text}"
-        elif any(_places(form) ^ _places(one) for form in forms[isinstance(text, tuple) :]):  # one needs no count
+        elif apart or any(_places(form) ^ _places(several) for form in forms[1:]):
             yield f"other places: {text}: {forms}"
-        elif one in forms and len(re.findall(r"[a-z]{3,}", re.sub(r"\{.*?\}|^Dziubak.*", "", one))) > 3:
+        elif several in forms and len(re.findall(r"[a-z]{3,}", re.sub(r"\{.*?\}|^Dziubak.*", "", several))) > 3:
             yield f"left in English: {text}"
 
 
