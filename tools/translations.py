@@ -2,7 +2,7 @@
 
 ``update`` takes every text of the program into every ``.po`` under ``atleak/locale``; one whose English has changed
 keeps its translation, marked *fuzzy*. ``add es`` begins a language. ``check`` ends with what is not translated, what no
-code asks for and whose places differ. The catalogues are edited with Poedit, Weblate or a text editor.
+code asks for and whose places differ, each in a line. The catalogues are edited with Poedit, Weblate or a text editor.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pathlib import Path
 from string import Formatter
 from typing import Any
 
+from babel.localedata import exists
 from babel.messages import Catalog, Message
 from babel.messages.pofile import read_po, write_po
 
@@ -33,6 +34,7 @@ ROOT = Path(__file__).resolve().parents[1]
 _FORMS = {"Sentence": slice(1), "counted": slice(1, 3)}  # which arguments of a call are a text's forms
 _COUNT = {("count", "", None)}  # a place that the form for one may lack
 _SIGNS = " .,:;()–…\n"  # that stand between places without a word
+_TEMPERATURE = re.compile(r", \d+ °C$")  # ends the name of an operating point; readers have it in their unit
 
 
 def _of_code() -> Iterator[tuple[Text, str]]:
@@ -124,7 +126,8 @@ def write(language: str, catalogue: Catalog) -> None:
 
 def update(language: str) -> None:
     """Take every text of the program into the catalogue of a language."""
-    catalogue = read(language) if source(language).exists() else Catalog(language, project="atleak")
+    begun = Catalog(language, project="atleak", header_comment="# The texts of atleak, for translators.", fuzzy=False)
+    catalogue = read(language) if source(language).exists() else begun
     created = catalogue.creation_date
     catalogue.update(template(), update_creation_date=False)
     catalogue.creation_date = created
@@ -153,6 +156,8 @@ def faults(language: str) -> Iterator[str]:
             yield f"not translated: {text}"
         elif apart or any(_places(form) ^ _places(several) for form in forms[1:]):
             yield f"other places: {text}: {forms}"
+        elif (end := _TEMPERATURE.search(one)) and not forms[0].endswith(end[0]):
+            yield f"does not end with {end[0]!r}: {text}: {forms[0]}"
         elif several in forms and len(re.findall(r"[a-z]{3,}", re.sub(r"\{.*?\}|^Dziubak.*", "", several))) > 3:
             yield f"left in English: {text}"
 
@@ -163,13 +168,16 @@ def main() -> int:
     parser.add_argument("what", choices=("update", "add", "check"))
     parser.add_argument("language", nargs="?")
     asked = parser.parse_args()
+    if (asked.language or asked.what == "add") and not exists(asked.language or ""):
+        parser.error("name a language by its code, such as es")
     others = [asked.language] if asked.language else [each for each in languages() if each != "en"]
     found = []
     for language in others:
         if asked.what != "check":
             update(language)
-        found += [f"{language}: {fault}" for fault in faults(language)]
-    print("\n".join([*found, f"{len(found)} to translate or mend"]))
+        found += [f"{language}: {fault}".replace("\n", " ") for fault in faults(language)]
+    shown = [source(asked.language)] if asked.what == "add" else found  # of a language begun, nothing is translated
+    print(*shown, f"{len(found)} to translate or mend", sep="\n")
     return bool(found) and asked.what == "check"
 
 

@@ -129,13 +129,31 @@ def test_each_fault_of_a_catalogue_is_named(tool: ModuleType, monkeypatch: pytes
     catalogue.get("hidden column {names} {done}").string = ("kolumna {name}: {done}", *["kolumny {names}: {done}"] * 2)
     catalogue.get("its folder may not be written, or is not there").string = catalogue.get("a file name").string = ""
     catalogue.get("the file is no job book").string = "the file is no job book"
+    catalogue.get("driving in second, 80 °C").string = "jazda na drugim biegu w 80 °C"
     catalogue.add("no longer a text", "dawny tekst")
     catalogue.delete("another file")
     monkeypatch.setattr(tool, "read", lambda language: catalogue)
     assert sorted(fault.partition(":")[0] for fault in tool.faults("pl")) == [
-        "left in English", "no text of the program", "not in the catalogue", "not translated", "not translated",
-        "other places", "other places",
+        "does not end with ', 80 °C'", "left in English", "no text of the program", "not in the catalogue",
+        "not translated", "not translated", "other places", "other places",
     ]  # fmt: skip
+
+
+def test_a_language_is_begun_by_its_code_alone(
+    tool: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    begun = tmp_path / "atleak.po"
+    monkeypatch.setattr(tool, "source", lambda language: begun)
+    for wrong in (["add"], ["add", "spanish"]):
+        monkeypatch.setattr(tool.sys, "argv", ["translations.py", *wrong])
+        with pytest.raises(SystemExit):
+            tool.main()
+    assert not begun.exists()
+    monkeypatch.setattr(tool.sys, "argv", ["translations.py", "add", "es"])
+    assert tool.main() == 0
+    path, left = capsys.readouterr().out.splitlines()
+    assert path == str(begun)
+    assert int(left.split()[0]) == sum(1 for message in tool.read("es") if message.id)
 
 
 def test_a_changed_sentence_keeps_its_translation_as_a_draft(
