@@ -49,11 +49,11 @@ def _of_code() -> Iterator[tuple[Text, str]]:
 
 
 def _of_files() -> Iterator[tuple[Text, str]]:
-    """Yield the texts that are asked for by key, and the key."""
+    """Yield the texts that are asked for by key, and the key: where it is the text itself, its table."""
     for table, texts in english().items():
         for key, text in texts.items():
             if text.one:
-                yield text, f"{table}.{key}" * (key != text.one)
+                yield text, table if key == text.one else f"{table}.{key}"
 
 
 def _sources_and_notes() -> Iterator[str]:
