@@ -103,4 +103,4 @@ def test_a_value_far_below_one_is_written_without_an_exponent() -> None:
 def test_lists_are_said_in_the_reader_s_language() -> None:
     row = in_a_row([some(["25/1", "8/2", "8/3"], 2), Sentence("stall")])
     assert row == "25/1, 8/2 and 1 more; stall"
-    assert GERMAN.sentence(row) == "25/1, 8/2 und 1 weitere; Festbremsdrehzahl"
+    assert GERMAN.sentence(row) == "25/1, 8/2 und 1 weitere; Festbremsen"
