@@ -45,7 +45,7 @@ with variants:
     st.markdown(say("study.table_3_is"))
     show.table(table_3(results, say), height="content")
     st.caption(say("study.table_3_help"))
-    notes = {each.variant.name: say.name(each.variant.note) for each in results if each.variant.note}
+    notes = {each.variant.name: say.get("study_words", each.variant.note) for each in results if each.variant.note}
     st.markdown("\n".join(f"- **{name}** {show.plain(note)}" for name, note in notes.items()))
     record = to_json(variants_record(results, controller, road_test))
     st.download_button(say("study.download"), record, "variants.json", "application/json", on_click="ignore")

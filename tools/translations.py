@@ -101,7 +101,9 @@ def form_texts() -> set[str]:
 def template() -> Catalog:
     """Return every text of the program, with the keys by which it is asked for."""
     catalogue = Catalog(project="atleak")
-    words = [(Text(name), "") for name in shipped_names()] + [(Text(name, context="form"), "") for name in form_texts()]
+    words = [(Text(name, context="name"), "") for name in shipped_names()] + [
+        (Text(name, context="form"), "") for name in form_texts()
+    ]
     for text, key in (*_of_code(), *_of_files(), *words):
         forms = (text.one, text.several) if text.several else text.one
         catalogue.add(forms, context=text.context, auto_comments=[key] if key else [])

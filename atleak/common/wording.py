@@ -123,11 +123,11 @@ class Wording:
         """Return the text for a name, or the name itself where no text is known for it."""
         return self.table(table).get(name, name)
 
-    def name(self, name: str, context: str | None = None) -> str:
+    def name(self, name: str, context: str = "name") -> str:
         """Return a name in the reader's language: a valve's, a circuit's, an operating point's.
 
         Those of the shipped files are known, and in the context ``form`` the headings of the forms in which such files
-        are typed; any other stays as it is.
+        are typed; any other stays as it is, were it a word of the program.
         """
         return Text(name, context=context).translated(self.catalogue)
 

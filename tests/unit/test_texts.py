@@ -129,7 +129,7 @@ def test_each_fault_of_a_catalogue_is_named(tool: ModuleType, monkeypatch: pytes
     catalogue.get("hidden column {names} {done}").string = ("kolumna {name}: {done}", *["kolumny {names}: {done}"] * 2)
     catalogue.get("its folder may not be written, or is not there").string = catalogue.get("a file name").string = ""
     catalogue.get("the file is no job book").string = "the file is no job book"
-    catalogue.get("driving in second, 80 °C").string = "jazda na drugim biegu w 80 °C"
+    catalogue.get("driving in second, 80 °C", "name").string = "jazda na drugim biegu w 80 °C"
     catalogue.add("no longer a text", "dawny tekst")
     catalogue.delete("another file")
     monkeypatch.setattr(tool, "read", lambda language: catalogue)
@@ -181,3 +181,4 @@ def test_names_of_the_shipped_catalogue_are_translated_and_others_stay(tool: Mod
     assert wording("de").name("main pressure valve") == "Hauptdruckventil"
     assert wording("de").name("representative of steel") == "repräsentativ für Stahl"
     assert wording("de").name("valve of a workshop's own file") == "valve of a workshop's own file"
+    assert wording("de").name("Start") == "Start", "a word of the program"

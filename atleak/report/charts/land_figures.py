@@ -328,7 +328,7 @@ def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> Figure:
     ):
         values, named = (
             [parts.get(name, 0.0) for name in names],
-            [say.name(name) for name in names],
+            [say.get("uncertainty_sources", name) for name in names],
         )
         figure.bars(values, named, title, (colour, shape), factor=PERCENT, hover=f"%{{y}}: %{{x:.1f}} % {title}")
     figure.update_xaxes(title=say("figures.variance"), rangemode="tozero")

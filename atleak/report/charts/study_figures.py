@@ -118,7 +118,7 @@ def leakage_over_temperature(
     """
     drawn = Figure()
     for curve in curves:
-        name = say.name(curve.label)
+        name = say.get("study_words", curve.label)
         _line(drawn, name, curve.temperature, curve.max_leakage * DM3_MIN, *_MODEL_LOOKS[curve.model])
     of_wear = sorted(
         (result for result in results if result.variant.wear == CURVES_WEAR),

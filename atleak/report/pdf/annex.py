@@ -324,7 +324,7 @@ class Budget(PrintedPart):
             Column(
                 "annex.source",
                 width=250,
-                of=of(lambda line: say.name(line.source.label), say("annex.combined")),
+                of=of(lambda line: say.get("uncertainty_sources", line.source.label), say("annex.combined")),
             ),
             Column("annex.distribution", width=150, of=of(self._distribution)),
             Column("annex.degrees", digits=0, of=of(self._degrees)),
@@ -377,7 +377,8 @@ class Budget(PrintedPart):
         if at is None or not math.isfinite(at.u_share) or not at.budget:
             return ""
         named = (
-            f"{self.say.name(source)} {self.say.percent(fraction, 0)}" for source, fraction in at.budget[:_OF_SHARE]
+            f"{self.say.get('uncertainty_sources', source)} {self.say.percent(fraction, 0)}"
+            for source, fraction in at.budget[:_OF_SHARE]
         )
         return self.say(
             "annex.of_share",

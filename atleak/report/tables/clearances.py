@@ -69,7 +69,7 @@ def budget_rows(land: LandUncertainty, say: Wording) -> list[dict[str, Any]]:
     of_share = dict(land.conditions[0].budget) if land.conditions else {}
     return [
         {
-            "uncertain_source": say.name(name),
+            "uncertain_source": say.get("uncertainty_sources", name),
             "of_clearance": PERCENT * of_clearance.get(name, 0.0),
             "of_share": PERCENT * of_share.get(name, 0.0),
         }

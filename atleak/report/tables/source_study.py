@@ -57,7 +57,7 @@ def table_3(results: Sequence[VariantResult], say: Wording) -> Table:
 
     def remark(result: VariantResult) -> str:
         note = result.variant.note
-        return f"{result.variant.name}: {say.name(note)}" if note else ""
+        return f"{result.variant.name}: {say.get('study_words', note)}" if note else ""
 
     columns = (
         _column("variant", say, lambda result: result.variant.name),
@@ -77,7 +77,7 @@ def point_table(points: Sequence[ComparedPoint], say: Wording) -> Table:
     """Return the points of the test that the article states, beside the computed ones."""
 
     def said(words: str) -> str:
-        return say.name(words)
+        return say.get("study_words", words)
 
     columns = (
         _column("what", say, lambda each: said(f"{each.point.variant or 'pump'}: {each.point.quantity}")),
@@ -116,7 +116,7 @@ def option_share_table(options: Sequence[OptionRow], say: Wording) -> Table:
 def _by_variant(
     name: str, options: Sequence[OptionRow], of: Callable[[str, OptionRow], float | None], say: Wording
 ) -> Table:
-    first = _column("options", say, lambda row: say.name(row.label))
+    first = _column("options", say, lambda row: say.get("study_words", row.label))
     variants = (_column(each.name, say, partial(of, each.name), 2) for each in VARIANTS)
     return Table(name, (first, *variants), options, say)
 
@@ -125,14 +125,14 @@ def errata_table(say: Wording) -> Table:
     """Return where the article contradicts itself, and what is done here."""
 
     def said(name: str, erratum: Erratum) -> str:
-        return say.name(getattr(erratum, name))
+        return say.get("study_words", getattr(erratum, name))
 
     columns = (_column(name, say, partial(said, name)) for name in ("article", "finding", "here"))
     return Table("errata", (_column("no.", say, lambda each: str(each.number)), *columns), ERRATA, say)
 
 
 def _column(heading: str, say: Wording, of: Callable[[Any], Any], digits: int | None = None) -> Column:
-    return Column(heading, digits=digits, words=say.name(heading), of=of)
+    return Column(heading, digits=digits, words=say.get("study_words", heading), of=of)
 
 
 def _digits(printed: Decimal, value: float | None) -> str | None:

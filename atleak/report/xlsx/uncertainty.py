@@ -373,7 +373,7 @@ class _Budget:
             said = f"IF(ISNUMBER({nu}),{quote(kinds[0])},{quote(kinds[1])})"
         else:
             free, said = LiveCell("plain", INFINITE, look=right), None
-        yield LiveCell("plain", self.say.name(source.label))
+        yield LiveCell("plain", self.say.get("uncertainty_sources", source.label))
         yield LiveCell("plain", kinds[0 if line.statistical else 1], said)
         yield free
         warm = line.input_kind == "temperature"

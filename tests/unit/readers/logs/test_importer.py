@@ -525,4 +525,4 @@ def test_what_is_said_of_a_log_is_said_in_german_with_its_quantities_and_decimal
     assert wording("de").sentence(problem.sentence).startswith("x.csv: keine Zeitspalte (gefunden: 'a, b'); erwartet: ")
     absolute = "Time (s),Line pressure (kPa abs)\n" + "".join(f"{row / 10:g},{700 + row}\n" for row in range(60))
     said = [wording("de", "us").sentence(each.text) for each in understand(absolute.encode(), name="x").messages]
-    assert any("ist absolut; 14,6959 psi werden abgezogen" in each for each in said), said
+    assert any("ist absolut; 14,696 psi werden abgezogen" in each for each in said), said

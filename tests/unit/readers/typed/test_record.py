@@ -82,4 +82,4 @@ def test_the_drawing_has_the_readers_decimal_sign_unit_and_name_of_the_valve(gri
     assert "⌀ 15,000" in german["drawing"]
     assert "Bünde und Messebenen" in german["drawing"]
     assert german["title"] == german["label"] == wording("de").name("pressure regulator valve")
-    assert "⌀ 0,59055" in grid_record(grid, wording("de", "us"))["components"][0]["drawing"]
+    assert "⌀ 0,5906" in grid_record(grid, wording("de", "us"))["components"][0]["drawing"]
