@@ -6,7 +6,7 @@ Nothing here knows a file format. ``atleak.readers.logs`` makes a `RoadTest` fro
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Literal
@@ -15,6 +15,8 @@ import numpy as np
 
 from atleak.common.errors import Message
 from atleak.common.sentences import Sentence
+
+_BREAKS = 400  # edges of stretches without values that are kept of each thinned series at most
 
 ChannelKind = Literal["measured", "commanded", "unknown"]
 ChannelSource = Literal["logged", "derived", "constant"]
@@ -319,3 +321,41 @@ def hold(own_time: np.ndarray, values: np.ndarray, time: np.ndarray, segments: t
     stamp = own_time[np.maximum(last, 0)]
     usable = (last >= 0) & (stamp >= begin) & (time - stamp <= hold_limit(own_time) * (1 + 1e-9))
     return np.where(usable, values[np.maximum(last, 0)], np.nan)
+
+
+def thinned(series: Sequence[np.ndarray], points: int, keep: Sequence[int] = ()) -> np.ndarray:
+    """Choose about ``points`` samples that show the course of several series of equal length.
+
+    Every stretch keeps its lowest and highest value, so that a spike of one sample stays; so do both ends and the edges
+    of stretches without values. Nothing is averaged.
+
+    Parameters
+    ----------
+    series
+        arrays of shape (n,) on one time base; NaN where a value is missing.
+    points
+        how many samples are wanted; a series that has no more is taken whole.
+    keep
+        indices that stay in any case.
+
+    Returns
+    -------
+    numpy.ndarray
+        rising indices into the series.
+    """
+    from tsdownsample import MinMaxDownsampler  # most runs draw no series
+
+    size = len(series[0])
+    if size <= points:
+        return np.arange(size)
+    each = max(points // len(series) // 2 * 2, 4)
+    chosen = [np.array([0, size - 1, *keep])]
+    for values in series:
+        known = np.isfinite(values)
+        usable = np.flatnonzero(known)
+        if len(usable) > each:
+            extremes = MinMaxDownsampler().downsample(np.ascontiguousarray(values[usable], dtype=float), n_out=each)
+            usable = usable[np.asarray(extremes, dtype=int)]
+        edges = np.flatnonzero(known[1:] != known[:-1])[:_BREAKS]
+        chosen += [usable, edges, edges + 1]
+    return np.unique(np.concatenate(chosen))

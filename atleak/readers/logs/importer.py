@@ -21,7 +21,7 @@ from atleak.common.damage import own_errors_only
 from atleak.common.errors import InputError, Message, Place, RoadTestError
 from atleak.common.memory import free_memory
 from atleak.common.sentences import Sentence
-from atleak.common.thinning import thinned
+from atleak.measurements.road_test import thinned
 from atleak.readers.dates import words
 from atleak.readers.logs import remembered_columns as memory
 from atleak.readers.logs.columns import (

@@ -10,14 +10,13 @@ import numpy as np
 from atleak.analysis.changes import Comparison, ConditionComparison, EventPair, LandComparison, LogComparison
 from atleak.catalogue.limits import RuleKind
 from atleak.common.style import MOST, SCREEN, STATED_INKS, look_of
-from atleak.common.thinning import thinned
 from atleak.common.units import PERCENT, UM
 from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.projection import Projection
-from atleak.measurements.road_test import QUANTITIES, Channel
+from atleak.measurements.road_test import QUANTITIES, Channel, thinned
 from atleak.report.charts.chart import LayerOf, RowChart, layers_of
 from atleak.report.charts.figure import Figure, framed
 from atleak.report.tables.road_test import Scales

@@ -12,12 +12,11 @@ import numpy as np
 from atleak.analysis.formulas import FormulaChannel
 from atleak.catalogue.limits import Limits
 from atleak.common.style import CURVES, SCALE_OF_SHARES, SCALE_OF_TIME, SCREEN, SUSPECT, look_of
-from atleak.common.thinning import thinned
 from atleak.common.units import DM3_MIN, PERCENT
 from atleak.common.wording import Wording
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.measurements.events import Event
-from atleak.measurements.road_test import Channel, RoadTest
+from atleak.measurements.road_test import Channel, RoadTest, thinned
 from atleak.report.charts.figure import Figure, framed
 from atleak.report.charts.operating_map import Histogram, OperatingMap
 from atleak.report.tables.road_test import RoadSeries, Scales, as_it_is, formula_scale, road_series

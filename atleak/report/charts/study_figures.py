@@ -14,11 +14,11 @@ import numpy as np
 from atleak.analysis.gauge_study import ACCEPTED, MARGINAL, GaugeStudy
 from atleak.analysis.source_study import CURVES_WEAR, TemperatureCurve, VariantResult
 from atleak.common.style import AS_NEW, CURVES, FAINT_GRID, SCREEN, Look, look_of
-from atleak.common.thinning import thinned
 from atleak.common.units import DM3_MIN, PERCENT, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
 from atleak.engine.extremes import Instant
+from atleak.measurements.road_test import thinned
 from atleak.report.charts.chart import LayerOf, RowChart, layers_of
 from atleak.report.charts.figure import Figure, framed
 

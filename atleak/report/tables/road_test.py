@@ -16,7 +16,6 @@ import numpy as np
 from atleak.analysis.formulas import Dimension
 from atleak.catalogue.workbook.cells import gear_shown
 from atleak.common.sentences import Sentence
-from atleak.common.thinning import thinned
 from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, Unit
 from atleak.common.units import unit as named_unit
 from atleak.common.wording import Wording
@@ -25,7 +24,7 @@ from atleak.engine.extremes import Extremes, Instant
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.engine.road_pressure import Departure, PlaceFinding, RoadPressure
 from atleak.measurements.events import Event
-from atleak.measurements.road_test import RoadTest
+from atleak.measurements.road_test import RoadTest, thinned
 from atleak.readers.logs.understood import workshop_unit
 from atleak.report.tables.road_words import event_remark
 from atleak.report.tables.table import Column, Table

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from atleak.common.thinning import thinned
+from atleak.measurements.road_test import thinned
 
 
 def test_a_short_series_stays_as_it_is() -> None:
