@@ -104,7 +104,7 @@ def held_table(diagnosis: Diagnosis, conditions: Sequence[PressuresAt], say: Wor
         Column("permissible", words_of="pressure", of=lambda each: permissible_text(each.permissible, say)),
         Column("held_low", "pressure", of=lambda each: _end(each.interval, 0), times=KPA),
         Column("held_high", "pressure", of=lambda each: _end(each.interval, 1), times=KPA),
-        Column("decision", width=100, of=lambda each: _decided(each.decided, say)),
+        Column("decision", width=150, of=lambda each: _decided(each.decided, say)),
     )
     rows = [held for at in conditions for held in at.applied]
     return Table("circuits", columns, rows, say, group=lambda held: say.condition(where[id(held)]))

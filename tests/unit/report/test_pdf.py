@@ -448,7 +448,8 @@ def test_a_limit_finer_than_the_gauge_is_called_so_in_print(worn, language):
     too_fine = [each for each in remedies if not each.measurable]
     assert too_fine
     text = text_of(write_pdf(oval, language=language, sections=["again"]))
-    begins = wording(language)("advice.not_measurable", rule="#", limit="#", guard="#").split("#")[2].strip(" .(±")
+    begins = wording(language)("advice.not_measurable", rule="#", limit="#", guard="#").split("#")[2].strip()
+    begins = " ".join(begins.split()[:4])  # a page may end within the sentence
     assert text.count(begins) == len(too_fine)
 
 

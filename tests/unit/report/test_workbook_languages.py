@@ -30,8 +30,10 @@ def test_every_formula_of_another_language_gives_its_cached_value(german, calcul
 
 @pytest.mark.parametrize("language", ["de", "pl"])
 def test_no_cell_stays_in_english(worn_clutch, language):
-    texts = {message.id: message.string for message in read_po(source(language).open("rb")) if message.id}
-    english = {text for text, said in texts.items() if isinstance(text, str) and text != said and "{" not in text}
+    with source(language).open("rb") as file:
+        texts = {message.id: message.string for message in read_po(file) if message.id}
+    # of several words: a name of one may be that of somebody's own circuit
+    english = {text for text, said in texts.items() if " " in text and text != said and "{" not in text}
     shown = texts_of(write_workbook(worn_clutch, language=language))
     assert shown & english - set(map(str, texts.values())) == set()
     assert not [text for text in shown if " kPa], as issued" in text or "spools concentric" in text]
