@@ -45,5 +45,5 @@ with st.expander(say("uncertainty.in_numbers")):
     show.table(Table("budget", columns, budget_rows(land, say), say))
 with st.expander(say("uncertainty.assumed")):
     what = Column("what", of=lambda each: say.get("uncertainty_assumed", each[0]))
-    value = Column("value", of=lambda each: say.plain(each[1]))
-    show.table(Table("assumed", (what, value), [*unit.assumptions.settings.items()], say))
+    value = Column("value", of=lambda each: say.plain_quantity(each[1].value, each[1].kind))
+    show.table(Table("assumed", (what, value), [*unit.assumptions.quantities.items()], say))

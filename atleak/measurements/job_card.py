@@ -360,10 +360,8 @@ class Job(Record):
 
         Parameters
         ----------
-        name
-            of the file that was handed over; what no file may be called becomes ``_``.
-        content
-            its bytes.
+        name, content
+            of the file that was handed over, as of `with_photo`.
 
         Returns
         -------

@@ -71,9 +71,9 @@ def _tap(controller: Controller, tap: str) -> str:
 
 
 def _counted() -> TypedGauges:
-    """Return what of the typed readings is in the job."""
+    """Return what of the typed readings is in the job; without any, none yet in the reader's unit."""
     file = pending(session().case)
-    return (None if file is None else typed_gauges(file.content)) or TypedGauges()
+    return (None if file is None else typed_gauges(file.content)) or TypedGauges(unit=reader.say().unit("pressure"))
 
 
 def _in_job() -> tuple[int, str | None]:

@@ -11,15 +11,17 @@ from typing import Any
 from atleak.catalogue.written_numbers import decimal_number
 from atleak.common.errors import InputError, unknown
 from atleak.common.sentences import Sentence
+from atleak.common.units import Quantity
 from atleak.equations.statistics import rectangular
 
 
-def _in(unit: str, size: float) -> Callable[[float], Any]:
-    """Return what makes a field, its default in SI, of a number that people state in a unit of that size."""
-    return lambda default: field(default=default, metadata={"unit": (unit, size)})
+def _in(unit: str, size: float, kind: str) -> Callable[[float], Any]:
+    """Return what makes a field, its default in SI, of a quantity that people state in a unit of that size."""
+    return lambda default: field(default=default, metadata={"unit": (unit, size), "kind": kind})
 
 
-_k, _mm, _um, _percent = _in("k", 1.0), _in("mm", 1e-3), _in("um", 1e-6), _in("percent", 1e-2)
+_k, _percent = _in("k", 1.0, "temperature_difference"), _in("percent", 1e-2, "percent")
+_mm, _um = _in("mm", 1e-3, "length"), _in("um", 1e-6, "clearance")
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,12 @@ class Assumptions:
             f"{field.name}_{_UNITS[field.name][0]}": getattr(self, field.name) / _UNITS[field.name][1]
             for field in fields(self)
         }
+
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """Return every assumption under the same names, as a quantity that each reader has in units of their own."""
+        kinds = (field.metadata["kind"] for field in fields(self))
+        return {name: Quantity(value, kind) for (name, value), kind in zip(self.settings.items(), kinds, strict=True)}
 
     def with_settings(self, settings: Mapping[str, Any]) -> Assumptions:
         """Return these assumptions with some changed, by the names of `settings`: ``{"viscosity_percent": 3}``.

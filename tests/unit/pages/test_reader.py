@@ -109,3 +109,15 @@ def test_every_page_is_shown_in_the_readers_language(tmp_path: Path, language: s
         assert not shown.exception, path.stem
         files = next(each for each in shown.sidebar.file_uploader if each.key.startswith("drop-zone-job"))
         assert files.label == wording(language)("panel.files")
+
+
+@pytest.mark.page("21_Uncertainty")
+def test_what_is_assumed_and_what_is_asked_stand_in_the_readers_units(app: AppTest) -> None:
+    app.session_state["reader-units"] = "us"
+    app.run()
+    assumed = next(table.value for table in app.dataframe if "room temperature" in table.value.iloc[:, 0].tolist())
+    by_name = dict(zip(*(assumed.iloc[:, column] for column in (0, 1)), strict=True))
+    assert (by_name["contact length"], by_name["room temperature"]) == ("0.0039\xa0in", "0.9\xa0°F")
+    assert by_name["viscosity"] == "5\xa0%"
+    go(app, "20_Pressures")
+    assert choice(app, "Unit").value == "psi"
