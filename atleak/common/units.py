@@ -275,6 +275,7 @@ class UnitOf(NamedTuple):
 
 _METRIC = {
     "clearance": ShownUnit("µm", 1),
+    "uncertainty": ShownUnit("µm", 2),  # of a clearance or diameter
     "length": ShownUnit("mm", 3),
     "pressure": ShownUnit("kPa"),
     "temperature": ShownUnit("°C"),
@@ -318,6 +319,7 @@ SYSTEMS: Mapping[str, Mapping[str, ShownUnit]] = {
     "us": _METRIC
     | {
         "clearance": ShownUnit("0.0001 in", 1, _TENTHS, spelled=ShownUnit("in", 5, _TENTHS / 1.0e4, finer=4)),
+        "uncertainty": ShownUnit("µin", 0, _TENTHS * 100.0, finer=-2),
         "length": ShownUnit("in", 4, _INCHES, finer=1),
         "pressure": ShownUnit("psi", 0, _PSI),
         "temperature": ShownUnit("°F", 0, _FAHRENHEIT, 32.0),
@@ -331,7 +333,12 @@ SYSTEMS: Mapping[str, Mapping[str, ShownUnit]] = {
         "density": ShownUnit("lb/gal", 2, _POUNDS_PER_GALLON, finer=-1),
         "clearance_squared": ShownUnit("(0.0001 in)²", 2, _TENTHS**2),
         "clearance_cubed": ShownUnit("(0.0001 in)³", 2, _TENTHS**3),
-        "clearance_per_kelvin": ShownUnit("0.0001 in/°F", 4, _TENTHS / _FAHRENHEIT),
+        "clearance_per_kelvin": ShownUnit(
+            "0.0001 in/°F",
+            4,
+            _TENTHS / _FAHRENHEIT,
+            spelled=ShownUnit("µin/°F", 1, _TENTHS * 100.0 / _FAHRENHEIT, finer=-2),
+        ),
         "gap_leak": ShownUnit("in³/min", 3, 60.0 * _CUBIC_INCHES),
         "displacement_per_turn": ShownUnit("in³/rev", 3, _CUBIC_INCHES),
         "kelvin": ShownUnit("°F", 1, _FAHRENHEIT),

@@ -306,7 +306,7 @@ class Budget(PrintedPart):
                 "annex.of_land",
                 land=self.names.land_name(land),
                 clearance=say.quantity(land.state.radial_clearance * UM, "clearance", 1),
-                u=say.quantity(u * UM, "clearance", 2),
+                u=say.quantity(u * UM, "uncertainty", 2),
                 expanded=say.quantity(k * u * UM, "clearance", 1),
                 k=say.number(k, 2),
                 coverage=say.percent(unit.coverage, 0),
@@ -346,12 +346,13 @@ class Budget(PrintedPart):
 
     def _input(self, line: BudgetLine) -> str:
         if line.input_kind == "temperature":
-            return f"{self.say.plain(line.input_uncertainty, 3)}\u00a0K"
-        return self.say.quantity(line.input_uncertainty * UM, "clearance", 2)
+            say = self.say
+            return f"{say.plain(say.convert(line.input_uncertainty, 'kelvin'), 3)}\u00a0{say.unit('kelvin')}"
+        return self.say.quantity(line.input_uncertainty * UM, "uncertainty", 2)
 
     def _sensitivity(self, line: BudgetLine) -> str:
         if line.input_kind == "temperature":
-            return f"{self.say.value(line.sensitivity * UM, 'clearance', 3)}\u00a0{self.say.unit('clearance')}/K"
+            return self.say.quantity(line.sensitivity * UM, "clearance_per_kelvin", 3)
         return self.say.number(line.sensitivity, 1)
 
     def _of_wear(self, land: LandDiagnosis, its: LandUncertainty) -> str:
@@ -362,7 +363,7 @@ class Budget(PrintedPart):
         ranged = isinstance(land.state.land.mounting_clearance, tuple)
         return self.say(
             "annex.of_wear_range" if ranged else "annex.of_wear",
-            mounting=self.say.quantity(its.sources.u_mounting * UM, "clearance", 2),
+            mounting=self.say.quantity(its.sources.u_mounting * UM, "uncertainty", 2),
             limit=self.say.percent(rule.limit),
             u=self.say.percent(rule.standard_uncertainty),
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
@@ -207,3 +208,15 @@ def test_nothing_is_cut_covered_or_left_alone_and_no_page_is_mostly_empty(
     units: Callable[[str, str], Diagnosis], unit: str, language: str, paper: str, name: str
 ) -> None:
     check(Pages(write_pdf(units(unit, name), job_of(name), language=language, paper=paper)), language, paper)
+
+
+def test_in_us_units_nothing_is_cut_or_covered_and_small_uncertainties_have_digits(
+    units: Callable[[str, str], Diagnosis],
+) -> None:
+    pages = Pages(write_pdf(units("four_speed", SHORT), job_of(SHORT), units="us"))
+    assert pages.outside() == []
+    assert pages.covered == []
+    budgets = next(text for text in pages.texts if "c · u(x)" in text)
+    assert "µin" in budgets
+    assert "0.000000" not in budgets
+    assert not re.search(r"\d\s(µm|K)\b|/K\b", budgets)
