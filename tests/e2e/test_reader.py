@@ -35,7 +35,7 @@ def test_a_german_browser_reads_german_with_commas_and_keeps_the_us_units_it_cho
         page.get_by_text("Was von allem angenommen ist").click()
         fold = page.get_by_test_id("stExpander").filter(has_text="Was von allem angenommen ist")
         expect(
-            fold.locator("[data-testid^=glide-cell-1-]").filter(has_text=re.compile(r"^\d+,\d+$")).first
+            fold.locator("[data-testid^=glide-cell-1-]").filter(has_text=re.compile(r"^\d+,\d+\s\S+$")).first
         ).to_be_attached()
         page.get_by_text("Angegebener Betriebspunkt").click()
         field = page.get_by_role("textbox", name="Temperatur [°C]")
