@@ -44,8 +44,18 @@ from atleak.catalogue.operating_point import STATED, OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.pump_dimensions import read_pump
 from atleak.catalogue.remaining_tables import Remaining
-from atleak.catalogue.repairs import Complaint, ComplaintTable, LandKey, Repair, RepairTable, written_land
-from atleak.common.errors import CatalogueError, DomainError, KeySteps, Message
+from atleak.catalogue.repairs import (
+    PUMP,
+    PUMP_KINDS,
+    Complaint,
+    ComplaintTable,
+    LandKey,
+    Repair,
+    RepairKind,
+    RepairTable,
+    written_land,
+)
+from atleak.common.errors import CatalogueError, DomainError, KeySteps, Message, one_of
 from atleak.common.file_faults import fault_in_words, faults_together, model_in, place_of
 from atleak.common.sentences import Name, Sentence
 from atleak.common.units import UM, Quantity, gear_name
@@ -374,11 +384,28 @@ def _repairs(
 ) -> tuple[Repair, ...]:
     def repair(table: RepairTable, where: KeySteps) -> Repair:
         mine = [land for component, land in known if component == table.component]
+        of_pump = table.component == PUMP and not mine  # a component of that name goes before it
+        _check_what_is_repaired(table, where, reading, of_pump=of_pump)
+        if of_pump:
+            return made(Repair, table, lands=frozenset())
         _check_land(table.component, table.lands or mine or [1], "lands", known, where, reading)
         _check_diameter(table, lands, where, reading)
         return made(Repair, table, lands=frozenset(mine if table.lands is None else table.lands))
 
     return tuple(reading.objects_of(tables, ("repairs",), repair, twice=Sentence("repair given twice")))
+
+
+def _check_what_is_repaired(table: RepairTable, where: KeySteps, reading: PartReading, *, of_pump: bool) -> None:
+    """Refuse what only repairs of components state beside one of the pump, which leaves that as new, or the reverse."""
+    of_lands = ("lands", "nominal_diameter_mm", "mounting_clearance_um", "mounting_tolerance_um")
+    kinds = [kind for kind in get_args(RepairKind) if kind == "other" or (kind in PUMP_KINDS) == of_pump]
+    if table.kind not in kinds:
+        problem = Sentence("no repair of the pump") if of_pump else Sentence("a repair of the pump alone")
+        raise reading.fault((*where, "kind"), problem, value=table.kind, expected=one_of(kinds))
+    for name in of_lands if of_pump else ():
+        if getattr(table, name) is not None:
+            problem, expected = Sentence("a repair leaves the pump as new"), Sentence("nothing here")
+            raise reading.fault((*where, name), problem, value=getattr(table, name), expected=expected)
 
 
 def _check_diameter(table: RepairTable, lands: Sequence[Land], where: KeySteps, reading: PartReading) -> None:

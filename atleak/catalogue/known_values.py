@@ -12,10 +12,8 @@ from atleak.catalogue.pump_tables import OF_GAPS, PumpTable
 
 LAND_VALUES: tuple[LandValue, ...] = get_args(LandValue)
 _OF_PUMP = ("volumetric_efficiency", "slip_coefficient")
-_BESIDE_SIZE = (
-    *("kind", "held_at_demand", "side_clearance_limit_um", "tip_clearance_limit_um"),
-    *("source", "representative", "measured"),
-)
+_LIMITS = ("side_clearance_limit_um", "tip_clearance_limit_um")
+_BESIDE_SIZE = ("kind", "held_at_demand", *_LIMITS, "source", "representative", "measured", "published")
 
 
 class KnownValue(NamedTuple):
@@ -69,6 +67,8 @@ def _of_pump(pump: PumpTable) -> Iterator[KnownValue]:
     yield KnownValue("pump", "displacement", _of_keys(pump, size))
     if gaps:
         yield KnownValue("pump", "gaps", _of_keys(pump, gaps))
+    if limits := [key for key in stated if key in _LIMITS]:
+        yield KnownValue("pump", "limits", _of_keys(pump, limits))
     for key in _OF_PUMP:
         if getattr(pump, key) is not None:
             yield KnownValue("pump", key, _of_keys(pump, [key]))

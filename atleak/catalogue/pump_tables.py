@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from atleak.catalogue import usual_values as usual
 from atleak.catalogue.entries import NonEmptyText, Positive, Strict
@@ -124,11 +124,19 @@ class PumpTable(Strict):
     source: NonEmptyText = key("Source", "Where these values are from")
     representative: list[str] = Field(default=[], description="Which of these keys hold representative values")
     measured: list[str] = Field(default=[], description="Which of these keys were measured by the workshop")
+    published: list[str] = Field(default=[], description="Which of these keys are published; so are those of no list")
 
-    @field_validator("representative", "measured")
+    @field_validator("representative", "measured", "published")
     @classmethod
     def _known(cls, names: list[str]) -> list[str]:
         for name in names:
             if name not in cls.model_fields:
                 raise NotAccepted(Sentence("keys of this table, not {name!r}", name=name))
         return names
+
+    @model_validator(mode="after")
+    def _known_once(self) -> PumpTable:
+        for name in self.published:
+            if name in (*self.measured, *self.representative):
+                raise NotAccepted(Sentence("{key} in one list alone", key=name))
+        return self

@@ -1,4 +1,4 @@
-"""Describe how a component can be repaired, and what customers complain of.
+"""Describe how a component, or the pump, can be repaired, and what customers complain of.
 
 A repair has a part, a price and the clearance that it leaves; a complaint points to the operating points and lands that
 can explain it.
@@ -32,7 +32,12 @@ from atleak.common.errors import InputError, unknown
 from atleak.common.file_faults import NotAccepted
 from atleak.common.sentences import Name, Sentence
 
-RepairKind = Literal["clean_and_reuse", "oversize_valve", "sleeve", "new_valve", "new_casting", "other"]
+RepairKind = Literal[
+    "clean_and_reuse", "oversize_valve", "sleeve", "new_valve", "new_casting", "new_pump", "overhaul", "other"
+]
+PUMP = "pump"
+"""What a repair names in place of a component where it is one of the pump: that leaves it as new."""
+PUMP_KINDS: tuple[RepairKind, ...] = ("new_pump", "overhaul", "other")
 
 
 class Goal(StrEnum):
@@ -49,7 +54,7 @@ def currency_code(text: str) -> str:
 
 class RepairTable(Strict):
     id: Identifier = key("Id", ID_HELP, width=20)
-    component: NonEmptyText = key("Component", names="component", width=20)
+    component: NonEmptyText = key("Component", "Or pump", names="component or pump", width=20)
     lands: list[int] | None = key("Lands", "All of the component unless stated", default=None, min_length=1)
     kind: RepairKind = key("Kind", width=16)
     name: NonEmptyText = key("Name", width=30)
@@ -86,11 +91,11 @@ class RepairTable(Strict):
 
 @dataclass(frozen=True)
 class Repair:
-    """One way to repair a component, or some of its lands."""
+    """One way to repair a component, or some of its lands, or the pump."""
 
     id: str  # by which choices name it
     component: str  # its number
-    lands: frozenset[int]  # that it changes
+    lands: frozenset[int]  # that it changes; none: it is one of the pump
     kind: RepairKind  # what is done
     name: str  # what people see
     source: str  # who states this
@@ -116,6 +121,11 @@ class Repair:
         return new if isinstance(new, tuple) else () if new is None else (new,)
 
     @property
+    def of_pump(self) -> bool:
+        """Tell whether it is one of the pump, which it leaves as new."""
+        return not self.lands
+
+    @property
     def keeps_clearance(self) -> bool:
         """Tell whether a land keeps the clearance that was measured: it is cleaned, and nothing else is stated."""
         return self.kind == "clean_and_reuse" and self.mounting_clearance is None
@@ -132,7 +142,7 @@ def find_repairs(repairs: Sequence[Repair], wanted: Iterable[str], controller: s
     Raises
     ------
     InputError
-        an id that the controller's file does not have, or two repairs of the same land.
+        an id that the controller's file does not have, or two repairs of the same land or of the pump.
     """
     known = {repair.id: repair for repair in repairs}
     chosen: list[Repair] = []
@@ -142,6 +152,9 @@ def find_repairs(repairs: Sequence[Repair], wanted: Iterable[str], controller: s
             problem = Sentence("{controller} names no such repair", controller=Name(controller))
             raise unknown(problem, name, known, otherwise=otherwise)
         for other in chosen:
+            if known[name].of_pump and other.of_pump:
+                problem = Sentence("{repair} and {other} both repair the pump", repair=name, other=other.id)
+                raise InputError(problem, expected=Sentence("one repair of the pump"))
             both = sorted(known[name].lands & other.lands) if other.component == known[name].component else []
             if both:
                 problem = Sentence(

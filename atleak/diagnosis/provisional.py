@@ -92,6 +92,7 @@ class Representative:
         self._tables = {
             _TABLES.get(each.table, each.table) for each in values if each.table != "pump" or each.value in of_pump
         }
+        self._pump_limits = any(each[:2] == ("pump", "limits") for each in values)
         points = entry.operating_points if entry else ()
         self._points = {point.name for point in points if point.evidence is Evidence.REPRESENTATIVE}
 
@@ -107,6 +108,8 @@ class Representative:
             rests_on = _RESTS_ON.get(rule.kind, set())
         if rule.kind is RuleKind.CLEARANCE and any(land.key in self._without_sleeve for land in lands):
             rests_on = {*rests_on, AssumedBasis.MOUNTING_CLEARANCE}
+        if rule.kind in (RuleKind.PUMP_SIDE, RuleKind.PUMP_TIP) and self._pump_limits:
+            yield AssumedBasis.PUMP
         for basis in rests_on:
             if basis in _OF_LANDS:
                 rests = any(self._of_land(basis, land) for land in lands)

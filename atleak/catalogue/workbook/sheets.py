@@ -36,7 +36,7 @@ from atleak.catalogue.controller_tables import (
 from atleak.catalogue.entries import Evidence
 from atleak.catalogue.keys import Key, key_of, unit_of
 from atleak.catalogue.pump_tables import PumpTable
-from atleak.catalogue.repairs import ComplaintTable, RepairTable
+from atleak.catalogue.repairs import PUMP, ComplaintTable, RepairTable
 from atleak.catalogue.workbook.cells import (
     CLEARANCE,
     CLEARANCES,
@@ -192,6 +192,7 @@ class Offered:
 
 NAMES = {
     "component": Offered("Components", "Id"),
+    "component or pump": Offered("Components", "Id", (PUMP,)),
     "circuit": Offered("Circuits", "Id"),
     "line or circuit": Offered("Circuits", "Id", (LINE_SHEET,)),
     "pressure": Offered("Circuits", "Id", (*SECTIONS, "drain")),
@@ -247,7 +248,7 @@ SHEETS: tuple[WorkbookSheet, ...] = (
     Form(
         "Pump",
         "Either what one revolution displaces, or the dimensions of its kind, from which that follows",
-        sheet_columns(PumpTable, last=("source",), known=ChoiceCell((Evidence.MEASURED, Evidence.REPRESENTATIVE))),
+        sheet_columns(PumpTable, last=("source",)),
         ("pump",),
         needed=True,
     ),
@@ -337,7 +338,7 @@ SHEETS: tuple[WorkbookSheet, ...] = (
     ),
     Tables(
         "Repairs",
-        "What can be done about a worn component: used by the plan of repair and by the estimate",
+        "What can be done about a worn component, or the pump: used by the plan of repair and by the estimate",
         sheet_columns(RepairTable),
         ("repairs",),
     ),

@@ -286,7 +286,7 @@ _HOW_TO = (
     (
         "How known",
         "Measured: on such a unit, by you. Published: in the source beside it. Representative: what such units "
-        "commonly have, to be measured later. Empty: not stated.",
+        "commonly have, to be measured later. Empty: not stated; of the pump: published.",
     ),
     (
         "Gears",

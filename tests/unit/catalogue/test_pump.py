@@ -262,14 +262,22 @@ def test_an_uncertain_clearance_moves_the_slip() -> None:
 def test_what_a_pump_is_known_from_is_that_of_its_least_sure_dimension() -> None:
     pump = {**GEROTOR, **NEW, "shaft_diameter_mm": 30.0, "side_clearance_limit_um": 50.0}
     measured = ["teeth", "width_mm", "tip_diameter_mm", "root_diameter_mm"]
-    entry = checked_controller(tables({**pump, "measured": measured, "representative": ["tip_clearance_um"]})).entry
-    assert entry is not None
-    known = {each.value: each.evidence for each in known_values(entry) if each.table == "pump"}
-    assert known == {
+
+    def known(**lists: list[str]) -> dict[str, Evidence | None]:
+        entry = checked_controller(tables({**pump, "measured": measured, **lists})).entry
+        assert entry is not None
+        return {each.value: each.evidence for each in known_values(entry) if each.table == "pump"}
+
+    assert known(representative=["tip_clearance_um"], published=["side_clearance_um"]) == {
         "displacement": Evidence.MEASURED,
         "gaps": Evidence.REPRESENTATIVE,
+        "limits": Evidence.PUBLISHED,
         "volumetric_efficiency": Evidence.PUBLISHED,
     }
+    assert known(published=["side_clearance_limit_um"]) == known()
+    assert known(representative=["side_clearance_limit_um"])["limits"] == Evidence.REPRESENTATIVE
+    with pytest.raises(CatalogueError, match="teeth in one list alone"):
+        known(published=["teeth"])
 
 
 def test_dimensions_of_other_kinds_are_known_by_their_keys() -> None:

@@ -33,6 +33,7 @@ TOGETHER = {
     ("defaults", "measured"),
     ("pump", "representative"),
     ("pump", "measured"),
+    ("pump", "published"),
     ("permissible_pressure", "gear"),  # gears with one gear
 }
 
@@ -125,6 +126,18 @@ def test_what_no_shipped_file_says_is_kept_too(tables: Tables) -> None:
             "evidence": "representative",
         }
     ]
+    data["repairs"].append(
+        {"id": "pump", "component": "pump", "kind": "overhaul", "name": "pump overhaul", "source": "made up"}
+    )
+    data["pump"] |= {
+        "kind": "external_gear",
+        "side_clearance_um": 35.0,
+        "side_clearance_limit_um": 99.06,
+        "tip_clearance_limit_um": 300.0,
+        "measured": ["volumetric_efficiency"],
+        "published": ["kind", "side_clearance_um", "side_clearance_limit_um"],
+        "representative": ["displacement_mm3", "tip_clearance_limit_um", "slip_coefficient"],
+    }
     data["permissible_pressure"].append(
         {"ranges": ["P", "N"], "state": "fast_idle", "high_kpa": 700.0, "source": "made up", "evidence": "published"}
     )
@@ -133,3 +146,4 @@ def test_what_no_shipped_file_says_is_kept_too(tables: Tables) -> None:
         described = read_controller_workbook(write_controller_workbook(data, units), name="unit.xlsx")
         assert replace(described.controller, origin=controller.origin) == controller
         assert described.data["repairs"] == data["repairs"]
+        assert described.data["pump"] == data["pump"]
