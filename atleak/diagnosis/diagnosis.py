@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -11,9 +11,10 @@ from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
-from atleak.catalogue.repairs import Complaint, Repair
+from atleak.catalogue.repairs import Complaint, LandKey, Repair
 from atleak.common.errors import Message
 from atleak.common.verdicts import Band, Verdict, worst
+from atleak.diagnosis.consequence import Consequence, consequences
 from atleak.diagnosis.gauge_check import PressureCheck
 from atleak.diagnosis.land import NO_RATE, LandDiagnosis, PumpDiagnosis, replace_mileage, without_rate
 from atleak.diagnosis.provisional import AssumedBasis, Representative
@@ -322,6 +323,31 @@ class Diagnosis:
         """Return the lands at watch or past it, the worst first, then the costliest."""
         flagged = [land for land in self.lands if land.verdict.flagged]
         return tuple(sorted(flagged, key=lambda land: (-land.verdict.rank, -land.excess_share)))
+
+    @cached_property
+    def consequences(self) -> Mapping[LandKey, Consequence]:
+        """Return what the wear of every land does to the unit, by component and land."""
+        return consequences(self)
+
+    @cached_property
+    def urgency(self) -> Verdict:
+        """Return the verdict with every land whose wear does nothing as one to watch: what has to be done, how soon."""
+        worn = [
+            min(land.verdict, Verdict.WATCH, key=lambda each: each.rank) if self.can_wait(land) else land.verdict
+            for land in self.flagged
+        ]
+        unit = [rule.verdict for rule in self.unit_rules]
+        return self.verdict if not worn else worst([*worn, *unit, self.pump.verdict])
+
+    def can_wait(self, land: LandDiagnosis) -> bool:
+        """Tell whether a land is past a limit of its own and does nothing to the unit.
+
+        Parameters
+        ----------
+        land
+            one of `lands`.
+        """
+        return land.verdict.flagged and self.consequences[land.key] is Consequence.NONE
 
     @property
     def ranked(self) -> tuple[LandDiagnosis, ...]:

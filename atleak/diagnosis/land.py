@@ -31,6 +31,7 @@ from atleak.measurements.clearances import LandClearance
 
 MILEAGE_COVERAGE = 0.90  # of the intervals of rates and of mileages
 FARTHEST = 1.0e6  # [km] beyond which nobody foresees a repair: choice of this project
+SERVICE_INTERVAL = 60_000.0  # [km] from one service of the transmission to the next: choice of this project, assumed
 _LEAST = 1e-12  # [m] that a clearance is uncertain at least: without any error a weight would be infinite
 _LEAST_WAY = 1.0  # [km] over which a rate can be told at all: a choice of this project
 _BENT = 0.99  # probability that the points of a straight line scatter less than those of one called bent
@@ -235,7 +236,7 @@ def replace_mileage(
     rule = next((rule for rule in rules if rule.kind is RuleKind.WEAR), None)
     if rule is None or uncertainty is None:
         return None
-    line = _line_from_new(uncertainty.sources, mileage)
+    line = line_from_new(uncertainty.sources, mileage)
     if line is None or mileage is None:
         return None
     worn = rule.steps.limit_of(Verdict.REPLACE) or rule.steps.levels[-1][1]
@@ -244,7 +245,7 @@ def replace_mileage(
     return None if state.radial_clearance >= limit else line.reaches(limit, mileage)
 
 
-def _line_from_new(land: LandSources, mileage: float | None) -> WearLine | None:
+def line_from_new(land: LandSources, mileage: float | None) -> WearLine | None:
     """Return the line from the mounting clearance at 0 km to the clearance as measured; None where either lacks."""
     if mileage is None or land.state.status != "measured" or not known_at_start(land):
         return None

@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 
 from atleak.analysis.repair.options import Move, Moves, together
-from atleak.analysis.repair.totals import NEARLY, JudgedTotal, LandChoice, RepairableUnit
+from atleak.analysis.repair.totals import NEARLY, LandChoice, RepairableUnit
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey
+from atleak.diagnosis.consequence import JudgedTotal
 from atleak.engine.operation import LINE, LandStates, Repaired
 from atleak.engine.restrictions import Branch, GapBranch
 

@@ -3,84 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
-import numpy as np
-
-from atleak.catalogue.limits import RuleKind, falls_below, reaches
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.repairs import LandKey
-from atleak.common.verdicts import BANDS, Band, Verdict
+from atleak.common.verdicts import BANDS, Band
+from atleak.diagnosis.consequence import JudgedTotal
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.rules import Rule, permissible_low
-from atleak.engine.operation import LINE, WORTH_NAMING, LandStates, Repaired
+from atleak.diagnosis.rules import Rule
+from atleak.engine.operation import WORTH_NAMING, LandStates, Repaired
 from atleak.engine.projection import Projection
-from atleak.equations.statistics import normal_quantile
 from atleak.measurements.clearances import LandClearance
 
 LandChoice = Mapping[LandKey, int]  # the state of each land by its number; as measured where it is not named
 
 NEARLY = 1e-8  # relative: a value must be within its limit by more than floating point can tell
-
-
-@dataclass(frozen=True)
-class JudgedTotal:
-    """One rule of the unit at one condition, to be judged again after repairs."""
-
-    rule: Rule  # of the unit as measured, whose limits hold after a repair too
-    projection: Projection  # as measured
-    likely: float = 1.0  # the likely value over the value, where the two have reached different levels
-
-    @classmethod
-    def of(cls, diagnosis: Diagnosis, rule: Rule, projection: Projection) -> JudgedTotal:
-        """Return a rule with how far its likely value is from its value: a repaired unit is no surer than before."""
-        decided = diagnosis.decided(rule)
-        passes, sign = (falls_below, -1.0) if rule.steps.falling else (reaches, 1.0)
-        levels = () if decided is None else zip(decided.levels, decided.level_uncertainties, strict=True)
-        apart = [
-            level.limit + sign * float(normal_quantile(min(max(level.probability_over, 0.001), 0.999))) * u
-            for level, u in levels
-            if (level.probability_over >= 0.5) != passes(rule.value, level.limit) and math.isfinite(u)
-        ]
-        return cls(rule, projection, apart[-1] / rule.value if apart and 0.0 < rule.value < math.inf else 1.0)
-
-    def value(self, leakage: Any, pressures: Mapping[str, Any]) -> Any:
-        """Return the rule's value from the leakage [m³/s] and the pressures held [Pa]; numbers or arrays."""
-        rule, at = self.rule, self.projection
-        if rule.kind is RuleKind.TOTAL_SHARE:
-            nothing = np.where(np.asarray(leakage) > 0.0, math.inf, 0.0)
-            return leakage / at.pump_capacity if at.pump_capacity > 0.0 else nothing
-        if rule.kind is RuleKind.RESERVE:
-            demand = np.asarray(leakage + at.slip + at.consumers, float)
-            return np.divide(at.pump_supply, demand, out=np.full(demand.shape, math.inf), where=demand > 0.0)
-        if rule.circuit is not None:
-            return abs((rule.new or 0.0) - pressures[rule.circuit.id])
-        low = permissible_low(at)
-        return 1.0 - pressures[LINE] / low if low else rule.value + 0.0 * pressures[LINE]
-
-    def after(self, leakage: float, pressures: Mapping[str, float], *, repaired: bool) -> Rule:
-        """Return the rule with the value that it has then, of a repaired unit at the level of the likely value."""
-        value = float(self.value(leakage, pressures))
-        if not repaired:
-            return replace(self.rule, value=value)
-        passes = falls_below if self.rule.steps.falling else reaches
-        past = tuple(float(passes(value * self.likely, limit)) for _, limit in self.rule.steps.levels)
-        return replace(self.rule, value=value, reached=past if self.likely != 1.0 else None)
-
-    def limit(self, worst: Verdict) -> float | None:
-        """Return the limit that the value must keep to be no worse than a verdict; None where there is none."""
-        steps = self.rule.steps
-        worse = [
-            limit
-            for level, limit in steps.levels
-            if (level.verdict if isinstance(level, Band) else level).rank > worst.rank
-        ]
-        if not worse:
-            return None
-        return (max(worse) if steps.falling else min(worse)) / self.likely
 
 
 @dataclass(frozen=True)
@@ -193,12 +132,7 @@ class RepairableUnit:
     @cached_property
     def judged(self) -> tuple[tuple[JudgedTotal, ...], ...]:
         """Return the rules of every condition, that of its total first."""
-        return tuple(tuple(self._judged(each)) for each in self.diagnosis.projections)
-
-    def _judged(self, projection: Projection) -> Iterator[JudgedTotal]:
-        yield JudgedTotal.of(self.diagnosis, self.diagnosis.total_rule(projection), projection)
-        for rule in self.diagnosis.pressure_rules_at(projection):
-            yield JudgedTotal.of(self.diagnosis, rule, projection)
+        return tuple(JudgedTotal.all_at(self.diagnosis, each) for each in self.diagnosis.projections)
 
     def repaired(self, choices: Sequence[LandChoice]) -> list[Repaired]:
         """Compute every condition for several choices at once."""

@@ -72,7 +72,7 @@ def _record(diagnosis: Diagnosis) -> dict[str, Any]:
         "format": FORMAT,
         "atleak": __version__,
         **head_record(diagnosis),
-        "lands": [land_record(row) for row in condition_matrix(diagnosis)],
+        "lands": [land_record(diagnosis, row) for row in condition_matrix(diagnosis)],
         "gaps": [_gap(gap) for gap in diagnosis.projection.gaps],
         "projection": condition_record(diagnosis, diagnosis.projection),
         "hot_idle": None if idle is None else condition_record(diagnosis, idle),
@@ -225,7 +225,7 @@ def _steps(kind: RuleKind, steps: Steps) -> dict[str, Any]:
     return {**levels, "origin": steps.origin, "source": steps.source}
 
 
-def land_record(row: MatrixRow) -> dict[str, Any]:
+def land_record(diagnosis: Diagnosis, row: MatrixRow) -> dict[str, Any]:
     """Return the record of one land at every condition."""
     land = row.land
     state, nominal, uncertainty = land.state, land.state.land, land.uncertainty
@@ -255,6 +255,7 @@ def land_record(row: MatrixRow) -> dict[str, Any]:
         **interval_ends("leakage_{}_dm3_min", uncertainty.leakage_interval if uncertainty else None, DM3_MIN),
         "share_percent": finite(land.share * PERCENT),
         **named_record(land, "verdict", "decision", "suspect", "probability_over_limit"),
+        "consequence": diagnosis.consequences[land.key],
         "advice": uncertainty.advice if uncertainty else None,
         "replace_mileage_km": at.value if at and math.isfinite(at.high) else None,
         **interval_ends("replace_mileage_{}_km", (at.low, at.high) if at else None),

@@ -84,7 +84,7 @@ def _land(comparison: Comparison, land: LandComparison) -> dict[str, Any]:
 
 
 def _side_of_land(diagnosis: Diagnosis, land: LandDiagnosis | None) -> dict[str, Any] | None:
-    return None if land is None else land_record(MatrixRow.of(land, diagnosis, diagnosis.projections))
+    return None if land is None else land_record(diagnosis, MatrixRow.of(land, diagnosis, diagnosis.projections))
 
 
 def _condition(comparison: Comparison, each: ConditionComparison) -> dict[str, Any]:
