@@ -14,7 +14,7 @@ from rich.table import Table as Grid
 from rich.text import Text
 
 from atleak.analysis.pressures import pressures_at
-from atleak.analysis.repair.plan import RepairStep, plan_repairs
+from atleak.analysis.repair.plan import PumpStep, RepairStep, plan_repairs
 from atleak.common.errors import Message
 from atleak.common.printable import printable, unguarded
 from atleak.common.style import look_of
@@ -35,7 +35,7 @@ from atleak.report.tables.first_sentence import impossible_part, may_parts, pump
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.lands import ON_PAPER, leaking_worst_first, matrix_table, pair_table
 from atleak.report.tables.names import positions
-from atleak.report.tables.repairs import no_help, option_rows, plan_ends, planned
+from atleak.report.tables.repairs import no_help, option_rows, plan_ends, planned, pump_brings, step_in_words
 from atleak.report.tables.road_test import instant_record, road_instants
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
 from atleak.report.tables.sentences import (
@@ -436,24 +436,25 @@ def _matrix(diagnosis: Diagnosis, say: Wording) -> Iterator[str | RenderableType
 def _repairs(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
     """Return the order of repair, each land with what it brings where it helps most, and where that ends."""
     plan = plan_repairs(diagnosis)
-    rows, (*ends,) = option_rows(plan), plan_ends(plan, say)
-    if plan.pump_first:
-        yield ends.pop(0)
-    if plan.steps:
+    rows = option_rows(plan)
+    if plan.order:
         as_left = "as its repair leaves it" if rows else "as new"
         yield f"Order of repair, each land {as_left} after those before it:"
-    for number, step in enumerate(plan.steps, start=1):
-        yield f"{number:3}. {_named(diagnosis, step.land)}: {_helps(step, say)}"
+    for number, step in enumerate(plan.order, start=1):
+        named = _named(diagnosis, step.land) if isinstance(step, RepairStep) else step_in_words(diagnosis, step, say)
+        yield f"{number:3}. {named}: {_helps(step, say)}"
         for row in rows:
             if row.step is step:
                 yield f"       {'→' if row.chosen else 'or'} {planned(row, say)}"
-    yield from ends
+    yield from plan_ends(plan, say)
 
 
-def _helps(step: RepairStep, say: Wording) -> str:
+def _helps(step: PumpStep | RepairStep, say: Wording) -> str:
     if not step.helps:
         return no_help(step, say)
     at = step.at
+    if isinstance(step, PumpStep):
+        return pump_brings(at, say)
     before, after = (say.number(each.share * PERCENT, 1) for each in (at.before, at.after))
     shares = f"{before} → {after} %"
     return f"total share at {say.condition(at.condition)} {shares} ({at.after.band})"

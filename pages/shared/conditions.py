@@ -84,15 +84,12 @@ def matrix(diagnosis: Diagnosis) -> None:
 def repairs(diagnosis: Diagnosis, plan: RepairPlan) -> None:
     """Show the order of repair with what each step brings, and where the plan ends."""
     say = reader.say()
-    ends = [plain(sentence) for sentence in plan_ends(plan, say)]
-    if plan.pump_first:
-        st.markdown(ends.pop(0))
-    if plan.steps:
+    if plan.order:
         show.table(order_table(diagnosis, plan, say))
         st.caption(say(f"repair_plan.order_caption_{'cost' if plan.cost else 'new'}"))
         _options(diagnosis, plan, say)
-    st.markdown("  \n".join(ends))
-    if plan.steps and len(diagnosis.projections) > 1:
+    st.markdown("  \n".join(map(plain, plan_ends(plan, say))))
+    if plan.order and len(diagnosis.projections) > 1:
         st.markdown(f"**{say('repair_plan.every_step')}**")
         show.table(totals_table(diagnosis, plan, say), pinned="after_step")
         st.caption(say("repair_plan.every_step_caption"))

@@ -6,7 +6,7 @@ Amounts are rounded as people write them: to the currency's smallest unit, half 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import ROUND_HALF_UP, Decimal
 
@@ -34,7 +34,7 @@ class Cost:
     repairs: int  # that are counted
     without_price: int  # repairs among them whose file states none
     without_hours: int  # repairs of which nobody states the hours
-    without_option: int  # lands made as new, for which the file names nothing that mends them
+    without_option: int  # lands, and the pump, made as new, for which the file names nothing that mends them
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Option:
     """One repair of the controller's file, and how it leaves the lands that it changes."""
 
     repair: Repair  # as the file states it
-    states: Mapping[LandKey, LandClearance]  # of every land that it changes, afterwards
+    states: Mapping[LandKey, LandClearance]  # of every land that it changes, afterwards; none of one of the pump
     mending: frozenset[LandKey]  # the lands that are then within their limits, and tighter than measured
 
     @property
@@ -56,12 +56,20 @@ class Option:
 
 
 class Options:
-    """The repairs that a controller's file names, seen from one unit."""
+    """The repairs that a controller's file names, seen from one unit.
+
+    A pump past its limits is taken as new: it is repaired first, and what is then left is up to the lands.
+    """
 
     def __init__(self, diagnosis: Diagnosis) -> None:
-        self.diagnosis = diagnosis
-        by_key = {land.key: land for land in diagnosis.lands}
-        self.all = tuple(_option(repair, by_key, diagnosis) for repair in diagnosis.controller.repairs)
+        self.diagnosis = diagnosis.valve_body
+        by_key = {land.key: land for land in self.diagnosis.lands}
+        self.all = tuple(_option(repair, by_key, self.diagnosis) for repair in diagnosis.controller.repairs)
+
+    @property
+    def of_pump(self) -> tuple[Option, ...]:
+        """Return the options for the pump, in the order of the file."""
+        return tuple(option for option in self.all if option.repair.of_pump)
 
     def of(self, key: LandKey) -> tuple[Option, ...]:
         """Return the options for one land, in the order of the file."""
@@ -73,7 +81,7 @@ class Options:
 
 
 def cost_of(options: Iterable[Option | None]) -> Cost:
-    """Add up what repairs cost; None stands for a land that is made as new without one."""
+    """Add up what repairs cost; None stands for a land, or the pump, that is made as new without one."""
     listed = list(options)
     repairs = [option.repair for option in listed if option is not None]
     prices: dict[str, float] = defaultdict(float)
@@ -320,6 +328,21 @@ class Moves:
         for move in sorted(chosen, key=lambda move: move.option is None):
             states |= {key: self.state_after(move, key) for key in move.lands}
         return states
+
+
+def pump_option(options: Options, prices: Prices, kept: Collection[str] = ()) -> Option | None:
+    """Return the repair of the pump that is planned, None where the file names none.
+
+    It is the one that the workshop chose, or that is ``kept``; else the cheapest of those that have a price, and the
+    first where these are in several currencies or none has one.
+    """
+    offered = options.of_pump
+    wanted = [each for each in offered if each.repair in options.diagnosis.repairs or each.repair.id in kept]
+    moves = [Move(each, (), frozenset()) for each in wanted or offered]
+    priced = [move for move in moves if prices.cost(move) is not None]
+    if len(set(map(prices.currency_of, priced))) < 2:
+        priced.sort(key=lambda move: prices.cost(move) or Decimal(0))
+    return next((move.option for move in [*priced, *moves]), None)
 
 
 def together(moves: Iterable[Move]) -> list[Move]:

@@ -8,16 +8,27 @@ leakage, line pressure and what each circuit holds.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
 from atleak.analysis.repair.choice import Basis, Choice, Gain, OfferedRepair, OfferedRepairs, choose, gain_of, ticked
-from atleak.analysis.repair.options import Cost, Move, MoveKey, Option, Prices, StatedPrice, cost_of
-from atleak.analysis.repair.totals import RepairedAt, Total
+from atleak.analysis.repair.options import (
+    Cost,
+    Move,
+    MoveKey,
+    Option,
+    Options,
+    Prices,
+    StatedPrice,
+    cost_of,
+    pump_option,
+)
+from atleak.analysis.repair.totals import RepairableUnit, RepairedAt, Total
 from atleak.catalogue.repairs import LandKey
-from atleak.common.verdicts import Band
+from atleak.common.verdicts import Band, Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.land import LandDiagnosis
+from atleak.diagnosis.land import LandDiagnosis, PumpDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.engine.projection import Projection
 
@@ -32,6 +43,7 @@ __all__ = [
     "OfferedRepairs",
     "Option",
     "Prices",
+    "PumpStep",
     "Remainder",
     "RepairPlan",
     "RepairStep",
@@ -46,15 +58,55 @@ __all__ = [
 ]
 
 
-@dataclass(frozen=True)
-class RepairStep:
-    """The repair of one land, and of what is mended together with it, after the steps before it."""
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """A step of a plan: what it brings after the steps before it, and by which repair."""
+
+    conditions: tuple[RepairedAt, ...]  # in the order of the diagnosis, the stated one first
+    options: tuple[Option, ...] = ()  # of the controller's file for what calls for it, in its order
+    chosen: Option | None = None  # None: as new, as no option mends it
+
+    @cached_property
+    def at(self) -> RepairedAt:
+        """Return the condition whose total the repair helps most, measured by its limit."""
+        return max(self.conditions, key=lambda each: each.saving)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PumpStep(Step):
+    """The repair of a pump past its limits, which comes before all others and leaves it as new."""
+
+    pump: PumpDiagnosis
+
+    @property
+    def verdict(self) -> Verdict:
+        """Return the verdict on the pump."""
+        return self.pump.verdict
+
+    @cached_property
+    def at(self) -> RepairedAt:
+        """Return the condition of what the pump lacks most; where it lacks nothing, of the largest total."""
+        lacking = next((rule.condition for rule in self.pump.lacking if rule.condition is not None), None)
+        worst = max(self.conditions, key=lambda each: each.before.share)
+        return next((each for each in self.conditions if each.condition == lacking), worst)
+
+    @property
+    def helps(self) -> bool:
+        """Tell whether it is known what a new pump brings: less slip at any condition."""
+        return any(each.after.projection.slip < each.before.projection.slip for each in self.conditions)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RepairStep(Step):
+    """The repair of one land, and of what is mended together with it."""
 
     land: LandDiagnosis  # the one that calls for it
-    conditions: tuple[RepairedAt, ...]  # in the order of the diagnosis, the stated one first
-    options: tuple[Option, ...] = ()  # of the controller's file for this land, in its order
-    chosen: Option | None = None  # None: as new, as no option mends the land
     together: tuple[LandDiagnosis, ...] = ()  # further lands of the component that the chosen one changes
+
+    @property
+    def verdict(self) -> Verdict:
+        """Return the verdict on the land."""
+        return self.land.verdict
 
     @property
     def for_total(self) -> bool:
@@ -66,11 +118,6 @@ class RepairStep:
         """Return the flagged lands that the chosen repair leaves past a limit of their own."""
         option, lands = self.chosen, (self.land, *self.together)
         return tuple(each for each in lands if option and each.verdict.flagged and not option.mends(each.key))
-
-    @cached_property
-    def at(self) -> RepairedAt:
-        """Return the condition whose total the repair helps most, measured by its limit."""
-        return max(self.conditions, key=lambda each: each.saving)
 
     @property
     def helps(self) -> bool:
@@ -102,19 +149,24 @@ class Remainder:
 class RepairPlan:
     """The repairs in their order, and the totals that they end at."""
 
-    steps: tuple[RepairStep, ...]  # in the order in which they are to be done
+    pump: PumpStep | None  # where the pump is past its limits: it comes first, and counts as new in all that follows
+    steps: tuple[RepairStep, ...]  # of lands, in the order in which they are to be done
     ends: tuple[Total, ...]  # at every condition, the stated one first
     remaining: tuple[Remainder, ...]  # the ends that are not green
     pressures_past: tuple[Rule, ...]  # rules of reserve and pressures that stay past a limit
     unmeasured: int  # lands of which a part was not measured and is computed as new
     choice: Choice  # that the steps carry out
     judged: bool = True  # whether any land was measured: else there is nothing to plan
-    pump_first: bool = False  # the pump is past a limit: it is repaired first, and counts as new in all of this
+
+    @property
+    def order(self) -> tuple[PumpStep | RepairStep, ...]:
+        """Return every step: the pump's, then those of lands."""
+        return self.steps if self.pump is None else (self.pump, *self.steps)
 
     @property
     def cost(self) -> Cost | None:
         """Return what the chosen options cost together; None where the controller's file names none for any step."""
-        return cost_of([step.chosen for step in self.steps]) if any(step.options for step in self.steps) else None
+        return cost_of([step.chosen for step in self.order]) if any(step.options for step in self.order) else None
 
     @property
     def reached(self) -> bool:
@@ -135,9 +187,10 @@ class RepairPlan:
 def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     """Plan the repairs that a diagnosis calls for, over every condition that was judged.
 
-    First come the lands that reached a limit of their own, the worst verdict first; of equal ones that which saves
-    most, measured by the limit of the condition at which it saves most. Where totals or pressures are then not green,
-    those lands within their limits follow that bring each into the best band that repairs can bring it into.
+    First comes a pump past its limits, and all that follows is computed with a new one. Then come the lands that
+    reached a limit of their own, the worst verdict first; of equal ones that which saves most, measured by the limit of
+    the condition at which it saves most. Where totals or pressures are then not green, those lands within their limits
+    follow that bring each into the best band that repairs can bring it into.
 
     Where the controller's file names repairs, a land is mended by one that leaves it within its limits of clearance,
     wear and share, with the clearance that this leaves; where none does, or none is named, it is made as new. Which
@@ -158,14 +211,15 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     done: list[LandKey] = []
     after_each = [done := [*done, *(land.key for land in lands)] for _, lands in jobs]
     stages = choice.unit.totals([{}, *({key: choice.states[key] for key in keys} for keys in after_each)])
-    ends = stages[-1]
+    ends, options = stages[-1], choice.moves.options
     return RepairPlan(
+        pump=_pump_step(diagnosis, options, stages[0]),
         steps=tuple(
             RepairStep(
-                lands[0],
-                tuple(itertools.starmap(RepairedAt, zip(before, after, strict=True))),
-                choice.moves.options.of(lands[0].key),
-                move.option,
+                land=lands[0],
+                conditions=_repaired(before, after),
+                options=options.of(lands[0].key),
+                chosen=move.option,
                 together=tuple(lands[1:]),
             )
             for (move, lands), before, after in zip(jobs, stages, stages[1:], strict=False)
@@ -180,8 +234,23 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
         unmeasured=len(diagnosis.lands) - diagnosis.measured,
         choice=choice,
         judged=any(land.state.judged for land in diagnosis.lands),
-        pump_first=diagnosis.pump.verdict.flagged,
     )
+
+
+def _pump_step(diagnosis: Diagnosis, options: Options, after: Iterable[Total]) -> PumpStep | None:
+    if not diagnosis.pump.verdict.flagged:
+        return None
+    (before,) = RepairableUnit(diagnosis, {}).totals([{}])
+    return PumpStep(
+        pump=diagnosis.pump,
+        conditions=_repaired(before, after),
+        options=options.of_pump,
+        chosen=pump_option(options, Prices()),
+    )
+
+
+def _repaired(before: Iterable[Total], after: Iterable[Total]) -> tuple[RepairedAt, ...]:
+    return tuple(itertools.starmap(RepairedAt, zip(before, after, strict=True)))
 
 
 def in_order(choice: Choice) -> list[tuple[Move, list[LandDiagnosis]]]:

@@ -108,12 +108,11 @@ class RepairedAt:
 class RepairableUnit:
     """A diagnosed unit of which each land is as measured, state 0, or as one of several repairs leaves it.
 
-    A pump past its limits is taken as new: it is repaired first, and what is then left is up to the lands.
     ``states`` holds the further states of each land, the first of them with the number 1.
     """
 
     def __init__(self, diagnosis: Diagnosis, states: Mapping[LandKey, Sequence[LandClearance]]) -> None:
-        self.diagnosis, self.states = diagnosis.valve_body, states
+        self.diagnosis, self.states = diagnosis, states
         model = self.diagnosis.model
         models = [model]
         for number in range(max(map(len, states.values()), default=0)):

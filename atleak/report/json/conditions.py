@@ -7,7 +7,7 @@ from typing import Any
 
 from atleak.catalogue.circuits import SECTIONS
 from atleak.catalogue.limits import RuleKind
-from atleak.catalogue.repairs import LandKey
+from atleak.catalogue.repairs import LandKey, Repair
 from atleak.common.errors import Message
 from atleak.common.units import DM3_MIN, KPA, MM3_S, PERCENT, RPM
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -157,6 +157,15 @@ def slips(diagnosis: Diagnosis, projection: Projection) -> tuple[float, float | 
     return projection.slip, diagnosis.new_at(projection).slip if compared else None
 
 
+OF_REPAIR = ("id", "kind", "name", "part_number", "price", "currency", "hours", "tool")
+_AS_NEW = "as_new"  # the work on every pump
+
+
+def pump_repair_record(repair: Repair) -> dict[str, Any]:
+    """Return a repair of the pump as plain values: what it is, and what it costs."""
+    return {"work": _AS_NEW, **named_record(repair, *OF_REPAIR, "evidence", "source")}
+
+
 def pump_record(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the pump as ``atleak diagnose --json`` has it."""
     pump = diagnosis.controller.pump
@@ -168,8 +177,9 @@ def pump_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "slip_coefficient_new": pump.as_new.slip_coefficient if pump.as_new is not None else None,
     }
     of = {"measured": pump.measured, "new": pump.clearances, "limit": pump.limits}
-    verdict = diagnosis.pump.verdict
-    record |= {"verdict": verdict, "repairs": [{"work": "as_new"}] if verdict.flagged else []}
+    verdict, of_file = diagnosis.pump.verdict, [each for each in diagnosis.controller.repairs if each.of_pump]
+    repairs = list(map(pump_repair_record, of_file)) or [{"work": _AS_NEW}]
+    record |= {"verdict": verdict, "repairs": repairs if verdict.flagged else []}
     for number, name in enumerate(("side", "tip")):
         record |= {f"{name}_clearance_{which}_um": each.um[number] for which, each in of.items()}
     return record

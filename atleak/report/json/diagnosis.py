@@ -6,9 +6,10 @@ import json
 import math
 from typing import Any
 
-from atleak.analysis.repair.plan import RepairPlan, RepairStep, plan_repairs
+from atleak.analysis.repair.plan import PumpStep, RepairPlan, RepairStep, plan_repairs
 from atleak.analysis.repair.totals import Total
 from atleak.catalogue.limits import Limits, RuleKind, Steps
+from atleak.catalogue.repairs import PUMP
 from atleak.common.memory import kept_with
 from atleak.common.units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, UM
 from atleak.common.wording import wording
@@ -27,6 +28,7 @@ from atleak.report.json.conditions import (
     named_record,
     of_land,
     pump_record,
+    pump_repair_record,
     scaled,
     unit_rule_record,
 )
@@ -77,7 +79,7 @@ def _record(diagnosis: Diagnosis) -> dict[str, Any]:
         "projection": condition_record(diagnosis, diagnosis.projection),
         "hot_idle": None if idle is None else condition_record(diagnosis, idle),
         "conditions": [condition_record(diagnosis, each) for each in diagnosis.projections],
-        "repair_plan": [_repair_step(step) for step in plan.steps],
+        "repair_plan": [_repair_step(step) for step in plan.order],
         "repair_plan_ends": _repair_ends(plan),
         "road_test": road_record(diagnosis),
         "pressure_table": gauge_record(diagnosis),
@@ -313,13 +315,26 @@ def _gap(leak: GapLeakage) -> dict[str, Any]:
     }
 
 
-def _repair_step(step: RepairStep) -> dict[str, Any]:
+def _repair_step(step: PumpStep | RepairStep) -> dict[str, Any]:
+    if isinstance(step, PumpStep):
+        repaired: dict[str, Any] = {
+            "component": PUMP,
+            "land": None,
+            "verdict": step.verdict,
+            "for_total": False,
+            "together": [],
+            "options": [pump_repair_record(option.repair) for option in step.options],
+        }
+    else:
+        repaired = {
+            **of_land(step.land.key),
+            "verdict": step.verdict,
+            "for_total": step.for_total,
+            "together": [of_land(each.key) for each in step.together],
+            "options": [option_record(option, step.land.key) for option in step.options],
+        }
     return {
-        **of_land(step.land.key),
-        "verdict": step.land.verdict,
-        "for_total": step.for_total,
-        "together": [of_land(each.key) for each in step.together],
-        "options": [option_record(option, step.land.key) for option in step.options],
+        **repaired,
         "chosen": None if step.chosen is None else step.chosen.repair.id,
         "at": step.at.condition.name,
         "at_label": step.at.condition.label,

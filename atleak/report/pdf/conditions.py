@@ -82,7 +82,7 @@ class Conditions(PrintedPart):
         """Return the repairs in their order, with what each brings at every condition, and where they end."""
         say, plan = self.say, self.names.plan
 
-        if plan.steps:
+        if plan.order:
             yield text(say("texts.repair_order_by_options" if plan.cost else "texts.repair_order"), leads=True)
             yield printed(order_table(self.diagnosis, plan, say).filled)
             yield from self._options()
@@ -126,7 +126,7 @@ class Pressures(PrintedPart):
         """Return the line and the pump at every condition, then the circuits of each, and their drawings."""
         say, diagnosis, plan = self.say, self.diagnosis, self.names.plan
         solved = diagnosis.profile.circuits == "on"
-        repaired = plan.ends if plan.steps else ()
+        repaired = plan.ends if plan.order else ()
         conditions = [pressures_at(diagnosis, each, repaired) for each in diagnosis.presented]
         first = lowest_first(diagnosis)[0]  # at which a pressure or the reserve is judged worst
         lowest = next(each for each in conditions if each.projection is first)

@@ -26,6 +26,7 @@ from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.complaint import End, WornValve, explanations, most_lost, worn_valves
 from atleak.report.tables.first_sentence import impossible_part, may_parts, measured_sentence, shown_verdict, worn_pump
 from atleak.report.tables.names import has_number
+from atleak.report.tables.repairs import repair_name
 from atleak.report.tables.table import VERDICT, Column, Judged, Table
 
 _NAMED = 4  # valves that a sentence names
@@ -383,8 +384,9 @@ class CustomerPage(PrintedPart):
             describe = case == "impossible" and self.verdict is not Verdict.NOT_MEASURED
             yield say("customer.do_describe" if describe else "customer.do_measure")
             return
-        if self.names.plan.pump_first:
-            yield say("pump.repair_first")
+        if (pump := self.names.plan.pump) is not None:
+            repair = None if pump.chosen is None else repair_name(pump.chosen.repair, say)
+            yield say("pump.repair_first") if repair is None else say("pump.repair_by", repair=repair)
             if not self._planned:
                 yield say("customer.do_pump")
                 return
@@ -421,7 +423,7 @@ class CustomerPage(PrintedPart):
         yield say(f"customer.do_{'green' if reached else 'past'}_{of}")
         condition = self.say.condition(worst.condition)
         end = next((each for each in ends if each.condition == worst.condition), None)
-        if end is not None and plan.steps:
+        if end is not None and plan.order:
             of_new = self.diagnosis.valve_body.new_at(worst).share
             after, new = say.percent(end.share), say.percent(of_new)
             key = "do_all_tighter" if end.share < of_new and after != new else "do_all"

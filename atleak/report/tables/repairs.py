@@ -14,7 +14,7 @@ from typing import Any
 
 from atleak.analysis.repair.choice import Basis, OfferedRepair, OfferedRepairs
 from atleak.analysis.repair.options import Cost, MoveKey, Option
-from atleak.analysis.repair.plan import Remainder, RepairPlan, RepairStep
+from atleak.analysis.repair.plan import PumpStep, Remainder, RepairPlan, RepairStep
 from atleak.analysis.repair.totals import RepairedAt, Total
 from atleak.catalogue.entries import Evidence
 from atleak.catalogue.limits import RuleKind
@@ -23,7 +23,7 @@ from atleak.common.units import KPA, MM, MM2_S, PERCENT, UM
 from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.operation import LINE
-from atleak.report.json.conditions import named_record, of_land, scaled
+from atleak.report.json.conditions import OF_REPAIR, named_record, of_land, scaled
 from atleak.report.tables.lands import CONDITION_WIDTH
 from atleak.report.tables.names import land_number
 from atleak.report.tables.sentences import land_in_words, replace_at, rule_reached
@@ -32,10 +32,10 @@ from atleak.report.tables.table import VERDICT, Column, Judged, Table, span
 
 @dataclass(frozen=True)
 class RepairOptionRow:
-    """One repair that the file names for the land of one step; the number counts the steps from 1."""
+    """One repair that the file names for the land, or the pump, of one step; the number counts the steps from 1."""
 
     number: int
-    step: RepairStep
+    step: PumpStep | RepairStep
     option: Option
 
     @property
@@ -53,6 +53,11 @@ class RepairOptionRow:
         """Tell whether price, hours and clearance are those of such repairs in general."""
         return self.option.repair.evidence is Evidence.REPRESENTATIVE
 
+    @property
+    def mends(self) -> bool:
+        """Tell whether it brings the step's land within its limits, as every repair of the pump does that."""
+        return isinstance(self.step, PumpStep) or self.option.mends(self.step.land.key)
+
     def name(self, say: Wording) -> str:
         """Name it with its part number, and say where it is representative."""
         label = repair_name(self.option.repair, say)
@@ -61,13 +66,15 @@ class RepairOptionRow:
     @property
     def left(self) -> list[float]:
         """Return the radial clearance that it leaves of the step's land [µm], or the ends of a range."""
+        if isinstance(self.step, PumpStep):
+            return []
         state = self.option.states[self.step.land.key]
         ends = (state.radial_clearance,) if self.option.repair.keeps_clearance else state.land.mounting_ends
         return [end * UM for end in ends]
 
     def leaves(self, say: Wording) -> str:
-        """Return what it leaves in the reader's unit, without it: a number, or the ends of a range."""
-        return span(self.left, "clearance", say)
+        """Return what it leaves in the reader's unit, without it: a number, or the ends of a range; a pump as new."""
+        return span(self.left, "clearance", say) if self.left else say("repair_plan.as_new")
 
     def price(self, say: Wording) -> str:
         """Return the price with its currency; a dash where the file states none."""
@@ -82,7 +89,7 @@ class RepairOptionRow:
         """Say whether it is the one that is planned, and where it does not mend the land."""
         said = [
             say("plan.chosen") if self.chosen else "",
-            "" if self.option.mends(self.step.land.key) else say("plan.mends_not"),
+            "" if self.mends else say("plan.mends_not"),
         ]
         return ", ".join(filter(None, said))
 
@@ -97,49 +104,70 @@ def option_rows(plan: RepairPlan) -> list[RepairOptionRow]:
     """Return every option of every step of a plan, those of the file's order, the planned one first."""
     return [
         RepairOptionRow(number, step, option)
-        for number, step in enumerate(plan.steps, start=1)
+        for number, step in enumerate(plan.order, start=1)
         for option in sorted(step.options, key=lambda option: option is not step.chosen)
     ]
+
+
+def step_in_words(diagnosis: Diagnosis, step: PumpStep | RepairStep, say: Wording) -> str:
+    """Name what a step repairs; of a pump that is made as new without a repair, say so."""
+    if isinstance(step, RepairStep):
+        return land_in_words(diagnosis, step.land.key, say)
+    return say("pump.name") if step.options else say("pump.as_new")
+
+
+def pump_brings(at: RepairedAt, say: Wording) -> str:
+    """Say what a new pump brings at a condition: the pressure held, where it rises, and the reserve."""
+    held, new = (say.quantity(each.pressures[LINE] * KPA, "pressure", 0) for each in (at.before, at.after))
+    reserve, reserve_new = (say.number(each.reserve, 2) for each in (at.before, at.after))
+    key = "pump.brings" if at.gained else "pump.brings_reserve"
+    return say(key, condition=say.condition(at.condition), held=held, new=new, reserve=reserve, reserve_new=reserve_new)
 
 
 def order_table(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> Table:
     """Return the steps of a plan in their order, with what each brings at the condition where it helps most."""
 
-    def share(end: str, step: RepairStep) -> str | None:
+    def share(end: str, step: PumpStep | RepairStep) -> str | None:
         total: Total = getattr(step.at, end)
         known = say.number(total.share * PERCENT, 1) if math.isfinite(total.share) else say("diagnosis.no_flow")
         return known if step.helps else None
 
-    def helps(step: RepairStep) -> str:
-        return say.condition(step.at.condition) if step.helps else no_help(step, say)
+    def helps(step: PumpStep | RepairStep) -> str:
+        if not step.helps:
+            return no_help(step, say)
+        return pump_brings(step.at, say) if isinstance(step, PumpStep) else say.condition(step.at.condition)
 
-    steps = {id(step): number for number, step in enumerate(plan.steps, start=1)}
+    steps = {id(step): number for number, step in enumerate(plan.order, start=1)}
     columns = (
         Column("number", digits=0, words=say("repair_plan.number"), of=lambda step: steps[id(step)]),
-        Column("pair", width=250, of=lambda step: land_in_words(diagnosis, step.land.key, say)),
-        Column("verdict", VERDICT, of=lambda step: step.land.verdict),
+        Column("pair", width=250, of=lambda step: step_in_words(diagnosis, step, say)),
+        Column("verdict", VERDICT),
         Column(
             "helps_at",
             width=200,
-            of=lambda step: say.condition(step.at.condition) if step.helps else no_help(step, say),
+            of=helps,
         ),
         Column("before", words_of="percent", of=partial(share, "before")),
         Column("after", words_of="percent", of=partial(share, "after")),
         Column("then", VERDICT, of=lambda step: step.at.after.band if step.helps else None),
-        Column("replace_at", width=100, of=lambda step: replace_at(step.land, say)),
+        Column(
+            "replace_at",
+            width=100,
+            of=lambda step: replace_at(step.land, say) if isinstance(step, RepairStep) else None,
+        ),
     )
-    return Table("order", columns, plan.steps, say)
+    return Table("order", columns, plan.order, say)
 
 
 def totals_table(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> Table:
     """Return the total at every condition as measured, and after every step of a plan that has any."""
-    totals = [(0, [each.before for each in plan.steps[0].conditions])]
-    totals += [(number, [each.after for each in step.conditions]) for number, step in enumerate(plan.steps, start=1)]
+    totals = [(0, [each.before for each in plan.order[0].conditions])]
+    totals += [(number, [each.after for each in step.conditions]) for number, step in enumerate(plan.order, start=1)]
 
     def step(row: tuple[int, list[Total]]) -> str:
         number, _ = row
-        land = land_in_words(diagnosis, plan.steps[number - 1].land.key, say)
-        return f"{number}. {land}" if number else say("repair_plan.as_measured")
+        repaired = step_in_words(diagnosis, plan.order[number - 1], say)
+        return f"{number}. {repaired}" if number else say("repair_plan.as_measured")
 
     def total(name: str, row: tuple[int, list[Total]]) -> Judged:
         at = next(each for each in row[1] if each.condition.name == name)
@@ -197,7 +225,7 @@ def planned(row: RepairOptionRow, say: Wording) -> str:
     hours = row.option.repair.hours
     said = [
         row.name(say),
-        say("plan.leaves", clearance=say.span(row.left, "clearance", 1)),
+        say("plan.leaves", clearance=say.span(row.left, "clearance", 1)) if row.left else say("repair_plan.as_new"),
         "" if row.option.repair.price is None else row.price(say),
         "" if hours is None else say("plan.hours", hours=row.hours(say)),
         row.option.repair.tool or "",
@@ -231,7 +259,7 @@ def option_record(option: Option, key: LandKey) -> dict[str, Any]:
     """Return an option as plain values: what it is, what it costs, and what it leaves of a land."""
     repair, land = option.repair, option.states[key].land
     return {
-        **named_record(repair, "id", "kind", "name", "part_number", "price", "currency", "hours", "tool"),
+        **named_record(repair, *OF_REPAIR),
         "lands": [of_land(changed) for changed in option.lands],
         "nominal_diameter_mm": land.nominal_diameter * MM,
         "clearance_after_um": option.states[key].radial_clearance * UM,
@@ -253,22 +281,24 @@ def cost_record(cost: Cost | None) -> dict[str, Any] | None:
     }
 
 
-def no_help(step: RepairStep, say: Wording) -> str:
-    """Say why a land that lowers no total is on the list."""
+def no_help(step: PumpStep | RepairStep, say: Wording) -> str:
+    """Say why a land that lowers no total is on the list, or the pump of which that is not known."""
+    if isinstance(step, PumpStep):
+        return say("pump.not_known")
     return say("plan.draws_no_more" if step.leaks else "plan.never_leaks")
 
 
 def plan_ends(plan: RepairPlan, say: Wording) -> Iterator[str]:
     """Say where the plan ends: green everywhere, or what remains and what that may be up to."""
+    if plan.pump is not None and plan.pump.helps:
+        yield say("pump.planned_first")
     if not plan.judged:
         yield say("plan.not_judged")
         return
-    if plan.pump_first:
-        yield say("pump.planned_first")
     if plan.for_total:
         yield say("plan.for_total", count=plan.for_total)
     if plan.reached:
-        yield say("plan.green" if plan.steps else "plan.green_already")
+        yield say("plan.green" if plan.order else "plan.green_already")
     for left in plan.remaining:
         yield _remains(left, say)
     for rule in plan.pressures_past:

@@ -9,7 +9,7 @@ from typing import Any
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.analysis.estimate import estimate
-from atleak.analysis.repair.plan import RepairPlan, RepairStep, plan_repairs
+from atleak.analysis.repair.plan import PumpStep, RepairPlan, RepairStep, plan_repairs
 from atleak.common.errors import MessageLevel
 from atleak.common.sentences import Name, Sentence
 from atleak.common.units import DM3_MIN, PERCENT, UnitOf
@@ -21,7 +21,7 @@ from atleak.report.tables.estimate import EstimateWords, open_words
 from atleak.report.tables.first_sentence import first_sentence
 from atleak.report.tables.lands import MatrixRow, condition_matrix
 from atleak.report.tables.names import spools_taken
-from atleak.report.tables.repairs import no_help, option_table, plan_ends
+from atleak.report.tables.repairs import no_help, option_table, plan_ends, pump_brings, step_in_words
 from atleak.report.tables.sentences import (
     caveat_marks,
     caveats,
@@ -149,7 +149,7 @@ class Sheets:
 
     def _columns(self, plan: RepairPlan) -> tuple[int, ...]:
         """Return how many columns the tables of totals, of the order of repair and of the repairs have."""
-        steps = len(_OF_A_STEP) + len(plan.ends) + 1 if plan.steps else 0
+        steps = len(_OF_A_STEP) + len(plan.ends) + 1 if plan.order else 0
         return 1 + len(self.live.conditions), steps, len(option_table(plan, self.say).parted.columns)
 
     def _complaint(self) -> list[tuple[str, Any]]:
@@ -235,10 +235,10 @@ class Sheets:
                 "Order of repair as issued: each land is as its repair leaves it, or as new, after those before it"
             )
         row = page.across(row, order, bold=True)
-        if plan.steps:
+        if plan.order:
             ends = [Sentence("total after [%], {condition}", condition=total.condition) for total in plan.ends]
             first = row + 1
-            row = page.table(row, [*_OF_A_STEP, *ends, Sentence("helps most at")], map(self._step, plan.steps))
+            row = page.table(row, [*_OF_A_STEP, *ends, Sentence("helps most at")], map(self._step, plan.order))
             self.book.colour_words(page.sheet, (first, 2), (row - 1, 2), VERDICTS)
             self.book.colour_words(page.sheet, (first, 6), (row - 1, 6), BANDS)
             options = option_table(plan, self.say).parted
@@ -250,18 +250,23 @@ class Sheets:
             row = page.across(row, sentence)
         return row
 
-    def _step(self, step: RepairStep) -> list[Any]:
-        (component, land), at = step.land.key, step.at
-        name = Name(self.diagnosis.controller.components[component])
+    def _step(self, step: PumpStep | RepairStep) -> list[Any]:
+        at, helps = step.at, self.say.condition(step.at.condition)
+        component, name, land = None, step_in_words(self.diagnosis, step, self.say), None
+        if isinstance(step, RepairStep):
+            component, land = step.land.key
+            name = self.say.name(self.diagnosis.controller.components[component])
+        else:
+            helps = pump_brings(at, self.say)
         return [
             component,
-            name,
-            self.say.signed(step.land.verdict),
+            Name(name),
+            self.say.signed(step.verdict),
             land,
             *(LiveCell("share", total.share * PERCENT if step.helps else None) for total in (at.before, at.after)),
             self.say.level(at.after.band) if step.helps else None,
             *(LiveCell("share", each.after.share * PERCENT) for each in step.conditions),
-            self.say.condition(at.condition) if step.helps else no_help(step, self.say),
+            helps if step.helps else no_help(step, self.say),
         ]
 
     # --- matrix

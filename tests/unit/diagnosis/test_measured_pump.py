@@ -211,7 +211,12 @@ def test_a_worn_pump_is_named_first_and_no_unworn_valve(
     assert record["unit"]["decided_by"]["kind"] == "pump"
     assert record["unit"]["verdict"] == record["pump"]["verdict"] != "ok"
     assert not diagnosis.flagged
-    assert (record["repair_plan"], record["repair_plan_ends"]["reached"]) == ([], True)
+    (step,) = record["repair_plan"]
+    assert (step["component"], step["land"], step["chosen"], step["options"]) == ("pump", None, None, [])
+    for before, after in zip(record["conditions"], step["conditions"], strict=True):
+        assert after["p_g_held_after_kpa"] >= before["p_g_held_kpa"]
+        assert after["reserve_after"] > before["reserve"]
+    assert record["repair_plan_ends"]["reached"]
     assert "description_impossible" not in {message["code"] for message in record["messages"]}
     if side_um > 90.0:
         assert min(each["p_g_held_kpa"] / each["p_g_kpa"] for each in record["conditions"]) < 0.95
@@ -220,6 +225,7 @@ def test_a_worn_pump_is_named_first_and_no_unworn_valve(
     printed = " ".join(capsys.readouterr().out.split())
     assert f"The pump: side clearance {side_um:.0f} µm, limit 50 µm." in printed.replace("\u00a0", " ")
     assert printed.index("The pump: side") < printed.index("Repair the pump first.") < printed.index("1. ")
+    assert "1. pump (as new: the valve body's file names no repair of it): " in printed
     assert not re.search(r"\binf\b|∞|Look first", printed)
     with pypdfium2.PdfDocument(write_pdf(diagnosis)) as document:
         page = " ".join(document[0].get_textpage().get_text_range().split())
@@ -254,7 +260,7 @@ def test_a_pump_within_its_limit_is_not_worn_and_leads_over_no_worn_land(
         record = diagnosis_record(diagnosis)
         assert (record["pump"]["verdict"], record["pump"]["repairs"], diagnosis.pump.lacking) == ("ok", [], ())
         assert record["unit"]["decided_by"]["kind"] != "pump"
-        assert not plan_repairs(diagnosis).pump_first
+        assert plan_repairs(diagnosis).pump is None
         assert "Repair the pump first" not in first_sentence(diagnosis, wording("en"))
     assert not unworn.flagged
     assert unworn.verdict.flagged
