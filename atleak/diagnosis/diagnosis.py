@@ -17,6 +17,7 @@ from atleak.common.verdicts import Band, Verdict, worst
 from atleak.diagnosis.consequence import Consequence, consequences
 from atleak.diagnosis.gauge_check import PressureCheck
 from atleak.diagnosis.land import NO_RATE, LandDiagnosis, PumpDiagnosis, replace_mileage, without_rate
+from atleak.diagnosis.missing import Missing
 from atleak.diagnosis.provisional import AssumedBasis, Representative
 from atleak.diagnosis.road import RoadFindings, leakage_over
 from atleak.diagnosis.rules import Rule, cannot_be, farthest_first
@@ -75,6 +76,8 @@ class Diagnosis:
         what the log says by itself; None without one.
     pressures
         gauge readings of the standing vehicle, judged; None without any.
+    logged
+        what is missing of main pressure where a log shows it, the vehicle standing.
     uncertainty
         of flows, shares and totals; None without readings.
     total_rules
@@ -112,6 +115,7 @@ class Diagnosis:
     road: RoadLeakage | None
     log: RoadFindings | None
     pressures: PressureCheck | None
+    logged: tuple[Missing, ...]
     uncertainty: UnitUncertainty | None
     total_rules: tuple[Rule, ...]
     pressure_rules: tuple[Rule, ...]

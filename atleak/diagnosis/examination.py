@@ -27,7 +27,7 @@ from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import BesideNew, project
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.measurements.clearances import clearances
-from atleak.measurements.gauge_readings import PressureTable
+from atleak.measurements.gauge_readings import NO_GAUGES, PressureTable
 from atleak.measurements.readings import Readings
 from atleak.measurements.road_test import RoadTest
 
@@ -137,11 +137,12 @@ def diagnose(
     better = pump_new.unit_rules if pump_new else ()
     checked = (
         None
-        if pressures is None
+        if pressures is None and road.log is None
         else check_pressures(
-            pressures,
+            pressures or NO_GAUGES,
             unit.model,
             limits,
+            log=road.log,
             projections=unit.now,
             readings=readings,
             instruments=instruments,
@@ -176,7 +177,8 @@ def diagnose(
         losses=tuple(pressure_losses(unit.model, unit.as_new, each.condition, measured) for each in unit.now),
         road=road.leakage,
         log=road.log,
-        pressures=checked,
+        pressures=checked if pressures else None,
+        logged=checked.logged if checked else (),
         uncertainty=uncertainty,
         total_rules=rules.totals,
         pressure_rules=rules.pressures,

@@ -22,14 +22,17 @@ from atleak.common.sentences import Sentence, in_a_row
 from atleak.common.units import KPA, Quantity, gear_name
 from atleak.common.verdicts import Verdict, worst
 from atleak.diagnosis.gauge_patterns import GaugeStanding, Pattern, Stands, find_patterns
+from atleak.diagnosis.missing import Cause, Missing
+from atleak.diagnosis.road import RoadFindings
 from atleak.diagnosis.rules import Rule, permissible_steps
 from atleak.diagnosis.uncertainty import Assumptions, RuleDecision
 from atleak.diagnosis.uncertainty.decision import decide_normal, decide_rule
-from atleak.diagnosis.uncertainty.posterior import MOST_RISE, Lost, PosteriorUnit, Shown, losses
+from atleak.diagnosis.uncertainty.posterior import MOST_RISE, Fault, Lost, PosteriorUnit, Shown, losses
 from atleak.diagnosis.uncertainty.sources import find_sources
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import LINE as LINE_SECTION
 from atleak.engine.projection import Projection, project
+from atleak.engine.road_pressure import AtTemperature
 from atleak.measurements.clearances import LandClearance
 from atleak.measurements.gauge_readings import (
     LINE_TAP,
@@ -49,6 +52,7 @@ from atleak.measurements.gauge_readings import (
 from atleak.measurements.readings import Readings
 
 _SHOWN = 8  # cells named in a message
+_LOG = "the log's sensor"  # a gauge by its own name
 _STEP = 5.0  # [K] to which a stated temperature is rounded where losses are drawn
 _SURELY = 4.0  # standard uncertainties by which a gauge shows more than there can be: choice of this project
 _MOVED = 3.0  # of two readings, by which the line moved between them: choice of this project
@@ -83,6 +87,7 @@ class CheckedReading:
     line: float | None  # [Pa] that the circuit should reach, from the line's gauge beside it; None where it need not
     decisions: tuple[RuleDecision, ...] = ()  # of every rule that judges it
     lost: Lost | None = None  # by its circuit, or the line, against new; None where that is not judged
+    missing: Missing | None = None  # against new, and what explains it; None where nothing can be computed there
     unjudged: Sentence | None = None  # why no rule judges it
 
     @property
@@ -152,6 +157,7 @@ class PressureCheck:
     readings: tuple[CheckedReading, ...]  # in the order of the unit's ranges
     patterns: tuple[Pattern, ...]
     messages: tuple[Message, ...]
+    logged: tuple[Missing, ...] = ()  # what is missing of main pressure where a log shows it
 
     @cached_property
     def decisions(self) -> tuple[RuleDecision, ...]:
@@ -179,6 +185,7 @@ def check_pressures(
     model: LeakageModel,
     limits: Limits,
     *,
+    log: RoadFindings | None = None,
     projections: Sequence[Projection] = (),
     readings: Readings | None = None,
     instruments: Instruments | None = None,
@@ -195,6 +202,8 @@ def check_pressures(
         the engine with the clearances as measured: what pump and circuits hold is expected from it.
     limits
         whose limits below the permissible pressure, and of circuits, are applied.
+    log
+        of the same unit, whose main pressure tells of it too.
     projections
         those at hand; at other conditions the model is asked.
     readings, instruments
@@ -205,7 +214,7 @@ def check_pressures(
         k of the guard band of every limit.
     """
     at_hand = {projection.condition: projection for projection in projections}
-    checker = _Checker(table, model, limits, at_hand, assumptions, guard_factor)
+    checker = _Checker(table, model, limits, at_hand, assumptions, guard_factor, log)
     taps, order = taps_of(model.controller), ranges_of(model.controller)
     taken = sorted(
         table.readings,
@@ -218,13 +227,15 @@ def check_pressures(
     )
     checked = [checker.checked(each) for each in taken]
     if limits.circuit_loss is not None:
-        rests_on = model, readings, instruments, assumptions
+        rests_on = model, readings, instruments, assumptions, log is not None and log.road_test.sha256
         made = partial(checker.losses, readings, instruments or load_instruments())
-        lost = kept_with(table, "losses", rests_on, made, most=1)
-        checked = [checker.with_loss(each, lost) for each in checked]
+        owner = table if table.readings or log is None else log.road_test
+        lost, in_log = kept_with(owner, "losses", rests_on, made, most=1)
+        checker.logged = checker.of_log(in_log)
+        checked = [checker.with_loss(checker.with_missing(each, lost), lost) for each in checked]
     judged = tuple(each if each.decisions else checker.unjudged(each) for each in checked)
     patterns = find_patterns([checker.standing(each) for each in judged], checker.applied)
-    return PressureCheck(table, judged, patterns, (*table.messages, *checker.messages(judged)))
+    return PressureCheck(table, judged, patterns, (*table.messages, *checker.messages(judged)), checker.logged)
 
 
 @dataclass
@@ -237,6 +248,8 @@ class _Checker:
     at_hand: dict[OperatingPoint, Projection]
     assumptions: Assumptions
     guard_factor: float
+    log: RoadFindings | None = None
+    logged: tuple[Missing, ...] = ()
     outside: list[DomainError] = field(default_factory=list)
 
     @property
@@ -268,10 +281,13 @@ class _Checker:
 
     # --- what circuits have lost
 
-    def losses(self, readings: Readings | None, instruments: Instruments) -> dict[tuple[str, OperatingPoint], Lost]:
-        """Return what every circuit that was read has lost, at every operating point at which it was.
+    def losses(
+        self, readings: Readings | None, instruments: Instruments
+    ) -> tuple[dict[tuple[str, OperatingPoint], Lost], dict[OperatingPoint, Lost]]:
+        """Return what line and circuits have lost wherever they were read, and the line where a log shows it.
 
-        So of the line, where the valve body's file does not say what it must reach.
+        A log tells of another drive, at other temperatures, by another sensor: it is weighed apart from the gauges, and
+        each of its gears and states by itself.
         """
         wanted: dict[tuple[str, OperatingPoint], None] = {}
         shown = []
@@ -282,19 +298,45 @@ class _Checker:
             pressure, section = self._at_the_lines_best(reading), _section(tap)
             if pressure is not None:
                 shown.append(Shown(point, section, pressure, reading.gauge))
-            permissible = permitted(self.controller, reading.cell)
-            if permissible is None or permissible.low is None:  # of a tap nothing is permitted
-                wanted[section, point] = None
-        if not wanted:
-            return {}
+            wanted[section, point] = None
+        in_log = [Shown(point, LINE_SECTION, at.pressure, _LOG) for point, at in self._in_log]
+        if not (wanted or in_log):
+            return {}, {}
         states = cast("Sequence[LandClearance]", self.model.clearances)
         sources, _ = find_sources(states, readings, self.controller, instruments, self.assumptions)
-        at = {each.point: self.at_hand[each.point] for each in shown}
-        return losses(PosteriorUnit(self.model, sources, self.assumptions, at.values()), shown, wanted)
+        at = {each.point: self.at_hand[each.point] for each in (*shown, *in_log)}
+        unit = PosteriorUnit(self.model, sources, self.assumptions, at.values())
+        by_log: dict[OperatingPoint, Lost] = {}
+        for name in dict.fromkeys(each.point.name for each in in_log):
+            alone = [each for each in in_log if each.point.name == name]
+            found = losses(unit, alone, [(LINE_SECTION, each.point) for each in alone])
+            by_log |= {point: lost for (_, point), lost in found.items()}
+        return losses(unit, shown, wanted), by_log
+
+    @cached_property
+    def _in_log(self) -> tuple[tuple[OperatingPoint, AtTemperature], ...]:
+        """Return where a log shows main pressure that is known as required, as cold and as hot as it was there."""
+        permitted = None if self.log is None else self.log.permitted
+        found = []
+        for place in permitted.places if permitted is not None else ():
+            for shown in dict.fromkeys([*place.held[:1], *place.held[-1:]]) if place.state != "driving" else ():
+                point = self._drawn(self._point_of(place.gear, place.state, shown.temperature, shown.engine_speed))
+                if point is not None:
+                    found.append((point, shown))
+        return tuple(found)
+
+    def of_log(self, losses: dict[OperatingPoint, Lost]) -> tuple[Missing, ...]:
+        """Return what is missing of main pressure where a log shows it."""
+        return tuple(
+            Missing(point, LINE_SECTION, losses[point].split, shown.pressure, shown.seconds)
+            for point, shown in self._in_log
+        )
 
     def _drawn_at(self, reading: GaugeReading) -> OperatingPoint | None:
         """Return the operating point at which losses are drawn for a reading; None where nothing is expected there."""
-        point = self._point(reading)
+        return self._drawn(self._point(reading))
+
+    def _drawn(self, point: OperatingPoint | None) -> OperatingPoint | None:
         if point is not None:
             point = replace(point, temperature=_STEP * round(point.temperature / _STEP))
         return point if point is not None and self._projected(point) is not None else None
@@ -329,6 +371,14 @@ class _Checker:
         circuit, beside = circuit_at(self.controller, reading.cell.tap), self.table.line_beside(reading)
         follows = circuit is not None and circuit.set_pressure is None and beside is not None and beside.pressure > 0.0
         return reading.pressure * highest / beside.pressure if follows and beside else reading.pressure
+
+    def with_missing(self, checked: CheckedReading, losses: dict[tuple[str, OperatingPoint], Lost]) -> CheckedReading:
+        """Return a reading with what is missing of its pressure."""
+        section, point = _section(checked.cell.tap), self._drawn_at(checked.reading)
+        lost = None if point is None else losses.get((section, point))
+        if lost is None or point is None:
+            return checked
+        return replace(checked, missing=Missing(point, section, lost.split, checked.reading.pressure))
 
     def with_loss(self, checked: CheckedReading, losses: dict[tuple[str, OperatingPoint], Lost]) -> CheckedReading:
         """Return a reading with what its circuit or the line lost, judged; one that is judged already as it is."""
@@ -414,16 +464,24 @@ class _Checker:
         At a fast idle line pressure is that of idle, and only a stated speed says what the pump delivers.
         """
         gear, engine = gear_in(reading.cell.range, self.controller.gears), reading.cell.engine
+        if engine is Engine.FAST_IDLE and reading.engine_speed is None:
+            return None
         state = "stall" if engine is Engine.STALL else "idle"
+        return self._point_of(gear, state, reading.temperature, reading.engine_speed)
+
+    def _point_of(
+        self, gear: int | None, state: str, temperature: float | None, engine_speed: float | None
+    ) -> OperatingPoint | None:
+        """Return the operating point of a gear and state, with its temperature and speed where none are stated."""
         points = (each for each in self.controller.operating_points if each.gear == gear and each.state == state)
         point = next(points, None)
-        if point is None or (engine is Engine.FAST_IDLE and reading.engine_speed is None):
+        if point is None:
             return None
         return replace(
             point,
-            temperature=point.temperature if reading.temperature is None else reading.temperature,
-            engine_speed=point.engine_speed if reading.engine_speed is None else reading.engine_speed,
-            stated_state=point.stated_state if reading.engine_speed is None else point.state,
+            temperature=point.temperature if temperature is None else temperature,
+            engine_speed=point.engine_speed if engine_speed is None else engine_speed,
+            stated_state=point.stated_state if engine_speed is None else point.state,
         )
 
     def standing(self, checked: CheckedReading) -> GaugeStanding:
@@ -436,7 +494,7 @@ class _Checker:
             uncertainty=self.uncertainty * reading.pressure,
             stands=checked.stands,
             loss=checked.loss if reading.cell.tap != LINE_TAP and checked.verdict is not Verdict.OK else None,
-            causes=checked.lost.causes if checked.lost is not None else {},
+            causes=_causes_of_loss(checked.missing) if checked.missing is not None else {},
             measured=any(
                 each.measured and reading.cell.tap in (gap.high.section, gap.low.section)
                 for gap in self.controller.gaps
@@ -514,6 +572,19 @@ def _not_judged(readings: Sequence[CheckedReading], place: Place) -> Iterator[Me
             cells=Sentence("{named} …", named=named) if len(labels) > _SHOWN else named,
         )
         yield Message("info", "pressure_not_judged", text, place)
+
+
+def _causes_of_loss(missing: Missing) -> dict[Fault, float]:
+    """Return which part of what a circuit lost each land, its seal, and all that lowers the line with it explain."""
+    found: dict[Fault, float] = {}
+    for row, lands in missing.split.lands.items():
+        if row == (Cause.LANDS, missing.tap):
+            found |= {("land", key): float(np.mean(values)) for key, values in lands.items()}
+    found["seal", missing.tap] = float(np.mean(missing.split.seal))
+    found["line",] = float(np.mean(missing.missing)) - math.fsum(found.values())
+    kept = {cause: part for cause, part in found.items() if part > 0.0}
+    total = math.fsum(kept.values())
+    return {cause: part / total for cause, part in sorted(kept.items(), key=lambda each: -each[1])}
 
 
 def _section(tap: str) -> str:

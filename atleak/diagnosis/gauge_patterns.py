@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import Literal
 
 from atleak.catalogue.controller_tables import SelectorRange
-from atleak.diagnosis.uncertainty.posterior import Cause
+from atleak.diagnosis.uncertainty.posterior import Fault
 from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell
 
 Stands = Literal["low", "normal", "high"]
@@ -35,7 +35,7 @@ class GaugeStanding:
     uncertainty: float = 0.0  # [Pa] standard, of the gauge
     stands: Stands | None = None  # to what is permissible; None where nothing is
     loss: float | None = None  # [Pa] of a circuit that is flagged for it; None elsewhere
-    causes: Mapping[Cause, float] = field(default_factory=dict)  # the part of that loss which each explains
+    causes: Mapping[Fault, float] = field(default_factory=dict)  # the part of that loss which each explains
     measured: bool = False  # whether any land of its circuit was
 
 
@@ -51,7 +51,7 @@ class Pattern:
     circuits: tuple[str, ...] = ()  # ids of those that may leak
     worst: GaugeCell | None = None  # of those that fall or have lost most
     amount: float | None = None  # there: by which fraction it fell, or what it has lost against new [Pa]
-    causes: Mapping[Cause, float] = field(default_factory=dict)  # there: which part of that each explains
+    causes: Mapping[Fault, float] = field(default_factory=dict)  # there: which part of that each explains
     measured: bool = False  # whether any land that explains it was
 
 

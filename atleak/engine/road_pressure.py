@@ -61,6 +61,7 @@ class AtTemperature:
     temperature: float  # [°C]
     pressure: float  # [Pa]
     seconds: float
+    engine_speed: float  # [1/s]
 
 
 @dataclass(frozen=True)
@@ -173,6 +174,7 @@ class _Permitted:
         temperature = road_test.values("atf_temperature")
         self.temperature = np.full(len(self.time), np.nan) if temperature is None else temperature
         self.pressure = self.counted.smooth(np.asarray(road_test.values("main_pressure")))
+        self.engine_speed = np.asarray(road_test.values("engine_speed"))
         self.low, self.high = (np.full(len(self.time), np.nan) for _ in range(2))
         self.number = np.full(len(self.time), -1)  # of the limits in the valve body's file
         states = _states(road_test, self.gear)
@@ -220,13 +222,15 @@ class _Permitted:
 
     def _by_temperature(self, here: np.ndarray) -> tuple[AtTemperature, ...]:
         """Return main pressure over the fluid's temperature at some samples, the coldest first."""
-        temperature, pressure = self.temperature[here], self.pressure[here]
-        known = np.isfinite(temperature) & np.isfinite(pressure)
+        temperature, pressure, speed = self.temperature[here], self.pressure[here], self.engine_speed[here]
+        known = np.isfinite(temperature) & np.isfinite(pressure) & np.isfinite(speed)
         classes = np.floor(temperature[known] / _CLASS).astype(int)
         seconds = self.counted.steps[here][known]
-        rows = np.stack([np.ones(len(classes)), temperature[known], pressure[known]]) * seconds
+        rows = np.stack([np.ones(len(classes)), temperature[known], pressure[known], speed[known]]) * seconds
         sums = (rows[:, classes == each].sum(axis=1) for each in np.unique(classes))
-        return tuple(AtTemperature(float(t / s), float(p / s), float(s)) for s, t, p in sums if s > 0.0)
+        return tuple(
+            AtTemperature(float(t / s), float(p / s), float(s), float(n / s)) for s, t, p, n in sums if s > 0.0
+        )
 
 
 def _states(road_test: RoadTest, gear: np.ndarray) -> dict[StandingState, np.ndarray]:

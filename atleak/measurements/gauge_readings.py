@@ -142,6 +142,9 @@ class PressureTable:
         return tuple(sorted(readings, key=lambda reading: reading.repeat))
 
 
+NO_GAUGES = PressureTable("", "", None, (), ())
+
+
 def ranges_of(controller: Controller) -> tuple[SelectorRange, ...]:
     """Return the ranges that the lever of a unit has, as far as its file tells.
 

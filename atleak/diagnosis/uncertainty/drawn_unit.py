@@ -321,6 +321,12 @@ class DrawnLands:
         flow = restriction.conductance * flow
         return flow, flow if len(counted) == len(parts) else restriction.conductance * drawn
 
+    def more_than(self, now: LandInState, new: LandInState) -> Any:
+        """Return what a land leaks in one state more than in the other, at the same pressures [m³/s]."""
+        drops = [self._drop(gap) for gap, _ in self.given.gaps.get(now[0].key, ())]
+        flows = [sum(map(self.given.restriction(*each).flow, drops)) for each in (now, new)]
+        return np.zeros_like(self.given.viscosity) + flows[0] - flows[1]
+
     def flows(self, lands: Sequence[LandSources], bore: Bore, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return what `count` does for all lands at once, shapes (lands, columns); so are their bores and lengths."""
         given, law, shape = self.given, self.given.model.law, bore.clearance.shape

@@ -23,6 +23,7 @@ import numpy as np
 from atleak.catalogue.circuits import Pressure
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.repairs import LandKey
+from atleak.diagnosis.missing import PUMP_PART, Path, Split, split
 from atleak.diagnosis.uncertainty.assumptions import Assumptions
 from atleak.diagnosis.uncertainty.drawn_unit import Drawn, DrawnLands, demand_shape
 from atleak.diagnosis.uncertainty.draws import (
@@ -32,6 +33,7 @@ from atleak.diagnosis.uncertainty.draws import (
     Cube,
     Draws,
     LandDraws,
+    LandInState,
     Positions,
     common_errors,
     land_draws,
@@ -40,7 +42,7 @@ from atleak.diagnosis.uncertainty.draws import (
 )
 from atleak.diagnosis.uncertainty.propagation import SEED
 from atleak.diagnosis.uncertainty.sources import LandSources
-from atleak.engine.leakage import LeakageModel
+from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.network import SHARP, Network
 from atleak.engine.operation import LINE
 from atleak.engine.projection import Projection
@@ -57,10 +59,12 @@ _UNNAMED = 0.7  # the same of gauges that nobody named: which was where is not k
 _LEAST = 0.25  # of the highest pressure shown: a gauge errs no less than it does there
 _FINEST = 1e3  # [Pa] that a gauge tells apart
 _LAND, _SEAL, _HOLE, _PUMP, _LINE, _SET = "land", "seal", "hole", "pump", "line", "set"
+OF_A_SPLIT = 256  # draws
+_BORES = ("bore", "new_bore", "unworn_bore")
 MOST_RISE = 5.0  # of a line that is set high, over the mean rise
 _SEALS = _SEAL, _HOLE
 
-Cause = tuple[Any, ...]  # (what, which): ("land", key), ("seal", circuit), ("pump",), ("line",)
+Fault = tuple[Any, ...]  # (what, which): ("land", key), ("seal", circuit), ("pump",), ("line",)
 
 
 @dataclass(frozen=True)
@@ -81,8 +85,8 @@ class Lost:
     expected: np.ndarray  # [Pa] that the circuit holds
     weights: np.ndarray  # their sum is 1
     effective: float  # number of draws that the weights are worth
-    causes: Mapping[Cause, float]  # the part of the loss that each explains, the largest first
     highest: float  # [Pa] that it holds in 999 of 1000 units, before any gauge is read
+    split: Split  # of all that it lost with the line, by draws of equal weight
 
     @property
     def standard_uncertainty(self) -> float:
@@ -177,6 +181,7 @@ class PosteriorUnit:
         self.model, self.sources, self.assumptions = model, sources, assumptions
         self._own = replace(assumptions, temperature=assumptions.gauged_temperature, main_pressure=1.0)
         self.conditions = {each.condition: each for each in projections}
+        self._before: dict[int, tuple[_Drawn, dict[OperatingPoint, Mapping[str, Any]]]] = {}
         self._shapes = {point: demand_shape(model, point) for point in self.conditions}
         controller = model.controller
         gears = {point.gear for point in self.conditions}
@@ -187,7 +192,7 @@ class PosteriorUnit:
         self._fed = [each for each in controller.circuits if each.feeds]
         # what is applied in some gears only is a clutch or a band, and has a seal
         self._sealed = [each.id for each in self._fed if each.gears != frozenset(controller.gears)]
-        self.quantities: list[Cause] = [
+        self.quantities: list[Fault] = [
             *((name,) for name in ("viscosity", "temperature", "main pressure", "converter pressure", "pump", "state")),
             *(("feed", each.id) for each in self._fed),
             *((_LAND, land.key) for land in self._open),
@@ -198,10 +203,10 @@ class PosteriorUnit:
         count = len(self.quantities)
         self.prior = _Proposal(np.where(chance > 1e-30, chance, 0.0), mean, most, np.zeros(count), np.ones(count))
 
-    def _gone(self) -> list[tuple[Cause, float, float, float]]:
+    def _gone(self) -> list[tuple[Fault, float, float, float]]:
         """Return every cause of a leak with its chance, and mean and most of how far it goes."""
         u = self.assumptions
-        gone: list[tuple[Cause, float, float, float]] = [
+        gone: list[tuple[Fault, float, float, float]] = [
             *(((_LAND, land.key), u.worn_lands, u.land_wear, u.most_land_wear) for land in self._open),
             # a worn seal leaks as a gap does, a torn one or a cracked ring as a hole
             *(
@@ -215,6 +220,18 @@ class PosteriorUnit:
         if self.model.uses_slip and not self.model.controller.pump.counted.any_known:
             gone.append(((_PUMP,), u.worn_pumps, u.pump_wear, 10.0 * u.pump_wear))
         return gone
+
+    def before(
+        self, draws: int, points: Iterable[OperatingPoint]
+    ) -> tuple[_Drawn, Mapping[OperatingPoint, Mapping[str, Any]]]:
+        """Return draws of the unit before any gauge is read, the same each time, and what they hold at some points."""
+        if draws not in self._before:
+            self._before[draws] = self.draw(self.prior, draws, 0), {}
+        first, held = self._before[draws]
+        for point in points:
+            if point not in held:
+                held[point] = self.pressures(first, point)
+        return first, held
 
     def draw(self, proposal: _Proposal, draws: int, seed: int) -> _Drawn:
         """Draw units; ``draws`` is a power of two."""
@@ -237,29 +254,6 @@ class PosteriorUnit:
             {land.key[0]: positions.of(land) for land in self._open},
         )
 
-    def leaks(self, drawn: _Drawn, circuit: str, point: OperatingPoint, held: Any) -> dict[Cause, np.ndarray]:
-        """Return what leaks out of a circuit beyond what leaked when new, by cause [m³/s], entry loss left out."""
-        wear, own = dict(zip(self.causes, drawn.wear, strict=True)), {land.key: land for land in self._open}
-        viscosity = self.model.dynamic_viscosity(point.temperature)
-        flows: dict[Cause, np.ndarray] = {}
-        for gap in self.model.controller.gaps:
-            if gap.high.section != circuit or point.gear not in gap.gears or (_LAND, gap.key) in flows:
-                continue
-            if gap.key in own:
-                state, new = own[gap.key].state, drawn.new[gap.key]
-                cubes = (new + wear[_LAND, gap.key]) ** 3 - new**3
-            elif gap.key in drawn.measured:
-                each = drawn.measured[gap.key]
-                state, cubes = each.land.state, np.maximum(each.bore.clearance**3 - each.unworn_bore.clearance**3, 0.0)
-            else:
-                continue
-            slope = math.pi * state.spool_diameter / (12.0 * viscosity * state.land.contact_length)
-            flows[_LAND, gap.key] = slope * cubes * held
-        if circuit in self._sealed:
-            leaks = (self._leak(what, circuit, point, viscosity, wear[what, circuit]) for what in _SEALS)
-            flows[_SEAL, circuit] = sum(leak.flow(held) for leak in leaks)
-        return flows
-
     def _new(self, deviates: np.ndarray, land: LandSources) -> np.ndarray:
         deviate = deviates[self.quantities.index((_LAND, land.key))]
         low, high = land.state.land.mounting_range
@@ -270,29 +264,46 @@ class PosteriorUnit:
     def pressures(self, drawn: _Drawn, point: OperatingPoint, *, new: bool = False) -> Mapping[str, Any]:
         """Return what the line, as p_g, and every circuit hold in each draw [Pa], or held when new."""
         wear = dict.fromkeys(self.causes, 0.0) if new else dict(zip(self.causes, drawn.wear, strict=True))
-        at, u = dict(zip(self.quantities, drawn.deviates, strict=True)), self.assumptions
         # what a line is set to, or fallen to by its regulator, is the same for the unit when new
-        higher, fallen = (drawn.wear[self.causes.index((what,))] for what in (_SET, _LINE))
-        line = (1.0 + u.line_setting * at["main pressure",] + higher) * (1.0 - fallen) - 1.0
-        given = Drawn(
+        given = self._given(drawn, point, drawn.wear[self.causes.index((_LINE,))])
+        lands = [new_ if new else now for now, new_ in self._in_both_states(drawn)]
+        counted, leakage = self._solved(drawn, given, lands, wear)
+        return self._held(counted, leakage, wear, pump_new=new)
+
+    def _given(self, drawn: _Drawn, point: OperatingPoint, fallen: Any) -> Drawn:
+        """Return a condition with all that is drawn of it, the line fallen by so much through its regulator."""
+        at, u = dict(zip(self.quantities, drawn.deviates, strict=True)), self.assumptions
+        higher = drawn.wear[self.causes.index((_SET,))]
+        return Drawn(
             self.model,
             self.conditions[point],
             self._own,
             {
                 "viscosity": at["viscosity",],
                 "temperature": at["temperature",],
-                "main pressure": line,
+                "main pressure": (1.0 + u.line_setting * at["main pressure",] + higher) * (1.0 - fallen) - 1.0,
                 "converter pressure": at["converter pressure",],
                 "pump efficiency": at["pump",],
                 FLUID_STATE: math.sqrt(3.0) * (2.0 * normal_cdf(at["state",]) - 1.0),  # rectangular
             },
         )
-        lands = []
+
+    def _in_both_states(self, drawn: _Drawn) -> list[tuple[LandInState, LandInState]]:
+        """Return every land that leaks as it is, and as it was when new."""
+        wear = dict(zip(self.causes, drawn.wear, strict=True))
+        lands: list[tuple[LandInState, LandInState]] = []
         for land in self._open:
-            clearance = drawn.new[land.key] + wear[_LAND, land.key]
-            state = land.state.land
-            lands.append((land, Bore(clearance), state.contact_length, drawn.positions[land.key[0]]))
-        lands += [each.unworn if new else each.now for each in drawn.measured.values()]
+            new, state, position = drawn.new[land.key], land.state.land, drawn.positions[land.key[0]]
+            bores = Bore(new + wear[_LAND, land.key]), Bore(new)
+            now, before = ((land, bore, state.contact_length, position) for bore in bores)
+            lands.append((now, before))
+        return [*lands, *((each.now, each.unworn) for each in drawn.measured.values())]
+
+    def _solved(
+        self, drawn: _Drawn, given: Drawn, lands: Sequence[LandInState], wear: Mapping[Fault, Any]
+    ) -> tuple[DrawnLands, Any]:
+        """Return the unit with lands in a state and seals worn so far, and what it draws from the pump [m³/s]."""
+        at, u = dict(zip(self.quantities, drawn.deviates, strict=True)), self.assumptions
 
         def with_rest(network: Network) -> Network:
             scaled = tuple(
@@ -308,7 +319,7 @@ class PosteriorUnit:
                 Branch(
                     Pressure(1.0, name),
                     Pressure(0.0, None),
-                    self._leak(what, name, point, given.viscosity, gone),
+                    self._leak(what, name, given.point, given.viscosity, gone),
                     None,
                     True,
                 )
@@ -319,12 +330,64 @@ class PosteriorUnit:
             return replace(network, feeds=scaled, leaks=(*network.leaks, *seals))
 
         counted = DrawnLands(given, lands, with_rest)
-        leakage = counted.leakage + sum(counted.flow(*land)[1] for land in lands)
-        pump = given.new_pump if new else given.pump
-        if (_PUMP,) in wear:
-            pump = replace(pump, slip_factor=pump.slip_factor * (1.0 + wear[_PUMP,]))
-        main, held = replace(counted.unit(pump), leakage=leakage).held(point, self._shapes[point])
+        return counted, counted.leakage + sum(counted.flow(*land)[1] for land in lands)
+
+    def _held(
+        self, counted: DrawnLands, leakage: Any, wear: Mapping[Fault, Any], *, pump_new: bool
+    ) -> Mapping[str, Any]:
+        given = counted.given
+        unit = replace(counted.unit(self._pump(given, wear, new=pump_new)), leakage=leakage)
+        main, held = unit.held(given.point, self._shapes[given.point])
         return {**held, LINE: main}
+
+    def _pump(self, given: Drawn, wear: Mapping[Fault, Any], *, new: bool) -> PumpFlow:
+        """Return the pump as drawn; of one that nobody measured its slip has grown by so much."""
+        pump = given.new_pump if new else given.pump
+        if (_PUMP,) in wear and not new:
+            pump = replace(pump, slip_factor=pump.slip_factor * (1.0 + wear[_PUMP,]))
+        return pump
+
+    def split(self, drawn: _Drawn, point: OperatingPoint, tap: str) -> Split:
+        """Split what a tap has lost in each draw by its causes; its clutch's seal counts last.
+
+        Wear of lands and pump that nobody measured counts as theirs. A line that its regulator lets fall and other
+        circuits' seals stay out of every row.
+        """
+        wear, states = dict(zip(self.causes, drawn.wear, strict=True)), self._in_both_states(drawn)
+        sound = wear | {cause: 0.0 for cause in self.causes if cause[0] in _SEALS}
+        given = self._given(drawn, point, 0.0)
+        path = Path.of(self.model.controller, point.gear, tap)
+        known = {now[0].key for now, _ in states}
+        path = path.without(
+            set(path.circuits) - known, pump=(_PUMP,) in wear or given.pump.pump is not given.new_pump.pump
+        )
+
+        def made(sets: Sequence[frozenset[str]]) -> tuple[np.ndarray, np.ndarray]:
+            of_lands = [path.lands_of(each) for each in sets]
+            distinct = list(dict.fromkeys(of_lands))
+            chosen = [_stacked(now, new, [now[0].key in each for each in distinct]) for now, new in states]
+            counted, leakage = self._solved(drawn, given, chosen, sound)
+            pressure: list[np.ndarray] = []
+            demand: list[np.ndarray] = []
+            for pump_new in (False, True):
+                held = self._held(counted, leakage, sound, pump_new=pump_new)[tap]
+                slip = self._pump(given, sound, new=pump_new).slip(given.pressures[LINE], given.viscosity)
+                for rows, values in ((pressure, held), (demand, leakage + slip)):
+                    rows.append(np.broadcast_to(values, (len(distinct), drawn.wear.shape[1])))
+            of_sets = zip(sets, of_lands, strict=True)
+            places = [(int(PUMP_PART in each), distinct.index(lands)) for each, lands in of_sets]
+            return np.array([pressure[a][b] for a, b in places]), np.array([demand[a][b] for a, b in places])
+
+        counted, _ = self._solved(drawn, given, [now for now, _ in states], sound)
+        excess = {now[0].key: counted.more_than(now, new) for now, new in states}
+        found = split(path, made, excess)
+        if tap not in self._sealed:
+            return found
+        seals = [self.causes.index((what, tap)) for what in _SEALS]
+        tight = drawn.wear.copy()
+        tight[seals] = 0.0
+        beside, with_it_tight = (self.pressures(each, point)[tap] for each in (drawn, replace(drawn, wear=tight)))
+        return replace(found, seal=with_it_tight - beside, seal_worn=float(np.mean(drawn.wear[seals].any(axis=0))))
 
     def _leak(self, what: str, name: str, point: OperatingPoint, viscosity: Any, gone: Any) -> Restriction:
         """Return a leak that takes ``gone`` times what the circuit's feeds pass at line pressure without any."""
@@ -349,7 +412,7 @@ class PosteriorUnit:
             sections |= {feed.source for each in self._fed if each.id in sections for feed in each.feeds} - {LINE}
         lands = {gap.key for gap in controller.gaps if {gap.high.section, gap.low.section} & sections}
 
-        def acts(cause: Cause) -> bool:
+        def acts(cause: Fault) -> bool:
             return len(cause) == 1 or cause[1] in (lands if cause[0] == _LAND else sections)
 
         return np.array([acts(each) for each in self.quantities]), np.array([acts(each) for each in self.causes])
@@ -376,12 +439,11 @@ def losses(
     asked: dict[str, list[OperatingPoint]] = {}
     for circuit, point in wanted:
         asked.setdefault(circuit, []).append(point)
-    first = unit.draw(unit.prior, draws, 0)
-    held = {point: unit.pressures(first, point) for point in unit.conditions}
     lost = {}
     for circuit, points in asked.items():
         draws_of = _WeighedDraws(unit, circuit, shown)
-        draws_of.add(unit.prior, first, held)
+        at = dict.fromkeys([*(each.point for each in draws_of.evidence), *points])
+        draws_of.add(unit.prior, *unit.before(draws, at))
         while draws_of.effective < ENOUGH and len(draws_of.parts) <= _ROUNDS:
             draws_of.add_around(points)
         lost.update({(circuit, point): draws_of.lost(point) for point in points})
@@ -433,20 +495,55 @@ class _WeighedDraws:
         parts = zip(values, self.parts, strict=True)
         return np.concatenate([np.broadcast_to(each, drawn.wear.shape[1]) for each, (drawn, _) in parts])
 
+    def equally_likely(self) -> _Drawn:
+        """Return draws of equal weight out of all of them."""
+        chosen = np.searchsorted(np.cumsum(_flattened(self._log_weight)), (np.arange(OF_A_SPLIT) + 0.5) / OF_A_SPLIT)
+        parts = [each for each, _ in self.parts]
+
+        def taken(values: Sequence[Any]) -> Any:
+            if not all(np.ndim(each) for each in values):
+                return values[0]
+            return np.concatenate(values, axis=-1)[..., np.minimum(chosen, self._wear.shape[1] - 1)]
+
+        def bore(each: Sequence[Bore]) -> Bore:
+            return Bore(*(taken(values) for values in zip(*(vars(one).values() for one in each), strict=True)))
+
+        first = parts[0]
+        return _Drawn(
+            taken([each.deviates for each in parts]),
+            taken([each.wear for each in parts]),
+            {key: taken([each.new[key] for each in parts]) for key in first.new},
+            {
+                key: LandDraws(
+                    land.land,
+                    *(bore([getattr(each.measured[key], name) for each in parts]) for name in _BORES),
+                    *(taken([getattr(each.measured[key], name) for each in parts]) for name in ("length", "position")),
+                )
+                for key, land in first.measured.items()
+            },
+            {key: taken([each.positions[key] for each in parts]) for key in first.positions},
+        )
+
     def lost(self, point: OperatingPoint) -> Lost:
         """Return what the circuit has lost against new at an operating point."""
         circuit, drawn = self.circuit, [each for each, _ in self.parts]
         weights = _flattened(self._log_weight)
         kept = weights > 1e-9 * weights.max()
         new_units = [replace(each, wear=0.0 * each.wear) for each in drawn] if circuit == LINE else drawn
-        when_new = [self.unit.pressures(each, point, new=True) for each in new_units]
-        now, line = (self._of_all(held[point][name] for _, held in self.parts) for name in (circuit, LINE))
-        new, line_new = (self._of_all(held[name] for held in when_new) for name in (circuit, LINE))
-        leaks = [self.unit.leaks(each, circuit, point, held[point][circuit]) for each, held in self.parts]
-        flows = {cause: self._of_all(each[cause] for each in leaks) for cause in leaks[0]}
-        causes = _shares(flows, new - now, line_new - line, weights)
+        now = self._of_all(held[point][circuit] for _, held in self.parts)
+        new = self._of_all(self.unit.pressures(each, point, new=True)[circuit] for each in new_units)
         highest = float(np.quantile(self.parts[0][1][point][circuit], 0.999))
-        return Lost((new - now)[kept], now[kept], weights[kept], self.effective, causes, highest)
+        by_cause = self.unit.split(self.equally_likely(), point, circuit)
+        return Lost((new - now)[kept], now[kept], weights[kept], self.effective, highest, by_cause)
+
+
+def _stacked(now: LandInState, new: LandInState, made_new: Sequence[bool]) -> LandInState:
+    """Return a land in one state or the other by the sets, its bore of shape (sets, draws); as it is where it stays."""
+    if not any(made_new):
+        return now
+    mask = np.array(made_new)[:, None]
+    bores = zip(vars(new[1]).values(), vars(now[1]).values(), strict=True)
+    return now[0], Bore(*(np.where(mask, *both) for both in bores)), *now[2:]
 
 
 def _normed(log_weight: np.ndarray) -> np.ndarray:
@@ -485,17 +582,3 @@ def _likelihood(shown: Sequence[Shown], relative: float) -> Callable[[np.ndarray
 
 def _one_gauge(a: Shown, b: Shown) -> bool:
     return a.gauge == b.gauge and (bool(a.gauge) or a.tap == b.tap)
-
-
-def _shares(
-    flows: Mapping[Cause, np.ndarray], loss: np.ndarray, of_line: np.ndarray, weights: np.ndarray
-) -> dict[Cause, float]:
-    """Return the part of the loss that each cause explains: what the line lost, the rest by what leaks more."""
-    lost = weights * np.maximum(loss, 0.0)
-    by_line = lost * np.clip(of_line / np.where(loss > 0.0, loss, np.inf), 0.0, 1.0)
-    leaked = sum(flows.values(), np.zeros_like(loss))
-    per_flow = (lost - by_line) / np.where(leaked > 0.0, leaked, np.inf)
-    parts = {cause: float(flow @ per_flow) for cause, flow in flows.items()} | {(_LINE,): float(by_line.sum())}
-    total = max(math.fsum(parts.values()), 1e-12)
-    ranked = sorted(parts.items(), key=lambda each: -each[1])
-    return {cause: part / total for cause, part in ranked if part > 0.0}

@@ -75,7 +75,7 @@ def test_where_pressure_is_low_says_what_comes_first(places: list[Place], first:
 
 def over_temperature(gear: int, state: State, *held: tuple[float, float]) -> PlaceFinding:
     """A place at so many °C and kPa, where 400 kPa are the least."""
-    found = tuple(AtTemperature(celsius, kpa * 1e3, 10.0) for celsius, kpa in held)
+    found = tuple(AtTemperature(celsius, kpa * 1e3, 10.0, 12.0) for celsius, kpa in held)
     least = min(each.pressure for each in found)
     worst = Departure(1.0, 4.0, 2.0, gear, state, least, 4e5, 1.0 - least / 4e5, "a chart")
     return PlaceFinding(gear, state, 30.0, 10.0 if least < 4e5 else 0.0, 0.0, worst, found)
