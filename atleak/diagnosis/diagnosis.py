@@ -17,19 +17,21 @@ from atleak.common.verdicts import Band, Verdict, worst
 from atleak.diagnosis.consequence import Consequence, consequences
 from atleak.diagnosis.gauge_check import PressureCheck
 from atleak.diagnosis.land import NO_RATE, LandDiagnosis, PumpDiagnosis, replace_mileage, without_rate
-from atleak.diagnosis.missing import Missing
+from atleak.diagnosis.missing import Missing, split_as_measured
 from atleak.diagnosis.provisional import AssumedBasis, Representative
 from atleak.diagnosis.road import RoadFindings, leakage_over
 from atleak.diagnosis.rules import Rule, cannot_be, farthest_first
 from atleak.diagnosis.uncertainty import Decision, RuleDecision, UnitUncertainty, certainty
 from atleak.engine.leakage import LeakageModel
-from atleak.engine.operation import Losses
+from atleak.engine.operation import LINE, Losses
 from atleak.engine.profile import Profile
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.engine.road_pressure import TemperatureClass, temperature_classes
+from atleak.engine.road_pressure import SLUMP_SPAN, TemperatureClass, temperature_classes
 from atleak.measurements.readings import MeasuringTemperature, Readings
 from atleak.measurements.road_test import RoadTest
+
+APART = 0.2  # relative: by which two engine speeds differ that tell a pump from what is stuck: choice of this project
 
 
 @dataclass(frozen=True)
@@ -232,6 +234,74 @@ class Diagnosis:
         """
         losses = self.losses_at(projection)
         return max((of_lands.get(land.key, 0.0) for of_lands in losses.values()), default=None)
+
+    def missing_at(self, projection: Projection, tap: str) -> Missing:
+        """Return what is missing of the line, as p_g, or of a circuit, as far as the clearances tell it.
+
+        Parameters
+        ----------
+        projection
+            at the condition.
+        tap
+            ``p_g``, or the id of a circuit.
+        """
+        at = projection.condition, tap
+        if at not in self._missing:
+            self._missing[at] = Missing(at[0], tap, split_as_measured(self.model, self.as_unworn, *at))
+        return self._missing[at]
+
+    def missing_shown(self, projection: Projection, tap: str) -> Missing:
+        """Return what a gauge shows missing at the operating point of its range and state, the most of it; or as above.
+
+        Parameters
+        ----------
+        projection
+            at the condition.
+        tap
+            ``p_g``, or the id of a circuit.
+        """
+        gauges = [each for each in self.missing_measured if each.seconds is None and each.tap == tap]
+        here = [each for each in gauges if each.point.name == projection.condition.name]
+        return max(here, key=lambda each: float(each.missing.mean()), default=self.missing_at(projection, tap))
+
+    @cached_property
+    def _missing(self) -> dict[tuple[OperatingPoint, str], Missing]:
+        return {}
+
+    @property
+    def missing_measured(self) -> tuple[Missing, ...]:
+        """Return what is missing of every pressure that gauges or a log show, as far as it can be computed."""
+        gauges = self.pressures.readings if self.pressures else ()
+        return (*(each.missing for each in gauges if each.missing is not None), *self.logged)
+
+    @property
+    def missing_flagged(self) -> tuple[Missing, ...]:
+        """Return those of them that are past a limit."""
+        gauges = self.pressures.readings if self.pressures else ()
+        past = [each.missing for each in gauges if each.missing is not None and each.verdict and each.verdict.flagged]
+        return (*past, *(each for each in self.logged if self._too_low(each)))
+
+    def _too_low(self, logged: Missing) -> bool:
+        permissible = self.controller.permissible_at(logged.point.gear, logged.point.state)
+        low = permissible.low if permissible else None
+        return low is not None and logged.measured is not None and logged.measured < low
+
+    def told_by_speed(self, missing: Missing) -> bool:
+        """Tell whether main pressure was measured at two engine speeds, or as warm and as cold: a pump shows there.
+
+        Parameters
+        ----------
+        missing
+            of which pressure, by gauges or by the log.
+        """
+        logged = missing.seconds is not None
+        line = [
+            each.point for each in self.missing_measured if each.tap == LINE and (each.seconds is not None) is logged
+        ]
+        speeds = [point.engine_speed for point in line if not logged or point.name == missing.point.name]
+        warm = [point.temperature for point in line if logged and point.name == missing.point.name]
+        spread = max(speeds, default=1.0) / min(speeds, default=1.0) - 1.0
+        return spread > APART or max(warm, default=0.0) - min(warm, default=0.0) > SLUMP_SPAN
 
     def within(self, rule: Rule) -> Verdict:
         """Return what a rule says within its limits: nothing unmeasured is ok, nor a circuit of which a land is not.

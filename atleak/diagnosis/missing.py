@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -231,15 +231,24 @@ def _alike(now: Any, new: Any) -> bool:
     return bool(now.radial_clearance == new.radial_clearance and now.form_moments == new.form_moments)
 
 
+class Amount(NamedTuple):
+    """A number with its 95 % interval, which is open where nobody measured the pressure."""
+
+    value: float
+    low: float | None = None
+    high: float | None = None
+
+
 @dataclass(frozen=True)
 class Missing:
     """What is missing of one pressure at one condition, and what explains it."""
 
     point: OperatingPoint
     tap: str  # the line, as p_g, or the id of a circuit
-    split: Split
+    split: Split  # by draws, or everything at its best estimate: one draw
     measured: float | None = None  # [Pa]; None where nobody measured it: what it holds by the clearances is taken
     seconds: float | None = None  # for which a log showed it; None of a gauge
+    best: Split | None = None  # at its best estimate, beside draws of what nobody measured
 
     @cached_property
     def missing(self) -> np.ndarray:
@@ -252,17 +261,28 @@ class Missing:
         rows = dict(self.split.rows)
         if self.split.seal_worn >= SURE_OF_A_SEAL:
             rows[Cause.CLUTCH_SEAL, self.tap] = np.asarray(self.split.seal)
-        return dict(sorted(rows.items(), key=lambda each: -float(np.mean(each[1]))))
+        flows = self.split.flows
+
+        def cost(row: Row) -> tuple[float, float]:
+            return float(np.mean(rows[row])), float(np.mean(flows.get(row, 0.0)))
+
+        return {row: rows[row] for row in sorted(rows, key=cost, reverse=True)}
 
     @cached_property
     def unexplained(self) -> np.ndarray:
         """Return what of it no row explains [Pa]."""
         return np.asarray(self.missing - sum(self.rows.values(), np.zeros_like(self.missing)))
 
-    @property
-    def drawn(self) -> bool:
-        """Return whether there are draws of it, so that it has intervals."""
-        return self.missing.size > 1
+    def of_row(self, row: Row, land: LandKey | None = None) -> np.ndarray:
+        """Return what a row, or one of its lands, explains [Pa]."""
+        values = self.rows.get(row) if land is None else self.split.lands.get(row, {}).get(land)
+        return np.zeros_like(self.missing) if values is None else values
+
+    def flow_of(self, row: Row, land: LandKey | None = None) -> np.ndarray:
+        """Return what a row, or one of its lands, adds to the demand on the pump [m³/s]."""
+        split = self.split
+        values = split.flows.get(row) if land is None else split.flows_of_lands.get(row, {}).get(land)
+        return np.zeros_like(self.missing) if values is None else values
 
     def of(self, cause: Cause) -> np.ndarray:
         """Return what a cause explains over all its rows [Pa]."""
@@ -271,14 +291,17 @@ class Missing:
         rows = [values for (each, _), values in self.rows.items() if each is cause]
         return np.asarray(sum(rows, np.zeros_like(self.missing)))
 
-    def probability(self, causes: Iterable[Cause]) -> float:
-        """Return the probability that some causes together explain more than half of what is missing."""
-        explained = sum((self.of(each) for each in causes), np.zeros_like(self.missing))
-        return float(np.mean(explained > 0.5 * self.missing))
+    def amount(self, of: Callable[[Missing], np.ndarray]) -> Amount:
+        """Return a quantity: at its best estimate, or the mean of its draws, with its interval.
 
-    def interval(self, values: np.ndarray) -> tuple[float, float] | None:
-        """Return the 95 % interval of some draws; None where nobody measured it."""
-        if not self.drawn:
-            return None
+        Parameters
+        ----------
+        of
+            gives it [Pa, m³/s] in each draw of a pressure like this one, shape (draws,).
+        """
+        values = of(self)
+        value = float(np.mean(values if self.best is None else of(replace(self, split=self.best, best=None))))
+        if values.size < 2:
+            return Amount(value)
         low, high = np.quantile(values, (0.025, 0.975)).tolist()
-        return low, high
+        return Amount(value, min(low, value), max(high, value))

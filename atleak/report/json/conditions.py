@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
+
+import numpy as np
 
 from atleak.catalogue.circuits import SECTIONS
 from atleak.catalogue.limits import RuleKind
@@ -11,8 +14,10 @@ from atleak.catalogue.repairs import LandKey, Repair
 from atleak.common.errors import Message
 from atleak.common.units import DM3_MIN, KPA, MM3_S, PERCENT, RPM
 from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.missing import Amount, Missing, Row
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import RuleDecision, TotalUncertainty
+from atleak.engine.operation import LINE
 from atleak.engine.projection import CircuitState, Projection
 from atleak.report.tables.names import concentric_factors
 
@@ -103,6 +108,7 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
         **decided_record(total.decision if total else None),
         "minimum_engine_rpm": projection.minimum_speed * RPM,
         **interval_ends("concentric_factor_{}", concentric_factors(diagnosis.profile, projection)),
+        "missing": missing_record(diagnosis.missing_shown(projection, LINE)),
         "circuits": [_circuit(diagnosis, projection, state, total) for state in projection.circuits],
         "rules": [unit_rule_record(diagnosis, each) for each in diagnosis.pressure_rules_at(projection)],
         "source": at.source,
@@ -144,6 +150,7 @@ def _circuit(
         "relief_dm3_min": state.relief * DM3_MIN,
         "verdict": diagnosis.verdict_on(rule),
         "decision": decided.decision if decided else None,
+        "missing": None if state.vented else missing_record(diagnosis.missing_shown(projection, circuit.id)),
         "causes": [
             {**of_land(key), "loss_kpa": loss * KPA}
             for key, loss in diagnosis.losses_at(projection).get(circuit.id, {}).items()
@@ -183,3 +190,57 @@ def pump_record(diagnosis: Diagnosis) -> dict[str, Any]:
     for number, name in enumerate(("side", "tip")):
         record |= {f"{name}_clearance_{which}_um": each.um[number] for which, each in of.items()}
     return record
+
+
+def missing_record(missing: Missing) -> dict[str, Any]:
+    """Return what is missing of one pressure, and what explains it."""
+    return {
+        "measured_kpa": scaled(missing.measured, KPA),
+        "expected_kpa": missing.amount(lambda each: each.split.new).value * KPA,
+        **_amount(missing.amount(lambda each: each.missing), "missing_"),
+        "explained": explained_record(missing),
+        **unexplained_record(missing),
+    }
+
+
+def logged_record(missing: Missing) -> dict[str, Any]:
+    """Return the same of main pressure where a log shows it, with where that was."""
+    point = missing.point
+    at = {"state": point.state, "gear": point.gear, "temperature_c": point.temperature}
+    return {**at, "engine_rpm": point.engine_speed * RPM, **missing_record(missing)}
+
+
+def explained_record(missing: Missing) -> list[dict[str, Any]]:
+    """Return what each cause explains, the most first."""
+    return [
+        {
+            "cause": row[0],
+            "circuit": row[1],
+            **_amount(missing.amount(partial(Missing.of_row, row=row))),
+            "dm3_min": missing.amount(partial(Missing.flow_of, row=row)).value * DM3_MIN,
+            "lands": _lands(missing, row),
+        }
+        for row in missing.rows
+    ]
+
+
+def _lands(missing: Missing, row: Row) -> list[dict[str, Any]]:
+    flows = missing.split.flows_of_lands.get(row, {})
+    return [
+        {
+            **of_land(key),
+            **_amount(missing.amount(partial(Missing.of_row, row=row, land=key))),
+            "dm3_min": missing.amount(partial(Missing.flow_of, row=row, land=key)).value * DM3_MIN,
+        }
+        for key in sorted(flows, key=lambda key: -float(np.mean(flows[key])))
+    ]
+
+
+def unexplained_record(missing: Missing) -> dict[str, Any]:
+    """Return what no cause explains."""
+    return _amount(missing.amount(lambda each: each.unexplained), "unexplained_")
+
+
+def _amount(amount: Amount, name: str = "") -> dict[str, float | None]:
+    value, low, high = (scaled(each, KPA) for each in amount)
+    return {f"{name}kpa": value, f"{name}low_kpa": low, f"{name}high_kpa": high}

@@ -19,6 +19,7 @@ from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.engine.leakage import GapLeakage
 from atleak.engine.operation import LINE
+from atleak.report.json.answer import answer_record
 from atleak.report.json.conditions import (
     condition_record,
     decided_record,
@@ -75,6 +76,8 @@ def _record(diagnosis: Diagnosis) -> dict[str, Any]:
         "atleak": __version__,
         **head_record(diagnosis),
         "lands": [land_record(diagnosis, row) for row in condition_matrix(diagnosis)],
+        "answer": answer_record(diagnosis),
+        "lands": [land_record(row) for row in condition_matrix(diagnosis)],
         "gaps": [_gap(gap) for gap in diagnosis.projection.gaps],
         "projection": condition_record(diagnosis, diagnosis.projection),
         "hot_idle": None if idle is None else condition_record(diagnosis, idle),

@@ -255,6 +255,15 @@ def costs(plan: RepairPlan, say: Wording) -> Iterator[str]:
         yield say("plan.without_option", count=cost.without_option)
 
 
+def price_and_hours(cost: Cost | None, say: Wording) -> str:
+    """Return what repairs cost, as far as that is stated: ``89.00 USD, 1.5 h``."""
+    if cost is None:
+        return ""
+    prices = [f"{say.number(price, 2)} {currency}" for currency, price in cost.prices.items()]
+    hours = [] if not cost.hours else [f"{say.number(cost.hours, 1)} h"]
+    return ", ".join([*prices, *hours])
+
+
 def option_record(option: Option, key: LandKey) -> dict[str, Any]:
     """Return an option as plain values: what it is, what it costs, and what it leaves of a land."""
     repair, land = option.repair, option.states[key].land

@@ -15,7 +15,7 @@ from atleak.engine.extremes import Extremes
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.engine.road_pressure import Departure
 from atleak.measurements.events import Event
-from atleak.report.json.conditions import message_record
+from atleak.report.json.conditions import logged_record, message_record
 from atleak.report.tables.road_test import instant_record
 from atleak.report.tables.road_words import check_text, checks_of, event_remark
 
@@ -42,6 +42,7 @@ def road_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
         "temperature_high_c": high,
         "permissible_pressure": _permissible(log),
         "permissible_pressure_not_judged": log.not_judged,
+        "missing": [logged_record(each) for each in diagnosis.logged],
         "commanded_pressure": _commanded(log),
         "converter_slip": _slip(log),
         "events": [event_record(event) for event in log.events],

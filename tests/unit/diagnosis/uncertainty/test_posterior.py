@@ -10,6 +10,7 @@ import pytest
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.instruments import load_instruments
+from atleak.diagnosis.missing import Cause
 from atleak.diagnosis.uncertainty import DEFAULTS, Assumptions
 from atleak.diagnosis.uncertainty.posterior import PosteriorUnit, Shown, losses
 from atleak.diagnosis.uncertainty.sources import find_sources
@@ -82,11 +83,13 @@ def test_drawing_around_what_was_found_changes_how_well_it_is_known_not_what(hip
     assert few.probability_over(55e3) == pytest.approx(many.probability_over(55e3), abs=0.1)
 
 
-def test_what_leaks_is_ranked_and_its_parts_add_up(unit: PosteriorUnit) -> None:
+def test_a_split_adds_up_in_every_draw_and_names_lands_of_its_circuits(unit: PosteriorUnit) -> None:
     point = max(unit.conditions, key=lambda each: each.main_pressure)
     held = project(unit.model, point).circuit(CLUTCH).pressure
-    lost = losses(unit, [Shown(point, CLUTCH, held - 300e3)], [(CLUTCH, point)], DRAWS)[CLUTCH, point]
-    assert list(lost.causes.values()) == sorted(lost.causes.values(), reverse=True)
-    assert sum(lost.causes.values()) == pytest.approx(1.0, abs=1e-9)
-    of_circuit = {gap.key for gap in unit.model.controller.gaps if gap.high.section == CLUTCH}
-    assert {cause[1] for cause in lost.causes if cause[0] == "land"} <= of_circuit
+    split = losses(unit, [Shown(point, CLUTCH, held - 300e3)], [(CLUTCH, point)], DRAWS)[CLUTCH, point].split
+    assert sum(split.rows.values()) == pytest.approx(split.new - split.now, abs=1e-6)
+    assert sum(split.flows.values()) == pytest.approx(split.growth, abs=1e-15)
+    for row, lands in split.lands.items():
+        assert sum(lands.values()) == pytest.approx(split.rows[row], abs=1e-6)
+    of_circuit = {gap.key for gap in unit.model.controller.gaps if CLUTCH in (gap.high.section, gap.low.section)}
+    assert set(split.lands[Cause.LANDS, CLUTCH]) <= of_circuit

@@ -1,0 +1,248 @@
+"""Answer the question a rebuilder pays for: which part is it, what to do about it, and how sure that is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+
+from atleak.analysis.repair.options import Cost, cost_of
+from atleak.analysis.repair.plan import RepairPlan, RepairStep, plan_repairs
+from atleak.catalogue.repairs import LandKey
+from atleak.common.memory import kept_with
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.missing import Cause, Missing, Row
+from atleak.diagnosis.uncertainty.posterior import PosteriorUnit
+from atleak.engine.operation import LINE
+from atleak.engine.projection import Projection
+
+SURE = 0.9  # probability from which on no further cause is named: choice of this project
+_WORTH_NAMING = 0.15  # of what is missing that a further cause explains at least
+_LEAST = 0.05  # of what is missing that a land explains, to be repaired for it
+_MOST_NEXT = 3  # lands that are named to be measured next
+
+
+@dataclass(frozen=True)
+class NextMeasurement:
+    """A part to be measured next, and how much of what is missing it may explain [Pa]; None where that is not known."""
+
+    component: str  # "pump" for the pump
+    land: int | None
+    part: str  # spool and sleeve, side or tip clearance
+    value: float | None
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Which cause explains most of what is missing, or of what is drawn from the pump more than when new."""
+
+    diagnosis: Diagnosis
+    cause: Cause
+    also: tuple[Cause, ...] = ()  # that these readings cannot tell from it
+    missing: Missing | None = None  # the pressure that it is about; None where nothing was computed
+    by_flow: bool = False  # no pressure is missing: the causes are those of the pump's growth of demand
+
+    @property
+    def amounts(self) -> dict[Row, np.ndarray]:
+        """Return what each row explains, in each draw, the most first.
+
+        Pressure [Pa], or flow [m³/s] where no pressure is missing.
+        """
+        return {} if self.missing is None else self.amounts_in(self.missing)
+
+    def amounts_in(self, missing: Missing) -> dict[Row, np.ndarray]:
+        """Return the same of one pressure."""
+        rows = missing.split.flows if self.by_flow else missing.rows
+        return dict(sorted(rows.items(), key=lambda each: -float(np.mean(each[1]))))
+
+    def total_in(self, missing: Missing) -> np.ndarray:
+        """Return what is to be explained, in each draw, in the same unit."""
+        return missing.split.growth if self.by_flow else missing.missing
+
+    def lands_in(self, missing: Missing, row: Row) -> dict[LandKey, np.ndarray]:
+        """Return what each land of a row explains, in each draw, the most first."""
+        lands = (missing.split.flows_of_lands if self.by_flow else missing.split.lands).get(row, {})
+        return dict(sorted(lands.items(), key=lambda each: -float(np.mean(each[1]))))
+
+    @property
+    def total(self) -> np.ndarray:
+        return np.zeros(1) if self.missing is None else self.total_in(self.missing)
+
+    def lands_of(self, row: Row) -> dict[LandKey, np.ndarray]:
+        """Return what each land of a row explains, in each draw, the most first."""
+        return {} if self.missing is None else self.lands_in(self.missing, row)
+
+    @cached_property
+    def row(self) -> Row | None:
+        """Return the row of the cause that explains most."""
+        return next((row for row in self.amounts if row[0] is self.cause), None)
+
+    @property
+    def circuit(self) -> str | None:
+        """Return the circuit in which the cause lies; None on the line itself, and of the pump."""
+        return self.row[1] if self.row else None
+
+    @property
+    def land(self) -> LandKey | None:
+        """Return the land that explains most, where lands are the cause."""
+        return next(iter(self.lands_of(self.row)), None) if self.row else None
+
+    @property
+    def condition(self) -> str | None:
+        """Return the name of the operating point, or ``road_test`` where a log shows it."""
+        if self.missing is None:
+            return None
+        return "road_test" if self.missing.seconds is not None else self.missing.point.name
+
+    @cached_property
+    def probability(self) -> float | None:
+        """Return the probability that the cause and what cannot be told from it explain more than half."""
+        if self.missing is None or self.total.size < 2:
+            return None
+        return _more_than_half(self, (self.cause, *self.also))
+
+    @cached_property
+    def steps(self) -> tuple[RepairStep, ...]:
+        """Return the steps of the repair plan that mend what the answer names, or all where it names none of them."""
+        explain = {
+            key
+            for row in self.amounts
+            for key, values in self.lands_of(row).items()
+            if float(np.mean(values)) >= _LEAST * float(np.mean(self.total))
+        }
+        if self.cause not in (Cause.LANDS, Cause.LINE_SETTING):
+            return ()
+        steps = self.plan.steps
+        return tuple(each for each in steps if {each.land.key, *(one.key for one in each.together)} & explain) or steps
+
+    @property
+    def cost(self) -> Cost | None:
+        """Return what those steps cost together; None where the file names no repair for any of them."""
+        return cost_of([step.chosen for step in self.steps]) if any(step.options for step in self.steps) else None
+
+    @cached_property
+    def plan(self) -> RepairPlan:
+        """Return the plan of all repairs."""
+        return plan_repairs(self.diagnosis)
+
+    @cached_property
+    def next_measurements(self) -> tuple[NextMeasurement, ...]:
+        """Return what would make it surer: the pump's clearances, lands that nobody measured."""
+        if self.cause is Cause.NONE or self.missing is None:
+            return ()
+        found = []
+        pump = self.diagnosis.controller.pump
+        if Cause.PUMP in (self.cause, *self.also) and not pump.measured.any_known:
+            of_pump = self.amounts.get((Cause.PUMP, None))
+            value = None if of_pump is None or self.by_flow else float(np.mean(of_pump))
+            found = [NextMeasurement("pump", None, part, value) for part in ("side", "tip")]
+        open_ = {land.key for land in self.diagnosis.lands if not land.state.judged and not land.state.land.seal}
+        of_lands = {key: values for row in self.missing.split.lands for key, values in self.lands_of(row).items()}
+        worth = [(key, float(np.mean(values))) for key, values in of_lands.items() if key in open_]
+        if not worth:
+            worth = [(key, 0.0) for key in self._on_its_way if key in open_]
+        ranked = sorted(worth, key=lambda each: -each[1])[:_MOST_NEXT]
+        return (*found, *(NextMeasurement(*key, "spool and sleeve", value or None) for key, value in ranked))
+
+    @property
+    def _on_its_way(self) -> Iterable[LandKey]:
+        """Return the lands on the way of the pressure, its own circuit's first."""
+        assert self.missing is not None
+        return [key for lands in self.missing.split.path.parts.values() for key in lands]
+
+
+def _more_than_half(answer: Answer, causes: Iterable[Cause]) -> float:
+    total = answer.total
+    named = set(causes)
+    explained = sum((values for (cause, _), values in answer.amounts.items() if cause in named), np.zeros_like(total))
+    if Cause.UNEXPLAINED in named and answer.missing is not None and not answer.by_flow:
+        explained = explained + answer.missing.unexplained
+    return float(np.mean(explained > 0.5 * total))
+
+
+def answer_of(diagnosis: Diagnosis) -> Answer:
+    """Return the answer of a diagnosis, made once and kept with it.
+
+    Measured pressures that are past a limit lead, the one of which most is missing; then pressures that are past a
+    limit by the clearances; then, where no pressure is lost, the growth of what the pump has to deliver.
+    """
+    return kept_with(diagnosis, "answer", "", lambda: _answer(diagnosis), most=1)
+
+
+def _answer(diagnosis: Diagnosis) -> Answer:
+    if diagnosis.impossible:
+        return Answer(diagnosis, Cause.UNEXPLAINED)
+    if not diagnosis.verdict.flagged:
+        return Answer(diagnosis, Cause.NONE)
+    measured = max(diagnosis.missing_flagged, key=lambda each: _beyond_the_line(diagnosis, each), default=None)
+    if measured is not None and _mean(measured) > 0.0:
+        return _of_pressure(diagnosis, measured)
+    computed = max(_computed(diagnosis), key=_mean, default=None)
+    if computed is not None and _mean(computed) > 0.0:
+        return _of_pressure(diagnosis, computed)
+    if not diagnosis.judged:
+        return Answer(diagnosis, Cause.UNEXPLAINED, missing=measured)
+    return _of_flow(diagnosis)
+
+
+def _mean(missing: Missing) -> float:
+    return float(np.mean(missing.missing))
+
+
+def _beyond_the_line(diagnosis: Diagnosis, missing: Missing) -> float:
+    """Return what is missing of a pressure beyond what the line lacks there, as a gauge shows it [Pa]."""
+    line = [each for each in diagnosis.missing_measured if (each.point, each.tap) == (missing.point, LINE)]
+    return _mean(missing) - (max(map(_mean, line), default=0.0) if missing.tap != LINE else 0.0)
+
+
+def _computed(diagnosis: Diagnosis) -> Iterator[Missing]:
+    """Yield the pressures that are past a limit by the clearances, and that no gauge shows within it."""
+    fine = {(each.point.name, each.tap) for each in diagnosis.missing_measured}
+    for rule in diagnosis.pressure_rules:
+        tap = rule.circuit.id if rule.circuit else LINE
+        if rule.verdict.flagged and rule.condition is not None and (rule.condition.name, tap) not in fine:
+            yield diagnosis.missing_at(diagnosis.at(rule.condition), tap)
+
+
+def _drawn(diagnosis: Diagnosis, projection: Projection, tap: str) -> Missing:
+    """Return what is missing of a pressure that nobody measured, with draws of the unit as measured."""
+    unit = diagnosis.uncertainty
+    if unit is None:
+        return diagnosis.missing_at(projection, tap)
+    sources = [land.sources for land in unit.lands]
+    drawn = PosteriorUnit(diagnosis.model, sources, unit.assumptions, [projection])
+    split, best = drawn.split_as_measured(projection.condition, tap), diagnosis.missing_at(projection, tap).split
+    return Missing(projection.condition, tap, split, best=best)
+
+
+def _of_pressure(diagnosis: Diagnosis, missing: Missing) -> Answer:
+    if missing.measured is None:
+        missing = _drawn(diagnosis, diagnosis.at(missing.point), missing.tap)
+    named = [cause for cause in Cause if cause is not Cause.NONE]
+    score = {cause: missing.amount(partial(Missing.of, cause=cause)).value for cause in named}
+    cause = max(score, key=lambda each: score[each])
+    answer = Answer(diagnosis, cause, missing=missing)
+    pump_open = diagnosis.model.uses_slip and not diagnosis.controller.pump.measured.any_known
+    hidden = missing.measured is not None and pump_open and cause in (Cause.PUMP, Cause.UNEXPLAINED)
+    if hidden and not diagnosis.told_by_speed(missing):  # a worn pump, its filter and a stuck regulator look alike
+        return Answer(diagnosis, Cause.UNEXPLAINED, (Cause.PUMP,), missing)
+    also: list[Cause] = []
+    for other in sorted(score, key=lambda each: -score[each]):
+        if _more_than_half(answer, (cause, *also)) >= SURE:
+            break
+        if other is not cause and score[other] >= _WORTH_NAMING * _mean(missing):
+            also.append(other)
+    return Answer(diagnosis, cause, tuple(also), missing)
+
+
+def _of_flow(diagnosis: Diagnosis) -> Answer:
+    """Return the answer where no pressure is lost: what adds most to the pump's work, where that has grown most."""
+    nominal = [diagnosis.missing_at(projection, LINE) for projection in diagnosis.projections]
+    capacity = [projection.pump_supply for projection in diagnosis.projections]
+    worst = max(range(len(nominal)), key=lambda at: float(nominal[at].split.growth[0]) / capacity[at])
+    missing = _drawn(diagnosis, diagnosis.projections[worst], LINE)
+    answer = Answer(diagnosis, Cause.LANDS, missing=missing, by_flow=True)
+    first = next((row for row, values in answer.amounts.items() if float(np.mean(values)) > 0.0), None)
+    return Answer(diagnosis, first[0] if first else Cause.LANDS, missing=missing, by_flow=True)

@@ -1,0 +1,52 @@
+"""Record for scripts which part it is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from atleak.analysis.answer import Answer, answer_of
+from atleak.common.units import KPA
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.report.json.conditions import explained_record, of_land, scaled, unexplained_record
+from atleak.report.tables.answer import answer_lines
+
+
+def answer_record(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the answer of a diagnosis, in the form of ``diagnose --json``."""
+    answer, say = answer_of(diagnosis), wording("en")
+    land, cost, missing = answer.land, answer.cost, answer.missing
+    prices = {} if cost is None else cost.prices
+    currency = next(iter(prices)) if len(prices) == 1 else None
+    return {
+        "cause": answer.cause,
+        "also": list(answer.also),
+        "circuit": answer.circuit,
+        "component": land[0] if land else None,
+        "land": land[1] if land else None,
+        "cause_probability": answer.probability,
+        "condition": answer.condition,
+        "missing_kpa": None if missing is None else missing.amount(lambda each: each.missing).value * KPA,
+        "explained": [] if missing is None else explained_record(missing),
+        **({} if missing is None else unexplained_record(missing)),
+        "text": answer_lines(diagnosis, say)._asdict(),
+        "do": _do(answer),
+        "cost": prices.get(currency) if currency else None,
+        "currency": currency,
+        "next_measurement": [
+            {"component": each.component, "land": each.land, "part": each.part, "value": scaled(each.value, KPA)}
+            for each in answer.next_measurements
+        ],
+    }
+
+
+def _do(answer: Answer) -> list[dict[str, Any]]:
+    return [
+        {
+            **of_land(step.land.key),
+            "repair": step.chosen.repair.id if step.chosen else None,
+            "price": step.chosen.repair.price if step.chosen else None,
+            "hours": step.chosen.repair.hours if step.chosen else None,
+        }
+        for step in answer.steps
+    ]

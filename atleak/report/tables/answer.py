@@ -1,0 +1,181 @@
+"""Say the answer in three lines: what is wrong, what to do, how sure that is; and record it for scripts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from atleak.analysis.answer import Answer, answer_of
+from atleak.analysis.repair.plan import RepairStep
+from atleak.catalogue.repairs import LandKey
+from atleak.common.units import DM3_MIN, KPA
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.missing import Cause, Missing, Row
+from atleak.engine.operation import LINE
+from atleak.report.tables.first_sentence import impossible_part
+from atleak.report.tables.repairs import price_and_hours, repair_name
+from atleak.report.tables.sentences import land_in_words
+
+_NAMED, _WORTH = 3, 0.1  # lands that the answer names, and what each explains of the whole at least
+_SURELY = 0.99  # probability above which no more is said than that
+
+
+class AnswerLines(NamedTuple):
+    """What people read first."""
+
+    wrong: str
+    do: str
+    sure: str
+
+
+def answer_lines(diagnosis: Diagnosis, say: Wording) -> AnswerLines:
+    """Return the answer of a diagnosis as three lines."""
+    words = _Words(answer_of(diagnosis), say)
+    return AnswerLines(*(" ".join(part) for part in (words.wrong(), words.do(), words.sure())))
+
+
+class _Words:
+    def __init__(self, answer: Answer, say: Wording) -> None:
+        self.answer, self.say, self.diagnosis = answer, say, answer.diagnosis
+
+    @property
+    def _judged(self) -> bool:
+        return bool(self.diagnosis.judged) or self.diagnosis.without_sheet
+
+    def wrong(self) -> Iterator[str]:
+        answer, say = self.answer, self.say
+        if self.diagnosis.impossible:
+            yield impossible_part(self.diagnosis, say)
+        elif answer.cause is Cause.NONE:
+            yield say("answer.nothing" if self._judged else "answer.not_measured")
+        elif answer.missing is not None:
+            yield from self._by_flow() if answer.by_flow else self._by_pressure(answer.missing)
+
+    def _by_pressure(self, missing: Missing) -> Iterator[str]:
+        answer, say = self.answer, self.say
+        words = {
+            "total": self._amount(lambda each: each.missing, ends=False),
+            "tap": say("answer.line") if missing.tap == LINE else self._circuit(missing.tap),
+            "where": self._where(missing),
+        }
+        if answer.cause is not Cause.UNEXPLAINED:
+            assert answer.row is not None
+            of_row = partial(Missing.of_row, row=answer.row)
+            explained, total = missing.amount(of_row).value, missing.amount(lambda each: each.missing).value
+            key = "answer.lead_all" if explained >= total else "answer.lead"
+            yield say(key, what=self._what(answer.row), amount=self._amount(of_row), **words)
+        elif Cause.PUMP in answer.also:
+            yield say("answer.lead_open", **words)
+        else:
+            amount = self._amount(lambda each: each.unexplained)
+            yield say("answer.lead_unexplained", amount=amount, **words)
+        if answer.cause not in (Cause.LANDS, Cause.LINE_SETTING) and self.diagnosis.judged:
+            bores = self._amount(lambda each: each.of(Cause.LANDS) + each.of(Cause.LINE_SETTING))
+            yield say("answer.bores", amount=bores)
+
+    def _by_flow(self) -> Iterator[str]:
+        answer, say = self.answer, self.say
+        assert answer.missing is not None
+        if answer.row is None or float(np.mean(answer.total)) <= 0.0:
+            names = ", ".join(land_in_words(self.diagnosis, each.key, say) for each in self.diagnosis.flagged[:_NAMED])
+            yield say("answer.no_growth", lands=names)
+            return
+        explained, total = (answer.missing.amount(of).value for of in (self._of_named, answer.total_in))
+        yield say("answer.no_pressure_lost")
+        yield say(
+            "answer.growth_all" if explained >= total else "answer.growth",
+            what=self._what(answer.row),
+            amount=self._amount(self._of_named),
+            total=self._amount(answer.total_in, ends=False),
+            where=self._where(answer.missing),
+        )
+
+    def _where(self, missing: Missing) -> str:
+        return self.say.condition(missing.point)
+
+    def _circuit(self, id_: str) -> str:
+        return self.say.name(next(each.name for each in self.diagnosis.controller.circuits if each.id == id_))
+
+    def _of_named(self, missing: Missing) -> np.ndarray:
+        """Return what the lands that are named explain together; of the pump its row."""
+        answer, row = self.answer, self.answer.row
+        assert row is not None
+        lands = answer.lands_in(missing, row)
+        named = [lands[key] for key in self._named(row)]
+        return np.asarray(sum(named, np.zeros_like(missing.missing))) if named else answer.amounts_in(missing)[row]
+
+    def _named(self, row: Row) -> tuple[LandKey, ...]:
+        """Return the lands of a row that are named, those that explain most; none of the pump's."""
+        least = _WORTH * float(np.mean(self.answer.total))
+        lands = self.answer.lands_of(row)
+        return tuple(key for key, each in lands.items() if float(np.mean(each)) >= least)[:_NAMED] or (*lands,)[:1]
+
+    def _what(self, row: Row) -> str:
+        say, (cause, circuit) = self.say, row
+        if cause is Cause.PUMP:
+            seen = self.diagnosis.controller.pump.measured.any_known
+            return say("answer.pump" if seen else "answer.pump_or_feed")
+        lands = ", ".join(land_in_words(self.diagnosis, key, say) for key in self._named(row))
+        name = "" if circuit is None else self._circuit(circuit)
+        return say(f"answer.{cause}", lands=lands, circuit=name)
+
+    def _amount(self, of: Callable[[Missing], Any], *, ends: bool = True) -> str:
+        say, by_flow, missing = self.say, self.answer.by_flow, self.answer.missing
+        assert missing is not None
+        kind, factor, digits = ("flow", DM3_MIN, 2) if by_flow else ("pressure", KPA, 0)
+        value, low, high = missing.amount(of)
+        shown = say.quantity(value * factor, kind, digits)
+        if not ends or low is None or high is None:
+            return shown
+        both = (say.value(end * factor, kind, digits) for end in (low, high))
+        return say("answer.between", value=shown, low=next(both), high=next(both))
+
+    def do(self) -> Iterator[str]:
+        answer, say = self.answer, self.say
+        if self.diagnosis.impossible:
+            yield say("answer.describe")
+        elif answer.cause is Cause.NONE:
+            yield say("answer.nothing_to_do" if self._judged else "answer.measure")
+        elif answer.cause is Cause.PUMP:
+            measured = self.diagnosis.controller.pump.measured.any_known
+            yield say("answer.pump_first", repair="") if measured else say("answer.measure_pump")
+        elif answer.cause is Cause.CLUTCH_SEAL:
+            yield say("answer.air_check", circuit=self._circuit(answer.circuit or ""))
+        elif answer.cause is Cause.UNEXPLAINED:
+            yield say("answer.measure_pump" if Cause.PUMP in answer.also else "answer.look_for")
+        else:
+            steps = "; ".join(map(self._step, answer.steps))
+            cost = price_and_hours(answer.cost, say)
+            yield say("answer.cost", steps=steps, cost=cost) if cost else f"{steps}."
+
+    def _step(self, step: RepairStep) -> str:
+        say = self.say
+        repair = say("answer.as_new") if step.chosen is None else repair_name(step.chosen.repair, say)
+        return say("answer.repair", what=land_in_words(self.diagnosis, step.land.key, say), repair=repair)
+
+    def sure(self) -> Iterator[str]:
+        answer, say = self.answer, self.say
+        if answer.missing is None:
+            return
+        if answer.probability is None:
+            yield say("answer.best_estimate")
+        else:
+            others = ", ".join(say(f"answer.or_{each}") for each in answer.also)
+            key = "answer.probability_with" if others else "answer.probability"
+            surely = say("answer.more_than", percent=say.percent(_SURELY, 0))
+            percent = surely if answer.probability > _SURELY else say.percent(answer.probability, 0)
+            yield say(key, percent=percent, others=others)
+        parts = [
+            say(f"answer.{each.part}")
+            if each.land is None
+            else land_in_words(self.diagnosis, (each.component, each.land), say)
+            for each in answer.next_measurements
+        ]
+        if Cause.PUMP in answer.also:
+            yield say("answer.read_fast")
+        if parts:
+            yield say("answer.next", parts=", ".join(parts))
