@@ -77,7 +77,6 @@ def _record(diagnosis: Diagnosis) -> dict[str, Any]:
         **head_record(diagnosis),
         "lands": [land_record(diagnosis, row) for row in condition_matrix(diagnosis)],
         "answer": answer_record(diagnosis),
-        "lands": [land_record(row) for row in condition_matrix(diagnosis)],
         "gaps": [_gap(gap) for gap in diagnosis.projection.gaps],
         "projection": condition_record(diagnosis, diagnosis.projection),
         "hot_idle": None if idle is None else condition_record(diagnosis, idle),
