@@ -12,6 +12,7 @@ from pages.shared.state import session
 case, diagnosis = panel.shown()
 record, say = diagnosis_record(diagnosis), reader.say()
 st.title(say("diagnosis.title"))
+show.answer(diagnosis)
 show.first_sentence(diagnosis)
 conditions.complaint(diagnosis)
 if diagnosis.without_sheet:

@@ -9,11 +9,11 @@ from functools import cached_property, partial
 import numpy as np
 
 from atleak.analysis.repair.options import Cost, cost_of
-from atleak.analysis.repair.plan import RepairPlan, RepairStep, plan_repairs
+from atleak.analysis.repair.plan import PumpStep, RepairPlan, RepairStep, plan_repairs
 from atleak.catalogue.repairs import LandKey
 from atleak.common.memory import kept_with
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.missing import Cause, Missing, Row
+from atleak.diagnosis.missing import PUMP_ROW, Cause, Missing, Row
 from atleak.diagnosis.uncertainty.posterior import PosteriorUnit
 from atleak.engine.operation import LINE
 from atleak.engine.projection import Projection
@@ -104,18 +104,18 @@ class Answer:
         return _more_than_half(self, (self.cause, *self.also))
 
     @cached_property
-    def steps(self) -> tuple[RepairStep, ...]:
-        """Return the steps of the repair plan that mend what the answer names, or all where it names none of them."""
-        explain = {
-            key
-            for row in self.amounts
-            for key, values in self.lands_of(row).items()
-            if float(np.mean(values)) >= _LEAST * float(np.mean(self.total))
-        }
-        if self.cause not in (Cause.LANDS, Cause.LINE_SETTING):
+    def steps(self) -> tuple[PumpStep | RepairStep, ...]:
+        """Return the steps of the repair plan that mend what the answer names; of lands that can wait, none."""
+        if self.missing is None or self.cause in (Cause.UNEXPLAINED, Cause.CLUTCH_SEAL, Cause.NONE):
             return ()
-        steps = self.plan.steps
-        return tuple(each for each in steps if {each.land.key, *(one.key for one in each.together)} & explain) or steps
+        least = _LEAST * float(np.mean(self.total))
+        explain = {row for row, values in self.amounts.items() if float(np.mean(values)) >= least}
+        lands = {
+            key for row in explain for key, values in self.lands_of(row).items() if float(np.mean(values)) >= least
+        }
+        pump = [self.plan.pump] if self.plan.pump is not None and PUMP_ROW in explain else []
+        due = [each for each in self.plan.steps if not self.by_flow or not self.diagnosis.can_wait(each.land)]
+        return (*pump, *(each for each in due if {each.land.key, *(one.key for one in each.together)} & lands))
 
     @property
     def cost(self) -> Cost | None:
@@ -135,7 +135,7 @@ class Answer:
         found = []
         pump = self.diagnosis.controller.pump
         if Cause.PUMP in (self.cause, *self.also) and not pump.measured.any_known:
-            of_pump = self.amounts.get((Cause.PUMP, None))
+            of_pump = self.amounts.get(PUMP_ROW)
             value = None if of_pump is None or self.by_flow else float(np.mean(of_pump))
             found = [NextMeasurement("pump", None, part, value) for part in ("side", "tip")]
         open_ = {land.key for land in self.diagnosis.lands if not land.state.judged and not land.state.land.seal}

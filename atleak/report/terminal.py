@@ -30,6 +30,7 @@ from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.measurements.gauge_readings import LINE_TAP
 from atleak.measurements.readings import LENGTHS_MEASURED, REPAIR_FITTED
+from atleak.report.tables.answer import answer_facts
 from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
 from atleak.report.tables.first_sentence import impossible_part, may_parts, pump_sentence, shown_verdict, worn_pump
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
@@ -96,7 +97,9 @@ def _diagnosis(diagnosis: Diagnosis, say: Wording) -> Iterator[str | RenderableT
     yield say("findings.alone") if diagnosis.without_sheet else measured
     of_sheet = readings.messages if readings is not None else ()
     yield from (say.sentence(message.text) for message in of_sheet if message.code in (LENGTHS_MEASURED, REPAIR_FITTED))
-    yield Text(_verdict(diagnosis, say), style=look_of(shown_verdict(diagnosis)).style)
+    style = look_of(shown_verdict(diagnosis)).style
+    yield from (Text(f"{name}: {said}", style=style) for name, said in answer_facts(diagnosis, say).rows)
+    yield Text(_verdict(diagnosis, say), style=style)
     yield from filter(None, (*caveats(diagnosis, say), readings_in_doubt(diagnosis, say)))
     said = "; ".join(may_parts(diagnosis, say))
     if said:

@@ -33,6 +33,7 @@ from atleak.diagnosis.road import NO_LEAKAGE
 from atleak.report.charts.drawing import on_dark
 from atleak.report.charts.figure import Figure
 from atleak.report.charts.screen import drawn
+from atleak.report.tables.answer import answer_facts
 from atleak.report.tables.first_sentence import first_sentence as first_sentence_of
 from atleak.report.tables.first_sentence import shown_verdict
 from atleak.report.tables.gauges import gauge_table
@@ -433,6 +434,13 @@ def svg(drawing: str, label: str, least_width: int = 640) -> None:
 def banner(diagnosis: Diagnosis, sentence: str) -> None:
     """Show a sentence on the verdict in a box of its colour: green only where all was measured and nothing in doubt."""
     _BOX[look_of(shown_verdict(diagnosis)).box](sentence)
+
+
+def answer(diagnosis: Diagnosis) -> None:
+    """Show which part it is, what to do and how sure that is, in a line each."""
+    with st.container(border=True):
+        for name, said in answer_facts(diagnosis, reader.say()).rows:
+            st.markdown(f"**{plain(name)}:** {plain(said)}")
 
 
 def first_sentence(diagnosis: Diagnosis) -> None:

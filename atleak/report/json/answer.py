@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.analysis.answer import Answer, answer_of
+from atleak.analysis.repair.plan import RepairStep
+from atleak.catalogue.repairs import PUMP
 from atleak.common.units import KPA
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -43,7 +45,7 @@ def answer_record(diagnosis: Diagnosis) -> dict[str, Any]:
 def _do(answer: Answer) -> list[dict[str, Any]]:
     return [
         {
-            **of_land(step.land.key),
+            **(of_land(step.land.key) if isinstance(step, RepairStep) else {"component": PUMP, "land": None}),
             "repair": step.chosen.repair.id if step.chosen else None,
             "price": step.chosen.repair.price if step.chosen else None,
             "hours": step.chosen.repair.hours if step.chosen else None,

@@ -23,6 +23,7 @@ from atleak.engine.operation import LINE
 from atleak.report.charts.drawing import controller_svg, shortened
 from atleak.report.pdf.blocks import Block, joined, listed, signatures
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
+from atleak.report.tables.answer import answer_facts
 from atleak.report.tables.complaint import End, WornValve, explanations, most_lost, worn_valves
 from atleak.report.tables.first_sentence import impossible_part, may_parts, measured_sentence, shown_verdict, worn_pump
 from atleak.report.tables.names import has_number
@@ -89,6 +90,7 @@ class CustomerPage(PrintedPart):
             "key": self.verdict,
             "headline": say(f"customer.{self._case or self._told_as}"),
             "urgency": [say("customer.urgency"), say(f"customer.urgent_{self._urgency}")],
+            "answer": [list(row) for row in answer_facts(diagnosis, say).rows],
             "caveats": [say(f"customer.{name}") for name in ("provisional", "upper_bound") if getattr(diagnosis, name)],
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in _LENGTHS]},
             "found": {"title": say("customer.found"), "texts": [found[: each.sentences] for each in _LENGTHS]},

@@ -9,16 +9,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from atleak.analysis.answer import Answer, answer_of
-from atleak.analysis.repair.plan import RepairStep
+from atleak.analysis.repair.plan import PumpStep, RepairStep
 from atleak.catalogue.repairs import LandKey
 from atleak.common.units import DM3_MIN, KPA
-from atleak.common.wording import Wording
+from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.missing import Cause, Missing, Row
 from atleak.engine.operation import LINE
 from atleak.report.tables.first_sentence import impossible_part
-from atleak.report.tables.repairs import price_and_hours, repair_name
+from atleak.report.tables.repairs import price_and_hours, repair_name, step_in_words
 from atleak.report.tables.sentences import land_in_words
+from atleak.report.tables.table import Facts
 
 _NAMED, _WORTH = 3, 0.1  # lands that the answer names, and what each explains of the whole at least
 _SURELY = 0.99  # probability above which no more is said than that
@@ -38,6 +39,12 @@ def answer_lines(diagnosis: Diagnosis, say: Wording) -> AnswerLines:
     return AnswerLines(*(" ".join(part) for part in (words.wrong(), words.do(), words.sure())))
 
 
+def answer_facts(diagnosis: Diagnosis, say: Wording) -> Facts:
+    """Return the three lines with what each says before it."""
+    lines = answer_lines(diagnosis, say)._asdict()
+    return Facts([(say(f"answer.{name}"), said) for name, said in lines.items() if said])
+
+
 class _Words:
     def __init__(self, answer: Answer, say: Wording) -> None:
         self.answer, self.say, self.diagnosis = answer, say, answer.diagnosis
@@ -49,7 +56,7 @@ class _Words:
     def wrong(self) -> Iterator[str]:
         answer, say = self.answer, self.say
         if self.diagnosis.impossible:
-            yield impossible_part(self.diagnosis, say)
+            yield f"{begun(impossible_part(self.diagnosis, say))}."
         elif answer.cause is Cause.NONE:
             yield say("answer.nothing" if self._judged else "answer.not_measured")
         elif answer.missing is not None:
@@ -142,20 +149,26 @@ class _Words:
             yield say("answer.nothing_to_do" if self._judged else "answer.measure")
         elif answer.cause is Cause.PUMP:
             measured = self.diagnosis.controller.pump.measured.any_known
-            yield say("answer.pump_first", repair="") if measured else say("answer.measure_pump")
+            yield say("answer.pump_first") if measured else say("answer.measure_pump")
+            if answer.steps:
+                yield self._steps()
         elif answer.cause is Cause.CLUTCH_SEAL:
             yield say("answer.air_check", circuit=self._circuit(answer.circuit or ""))
         elif answer.cause is Cause.UNEXPLAINED:
             yield say("answer.measure_pump" if Cause.PUMP in answer.also else "answer.look_for")
         else:
-            steps = "; ".join(map(self._step, answer.steps))
-            cost = price_and_hours(answer.cost, say)
-            yield say("answer.cost", steps=steps, cost=cost) if cost else f"{steps}."
+            yield self._steps() if answer.steps else say("answer.can_wait")
 
-    def _step(self, step: RepairStep) -> str:
+    def _steps(self) -> str:
+        steps, cost = "; ".join(map(self._step, self.answer.steps)), price_and_hours(self.answer.cost, self.say)
+        return f"{steps}. {self.say('answer.cost', cost=cost)}" if cost else f"{steps}."
+
+    def _step(self, step: PumpStep | RepairStep) -> str:
         say = self.say
+        if step.chosen is None and isinstance(step, PumpStep):
+            return begun(step_in_words(self.diagnosis, step, say))
         repair = say("answer.as_new") if step.chosen is None else repair_name(step.chosen.repair, say)
-        return say("answer.repair", what=land_in_words(self.diagnosis, step.land.key, say), repair=repair)
+        return say("answer.repair", what=step_in_words(self.diagnosis, step, say), repair=repair)
 
     def sure(self) -> Iterator[str]:
         answer, say = self.answer, self.say

@@ -16,6 +16,7 @@ from atleak.common.units import DM3_MIN, PERCENT, UnitOf
 from atleak.common.verdicts import BANDS, VERDICTS, Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job, Record
+from atleak.report.tables.answer import answer_facts
 from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
 from atleak.report.tables.estimate import EstimateWords, open_words
 from atleak.report.tables.first_sentence import first_sentence
@@ -99,7 +100,7 @@ class Sheets:
     # --- summary
 
     def write_summary(self, sheet: Worksheet) -> None:
-        """Write the verdict first, then totals, flagged lands and the order of repair."""
+        """Write the answer first, then the verdict, totals, flagged lands and the order of repair."""
         book, record, diagnosis = self.book, self.record, self.diagnosis
         plan = None if diagnosis.without_sheet else plan_repairs(diagnosis)
         flagged = FlaggedLands(book, diagnosis, self.live, self.headline)
@@ -109,7 +110,8 @@ class Sheets:
             sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title
         )
         sheet.set_row(0, 24)
-        self._verdict(page, 1)
+        row = page.pairs(1, answer_facts(diagnosis, self.say).rows)
+        self._verdict(page, row)
         vehicle, box = self.job.vehicle, self.job.transmission
         rows: list[tuple[str, Any]] = [
             (Sentence("job"), self.job.number),
@@ -133,7 +135,7 @@ class Sheets:
             (Sentence("representative"), Name(record["controller"]["representative_note"] or "")),
             *self._complaint(),
         ]
-        row = page.pairs(5, rows) + 1
+        row = page.pairs(row + 4, rows) + 1
         if plan is None:
             row = page.across(row, self.say("findings.alone"))
             if diagnosis.log is not None:
