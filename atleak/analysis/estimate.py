@@ -205,7 +205,7 @@ def estimate(diagnosis: Diagnosis, job: Job, chooser: Chooser = choose) -> Estim
     lines = [make.own(place, each) for place, each in enumerate(job.repair_decisions) if not each.empty]
     taken = {key for line in lines for key in covered(line.decision, diagnosis.controller)}
     for offered in (choice, everything):
-        for move, _ in in_order(offered):
+        for move, _ in in_order(offered, diagnosis):
             if not move.treats <= taken:
                 taken |= move.treats
                 lines.append(make.proposed(move))

@@ -210,7 +210,9 @@ def undecided(diagnosis: Diagnosis, job: Job, *, closing: bool = False) -> tuple
     for decision in job.repair_decisions:
         if decision.decision in settled:
             decided |= covered(decision, diagnosis.controller)
-    return tuple(land for land in diagnosis.flagged if land.verdict.calls_for_repair and land.key not in decided)
+    return tuple(
+        land for land in diagnosis.flagged if diagnosis.urgency_of(land).calls_for_repair and land.key not in decided
+    )
 
 
 def without_reason(job: Job) -> tuple[RepairDecision, ...]:

@@ -16,14 +16,14 @@ import numpy as np
 from atleak.catalogue.limits import RuleKind, falls_below, reaches
 from atleak.catalogue.repairs import LandKey
 from atleak.common.verdicts import Band, Verdict
-from atleak.diagnosis.land import SERVICE_INTERVAL, WearLine, line_from_new
+from atleak.diagnosis.land import SERVICE_INTERVAL, LandDiagnosis, WearLine, line_from_new
 from atleak.diagnosis.rules import Rule, permissible_low
 from atleak.engine.operation import LINE, LandStates, Repaired
 from atleak.engine.projection import Projection, with_wear
 from atleak.equations.statistics import normal_quantile
 
 if TYPE_CHECKING:
-    from atleak.diagnosis.diagnosis import Diagnosis, LandDiagnosis
+    from atleak.diagnosis.diagnosis import Diagnosis
 
 
 class Consequence(StrEnum):
@@ -178,18 +178,20 @@ def _significant(land: LandDiagnosis) -> bool:
     return known is not None and known[0] > 0.0
 
 
+def wear_lines(unit: Diagnosis, mileage: float | None) -> dict[LandKey, WearLine]:
+    """Return the wear since new of every land of which one visit tells it."""
+    of_lands = ((land.key, land.uncertainty) for land in unit.lands if land.uncertainty is not None)
+    from_new = {key: line_from_new(uncertainty.sources, mileage) for key, uncertainty in of_lands}
+    return {key: line for key, line in from_new.items() if line is not None and line.certain}
+
+
 def _behind_at_service(
     unit: Diagnosis, now: Collection[LandKey], mileage: float | None, lines: Mapping[LandKey, WearLine] | None
 ) -> set[LandKey]:
     """Return the lands behind what is past a limit at the next service, those with a consequence now mended."""
-    if mileage is None:
-        return set()
-    if lines is None:
-        of_lands = ((land.key, land.uncertainty) for land in unit.lands if land.uncertainty is not None)
-        from_new = {key: line_from_new(uncertainty.sources, mileage) for key, uncertainty in of_lands}
-        lines = {key: line for key, line in from_new.items() if line is not None}
+    lines = wear_lines(unit, mileage) if lines is None else lines
     wearing = {key: line for key, line in lines.items() if line.certain and key not in now}
-    if not wearing:
+    if mileage is None or not wearing:
         return set()
     clearances: list[Any] = []
     for state, new in zip((land.state for land in unit.lands), unit.as_new.clearances, strict=True):

@@ -14,9 +14,16 @@ from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
 from atleak.catalogue.repairs import Complaint, LandKey, Repair
 from atleak.common.errors import Message
 from atleak.common.verdicts import Band, Verdict, worst
-from atleak.diagnosis.consequence import Consequence, consequences
+from atleak.diagnosis.consequence import Consequence, consequences, wear_lines
 from atleak.diagnosis.gauge_check import PressureCheck
-from atleak.diagnosis.land import NO_RATE, LandDiagnosis, PumpDiagnosis, replace_mileage, without_rate
+from atleak.diagnosis.land import (
+    NO_RATE,
+    SERVICE_INTERVAL,
+    LandDiagnosis,
+    PumpDiagnosis,
+    replace_mileage,
+    without_rate,
+)
 from atleak.diagnosis.missing import Missing, split_as_measured
 from atleak.diagnosis.provisional import AssumedBasis, Representative
 from atleak.diagnosis.road import RoadFindings, leakage_over
@@ -403,18 +410,8 @@ class Diagnosis:
         """Return what the wear of every land does to the unit, by component and land."""
         return consequences(self)
 
-    @cached_property
-    def urgency(self) -> Verdict:
-        """Return the verdict with every land whose wear does nothing as one to watch: what has to be done, how soon."""
-        worn = [
-            min(land.verdict, Verdict.WATCH, key=lambda each: each.rank) if self.can_wait(land) else land.verdict
-            for land in self.flagged
-        ]
-        unit = [rule.verdict for rule in self.unit_rules]
-        return self.verdict if not worn else worst([*worn, *unit, self.pump.verdict])
-
     def can_wait(self, land: LandDiagnosis) -> bool:
-        """Tell whether a land is past a limit of its own and does nothing to the unit.
+        """Tell whether a land is past a limit of its own and its wear does nothing to the unit.
 
         Parameters
         ----------
@@ -422,6 +419,36 @@ class Diagnosis:
             one of `lands`.
         """
         return land.verdict.flagged and self.consequences[land.key] is Consequence.NONE
+
+    def urgency_of(self, land: LandDiagnosis) -> Verdict:
+        """Return how urgent the repair of a land is: as its verdict, and to watch where its wear does nothing now.
+
+        Parameters
+        ----------
+        land
+            one of `lands`.
+        """
+        waits = self.consequences[land.key] in (Consequence.NONE, Consequence.BEFORE_NEXT_SERVICE)
+        return Verdict.WATCH if waits and land.verdict.calls_for_repair else land.verdict
+
+    @cached_property
+    def urgency(self) -> Verdict:
+        """Return how urgent a repair of the unit is: its verdict, with each land no worse than its wear is urgent."""
+        if not self.flagged:
+            return self.verdict
+        unit = (rule.verdict for rule in self.unit_rules)
+        return worst([*map(self.urgency_of, self.flagged), *unit, self.pump.verdict])
+
+    def next_service(self, land: LandDiagnosis) -> float | None:
+        """Return the mileage of the next service [km] where a land's wear up to there is known; None where it is not.
+
+        Parameters
+        ----------
+        land
+            one of `lands`.
+        """
+        known = self.mileage is not None and land.key in wear_lines(self, self.mileage)
+        return self.mileage + SERVICE_INTERVAL if known and self.mileage is not None else None
 
     @property
     def ranked(self) -> tuple[LandDiagnosis, ...]:

@@ -36,7 +36,15 @@ from atleak.report.tables.first_sentence import impossible_part, may_parts, pump
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.lands import ON_PAPER, leaking_worst_first, matrix_table, pair_table
 from atleak.report.tables.names import positions
-from atleak.report.tables.repairs import no_help, option_rows, plan_ends, planned, pump_brings, step_in_words
+from atleak.report.tables.repairs import (
+    no_help,
+    option_rows,
+    plan_ends,
+    planned,
+    pump_brings,
+    step_consequence,
+    step_in_words,
+)
 from atleak.report.tables.road_test import instant_record, road_instants
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
 from atleak.report.tables.sentences import (
@@ -47,6 +55,7 @@ from atleak.report.tables.sentences import (
     counted_in_speed,
     fluid_in_state,
     measuring_temperature,
+    nothing_now,
     pressure_sentence,
     readings_in_doubt,
     reserve_sentence,
@@ -101,7 +110,7 @@ def _diagnosis(diagnosis: Diagnosis, say: Wording) -> Iterator[str | RenderableT
     yield from (Text(f"{name}: {said}", style=style) for name, said in answer_facts(diagnosis, say).rows)
     yield Text(_verdict(diagnosis, say), style=style)
     yield from filter(None, (*caveats(diagnosis, say), readings_in_doubt(diagnosis, say)))
-    said = "; ".join(may_parts(diagnosis, say))
+    said = "; ".join(filter(None, (nothing_now(diagnosis, say), *may_parts(diagnosis, say))))
     if said:
         yield f"{begun(said)}."
     yield from _complaint(diagnosis, say)
@@ -445,7 +454,7 @@ def _repairs(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
         yield f"Order of repair, each land {as_left} after those before it:"
     for number, step in enumerate(plan.order, start=1):
         named = _named(diagnosis, step.land) if isinstance(step, RepairStep) else step_in_words(diagnosis, step, say)
-        yield f"{number:3}. {named}: {_helps(step, say)}"
+        yield f"{number:3}. {named}: {_helps(step, say)}; {step_consequence(diagnosis, step, say)}"
         for row in rows:
             if row.step is step:
                 yield f"       {'→' if row.chosen else 'or'} {planned(row, say)}"

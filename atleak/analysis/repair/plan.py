@@ -27,6 +27,7 @@ from atleak.analysis.repair.options import (
 from atleak.analysis.repair.totals import RepairableUnit, RepairedAt, Total
 from atleak.catalogue.repairs import LandKey
 from atleak.common.verdicts import Band, Verdict
+from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis, PumpDiagnosis
 from atleak.diagnosis.rules import Rule
@@ -79,6 +80,11 @@ class PumpStep(Step):
     pump: PumpDiagnosis
 
     @property
+    def consequence(self) -> Consequence:
+        """Return that it is needed now."""
+        return Consequence.NOW
+
+    @property
     def verdict(self) -> Verdict:
         """Return the verdict on the pump."""
         return self.pump.verdict
@@ -101,6 +107,7 @@ class RepairStep(Step):
     """The repair of one land, and of what is mended together with it."""
 
     land: LandDiagnosis  # the one that calls for it
+    consequence: Consequence  # the worst of its lands; now where a limit of the unit would stay passed without it
     together: tuple[LandDiagnosis, ...] = ()  # further lands of the component that the chosen one changes
 
     @property
@@ -190,7 +197,8 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     First comes a pump past its limits, and all that follows is computed with a new one. Then come the lands that
     reached a limit of their own, the worst verdict first; of equal ones that which saves most, measured by the limit of
     the condition at which it saves most. Where totals or pressures are then not green, those lands within their limits
-    follow that bring each into the best band that repairs can bring it into.
+    follow that bring each into the best band that repairs can bring it into. Last come lands past a limit of their own
+    whose wear does nothing before the next service, and then those whose wear does nothing at all.
 
     Where the controller's file names repairs, a land is mended by one that leaves it within its limits of clearance,
     wear and share, with the clearance that this leaves; where none does, or none is named, it is made as new. Which
@@ -207,11 +215,13 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
         steps in their order, what each brings, and what stays past its limits.
     """
     choice = choose(diagnosis)
-    jobs = in_order(choice)
+    jobs = in_order(choice, diagnosis)
     done: list[LandKey] = []
     after_each = [done := [*done, *(land.key for land in lands)] for _, lands in jobs]
     stages = choice.unit.totals([{}, *({key: choice.states[key] for key in keys} for keys in after_each)])
     ends, options = stages[-1], choice.moves.options
+    past = [[rule.verdict.rank for total in stage for rule in (total.rule, *total.pressure_rules)] for stage in stages]
+    needed = past.index(past[-1])  # repairs, until the unit is past no limit that they mend
     return RepairPlan(
         pump=_pump_step(diagnosis, options, stages[0]),
         steps=tuple(
@@ -220,9 +230,12 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
                 conditions=_repaired(before, after),
                 options=options.of(lands[0].key),
                 chosen=move.option,
+                consequence=Consequence.NOW
+                if number < needed
+                else max((diagnosis.consequences[land.key] for land in lands), key=lambda each: each.rank),
                 together=tuple(lands[1:]),
             )
-            for (move, lands), before, after in zip(jobs, stages, stages[1:], strict=False)
+            for number, ((move, lands), before, after) in enumerate(zip(jobs, stages, stages[1:], strict=False))
         ),
         ends=ends,
         remaining=tuple(
@@ -253,14 +266,16 @@ def _repaired(before: Iterable[Total], after: Iterable[Total]) -> tuple[Repaired
     return tuple(itertools.starmap(RepairedAt, zip(before, after, strict=True)))
 
 
-def in_order(choice: Choice) -> list[tuple[Move, list[LandDiagnosis]]]:
+def in_order(choice: Choice, diagnosis: Diagnosis) -> list[tuple[Move, list[LandDiagnosis]]]:
     """Return the repairs of a choice in their order, each with its lands, the one that calls for it first."""
+    later = {Consequence.BEFORE_NEXT_SERVICE: 1, Consequence.NONE: 2}
     by_key = {land.key: land for land in choice.unit.diagnosis.lands}
     treated, saving = {key for move in choice.chosen for key in move.treats}, choice.savings
 
-    def urgency(key: LandKey) -> tuple[bool, int, float]:
+    def urgency(key: LandKey) -> tuple[bool, int, int, float]:
         verdict = by_key[key].verdict
-        return key not in treated, -verdict.rank if verdict.flagged else 0, -saving[key]
+        waits = later.get(diagnosis.consequences[key], 0) if verdict.flagged else 0
+        return key not in treated, waits, -verdict.rank if verdict.flagged else 0, -saving[key]
 
     jobs = [(move, sorted(keys, key=urgency)) for move, keys in choice.lands if keys]
     jobs.sort(key=lambda job: urgency(job[1][0]))

@@ -323,6 +323,7 @@ def _repair_step(step: PumpStep | RepairStep) -> dict[str, Any]:
             "component": PUMP,
             "land": None,
             "verdict": step.verdict,
+            "consequence": step.consequence,
             "for_total": False,
             "together": [],
             "options": [pump_repair_record(option.repair) for option in step.options],
@@ -331,6 +332,7 @@ def _repair_step(step: PumpStep | RepairStep) -> dict[str, Any]:
         repaired = {
             **of_land(step.land.key),
             "verdict": step.verdict,
+            "consequence": step.consequence,
             "for_total": step.for_total,
             "together": [of_land(each.key) for each in step.together],
             "options": [option_record(option, step.land.key) for option in step.options],

@@ -19,6 +19,8 @@ from atleak.analysis.repair.totals import Total
 from atleak.common.units import KPA, PERCENT
 from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import begun, isolated
+from atleak.diagnosis.consequence import Consequence
+from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.operation import LINE
 from atleak.report.charts.drawing import controller_svg, shortened
 from atleak.report.pdf.blocks import Block, joined, listed, signatures
@@ -28,6 +30,7 @@ from atleak.report.tables.complaint import End, WornValve, explanations, most_lo
 from atleak.report.tables.first_sentence import impossible_part, may_parts, measured_sentence, shown_verdict, worn_pump
 from atleak.report.tables.names import has_number
 from atleak.report.tables.repairs import repair_name
+from atleak.report.tables.sentences import consequence_words, service_mileage
 from atleak.report.tables.table import VERDICT, Column, Judged, Table
 
 _NAMED = 4  # valves that a sentence names
@@ -74,7 +77,8 @@ class CustomerPage(PrintedPart):
     def __init__(self, names: PrintedNames, *, signed: bool) -> None:
         super().__init__(names)
         self.signed = signed
-        self.verdict = shown_verdict(names.diagnosis)
+        shown = shown_verdict(names.diagnosis)
+        self.verdict = names.diagnosis.urgency if shown.flagged else shown
 
     @cached_property
     def valves(self) -> tuple[WornValve, ...]:
@@ -89,7 +93,7 @@ class CustomerPage(PrintedPart):
             "about": self._about(),
             "key": self.verdict,
             "headline": say(f"customer.{self._case or self._told_as}"),
-            "urgency": [say("customer.urgency"), say(f"customer.urgent_{self._urgency}")],
+            "urgency": [say("customer.urgency"), say(f"customer.urgent_{self._urgency}", mileage=self._service)],
             "answer": [list(row) for row in answer_facts(diagnosis, say).rows],
             "caveats": [say(f"customer.{name}") for name in ("provisional", "upper_bound") if getattr(diagnosis, name)],
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in _LENGTHS]},
@@ -106,8 +110,28 @@ class CustomerPage(PrintedPart):
 
     @cached_property
     def _planned(self) -> list[str]:
-        """Return the valves that the plan of repairs names, in its order."""
-        return list(dict.fromkeys(step.land.key[0] for step in self.names.plan.steps))
+        """Return the valves that the plan of repairs names and that cannot wait, in its order."""
+        steps = (step for step in self.names.plan.steps if step.consequence in (Consequence.NOW, Consequence.UNKNOWN))
+        return list(dict.fromkeys(step.land.key[0] for step in steps))
+
+    @cached_property
+    def _due(self) -> list[str]:
+        """Return the valves that are worn past a limit and cannot wait; where none is, those that are planned."""
+        return [each.component for each in self.valves if each.urgency.calls_for_repair] or self._planned
+
+    @cached_property
+    def _before_service(self) -> tuple[LandDiagnosis, ...]:
+        """Return the lands past a limit whose wear does something before the next service, and nothing yet."""
+        diagnosis = self.diagnosis
+        return tuple(
+            land for land in diagnosis.flagged if diagnosis.consequences[land.key] is Consequence.BEFORE_NEXT_SERVICE
+        )
+
+    @property
+    def _service(self) -> str:
+        """Return the mileage of the next service; an empty text where nothing is foreseen by then."""
+        at = [self.diagnosis.next_service(land) for land in self._before_service]
+        return service_mileage(at[0], self.say) if at and at[0] is not None else ""
 
     @cached_property
     def _case(self) -> str:
@@ -123,13 +147,13 @@ class CustomerPage(PrintedPart):
             return "impossible"
         if diagnosis.decided_by is None and diagnosis.too_tight:
             return "doubtful"
-        if diagnosis.decided_by is diagnosis.pump:
+        if diagnosis.decided_by is diagnosis.pump or (diagnosis.pump.verdict.flagged and not self._due):
             return "pump"
         if verdict is Verdict.OK:
             return "ok_complaint" if self._complaint else ""
         if not verdict.calls_for_repair:
             return "past_watch" if verdict.flagged and not diagnosis.flagged else ""
-        if any(land.verdict.calls_for_repair for land in diagnosis.flagged):
+        if any(diagnosis.urgency_of(land).calls_for_repair for land in diagnosis.flagged):
             return ""
         return "past_together" if self._planned else "past_unexplained"
 
@@ -137,6 +161,8 @@ class CustomerPage(PrintedPart):
     def _urgency(self) -> str:
         if self._case in ("impossible", "ok_unmeasured", "ok_complaint"):
             return self._case
+        if self._before_service and self._told_as is Verdict.WATCH:
+            return "before_service"
         past = "past_" if self._case in ("past_together", "past_unexplained") else ""
         return Verdict.NOT_MEASURED if self._case == "doubtful" else f"{past}{self._told_as}"
 
@@ -214,7 +240,13 @@ class CustomerPage(PrintedPart):
             repair=repair,
             watch=len(flagged) - repair,
         )
-        return f"{self.say('customer.seal')} {found}"
+        waits = sum(map(self.diagnosis.can_wait, flagged))
+        later = len(self._before_service)
+        said = [self.say("customer.seal"), found]
+        said += [self.say("customer.escapes")] if waits < len(flagged) else []
+        said += [self.say("customer.waits", count=waits)] if waits else []
+        said += [self.say("customer.later", count=later, mileage=self._service)] if later else []
+        return " ".join(said)
 
     def _lost(self) -> Iterator[str]:
         say, at = self.say, self.diagnosis.worst
@@ -301,10 +333,10 @@ class CustomerPage(PrintedPart):
     def _valves(self) -> Block | None:
         if not self.valves:
             return None
-        say = self.say
+        say, waiting = self.say, [each for each in self.valves if each.urgency is not each.verdict]
         columns = (
             Column("customer.valve", width=250, of=lambda each: self._valve(each.component)),
-            Column("verdict", VERDICT),
+            Column("verdict", None if waiting else VERDICT, width=150, of=self._urgent),
             Column("customer.from_to", width=250, of=self._paths),
             Column("customer.felt", width=300, of=self._felt),
             Column("customer.alone", width=350, of=self._alone),
@@ -317,6 +349,13 @@ class CustomerPage(PrintedPart):
             "tables": [listed(say, each, *filled) for each in shortened_to],
             "notes": [joined((self._more(len(self.valves) - len(each)), note), " ") for each in shortened_to],
         }
+
+    def _urgent(self, valve: WornValve) -> Verdict | Judged:
+        """Return the verdict of a valve; of one whose wear does nothing now, in words, till when it can wait."""
+        if valve.urgency is valve.verdict:
+            return valve.verdict
+        land = max(valve.lands, key=lambda land: self.diagnosis.consequences[land.key].rank)
+        return Judged(consequence_words(self.diagnosis, land, self.say), valve.urgency)
 
     def _more(self, count: int) -> str:
         return self.say("customer.more", count=count) if count else ""
@@ -365,7 +404,7 @@ class CustomerPage(PrintedPart):
         drawn = [each.component for each in self.valves[:_ROW]]
         svg = controller_svg(
             self.diagnosis.controller,
-            {land.key: land.verdict for each in self.valves for land in each.lands},
+            {land.key: self.diagnosis.urgency_of(land) for each in self.valves for land in each.lands},
             columns=max(len(drawn), _ABREAST),
             only=drawn,
             named=self.say.name,
@@ -389,20 +428,23 @@ class CustomerPage(PrintedPart):
         if (pump := self.names.plan.pump) is not None:
             repair = None if pump.chosen is None else repair_name(pump.chosen.repair, say)
             yield say("pump.repair_first") if repair is None else say("pump.repair_by", repair=repair)
-            if not self._planned:
+            if not self._due:
                 yield say("customer.do_pump")
                 return
-        watched = [each.component for each in self.valves if not each.verdict.calls_for_repair]
+        watched = [each.component for each in self.valves if not each.urgency.calls_for_repair]
         if not self.verdict.calls_for_repair:
-            key = "do_watch" if planned else "do_look"
+            key = "do_watch" if watched or planned else "do_look"
             yield say(f"customer.{key}", valves=self._named(watched or planned))
             yield from self._elsewhere()
             return
-        due = [each.component for each in self.valves if each.verdict.calls_for_repair] or planned
+        due = self._due
         if not due:
             yield say("customer.do_look")
             return
         yield say("customer.do_repair", valves=self._named(due))
+        waiting = [each.component for each in self.valves if each.urgency is not each.verdict]
+        if waiting:
+            yield say("customer.do_wait", valves=self._named(waiting))
         yield from self._elsewhere()
         yield from self._brings(due, alone=len(due) == 1 or len(planned) == 1)
 

@@ -16,7 +16,7 @@ from atleak.catalogue.controller import Gap
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import Complaint, LandKey
 from atleak.common.units import KPA
-from atleak.common.verdicts import Verdict
+from atleak.common.verdicts import Verdict, worst
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
@@ -168,6 +168,7 @@ class WornValve:
     paths: tuple[Path, ...]  # on which these lands leak, as the valve body's file describes them
     complaints: tuple[Complaint, ...]  # of the file that a pressure explains which they cost
     costs: tuple[tuple[HeldPressure, float], ...]  # pressures past a limit, and what they cost them [Pa]
+    urgency: Verdict  # the worst of its lands', each to watch where its wear does nothing now
     alone: tuple[RepairedAt, ...]  # what repairing them alone brings at every condition; none where nothing is chosen
 
     @property
@@ -199,7 +200,7 @@ class WornValve:
 
 
 def worn_valves(diagnosis: Diagnosis, choice: Choice) -> tuple[WornValve, ...]:
-    """Return every valve with lands past a limit: the worst verdict first, of equal ones that which saves most.
+    """Return every valve with lands past a limit: the most urgent first, of equal ones that which saves most.
 
     Parameters
     ----------
@@ -224,13 +225,14 @@ def worn_valves(diagnosis: Diagnosis, choice: Choice) -> tuple[WornValve, ...]:
         complaints = tuple(complaint for complaint, behind in explained.items() if keys & behind)
         costs = ((each, sum(own for key, own in each.costly if key in keys)) for each in past)
         lost = tuple((each, loss) for each, loss in costs if loss > 0.0)
-        return WornValve(component, lands, _paths(diagnosis, keys), complaints, lost, alone)
+        urgency = worst(map(diagnosis.urgency_of, lands))
+        return WornValve(component, lands, _paths(diagnosis, keys), complaints, lost, urgency, alone)
 
     effects = (tuple(map(RepairedAt, now, totals)) if moves else () for moves, totals in zip(mine, after, strict=True))
     valves = map(valve, by_component, by_component.values(), effects)
 
-    def order(valve: WornValve) -> tuple[int, float]:
-        return -valve.verdict.rank, -max((each.saving for each in valve.alone), default=0.0)
+    def order(valve: WornValve) -> tuple[int, int, float]:
+        return -valve.urgency.rank, -valve.verdict.rank, -max((each.saving for each in valve.alone), default=0.0)
 
     return tuple(sorted(valves, key=order))
 

@@ -26,6 +26,7 @@ from atleak.report.tables.sentences import (
     because_of,
     land_in_words,
     may_be,
+    nothing_now,
     pressure_sentence,
     reserve_sentence,
     rule_reached,
@@ -167,6 +168,7 @@ def _parts(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
         yield say("findings.alone")
         return
     yield lands_part(diagnosis, say)
+    yield from filter(None, [nothing_now(diagnosis, say)])
     decided_by = diagnosis.decided_by
     if isinstance(decided_by, LandDiagnosis):
         rule = decided_by.deciding

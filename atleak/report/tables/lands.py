@@ -21,6 +21,7 @@ from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.engine.projection import Projection
 from atleak.report.tables.sentences import (
+    consequence_words,
     decision_words,
     land_in_words,
     rule_name,
@@ -205,6 +206,7 @@ def pair_table(
         Column("interval", words_of="leak", of=interval),
         Column("share", "percent", 2, times=PERCENT),
         Column("share_largest", "percent", 2, of=largest, times=PERCENT),
+        Column("consequence", width=150, of=lambda land: consequence_words(diagnosis, land, say)),
         Column("decided_by", of=lambda land: "; ".join(why(land, say)) or None),
         Column("decision", width=100, of=decided),
     )

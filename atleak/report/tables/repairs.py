@@ -21,12 +21,13 @@ from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey, Repair
 from atleak.common.units import KPA, MM, MM2_S, PERCENT, UM
 from atleak.common.wording import Wording, isolated
+from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.operation import LINE
 from atleak.report.json.conditions import OF_REPAIR, named_record, of_land, scaled
 from atleak.report.tables.lands import CONDITION_WIDTH
 from atleak.report.tables.names import land_number
-from atleak.report.tables.sentences import land_in_words, replace_at, rule_reached
+from atleak.report.tables.sentences import consequence_words, land_in_words, replace_at, rule_reached
 from atleak.report.tables.table import VERDICT, Column, Judged, Table, span
 
 
@@ -142,6 +143,7 @@ def order_table(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> Table:
         Column("number", digits=0, words=say("repair_plan.number"), of=lambda step: steps[id(step)]),
         Column("pair", width=250, of=lambda step: step_in_words(diagnosis, step, say)),
         Column("verdict", VERDICT),
+        Column("consequence", width=150, of=lambda step: step_consequence(diagnosis, step, say)),
         Column(
             "helps_at",
             width=200,
@@ -288,6 +290,18 @@ def cost_record(cost: Cost | None) -> dict[str, Any] | None:
         "prices": [{"price": price, "currency": currency} for currency, price in cost.prices.items()],
         **named_record(cost, "hours", "repairs", "without_price", "without_hours", "without_option"),
     }
+
+
+def step_consequence(diagnosis: Diagnosis, step: PumpStep | RepairStep, say: Wording) -> str | None:
+    """Say whether a step is needed now, or what the most urgent of its lands does."""
+    if isinstance(step, PumpStep) or step.consequence is Consequence.NOW:
+        return say("consequences.now")
+    lands = (step.land, *step.together)
+    return next(
+        consequence_words(diagnosis, land, say)
+        for land in lands
+        if diagnosis.consequences[land.key] is step.consequence
+    )
 
 
 def no_help(step: PumpStep | RepairStep, say: Wording) -> str:

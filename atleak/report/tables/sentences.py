@@ -13,6 +13,7 @@ from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey
 from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.wording import Wording, isolated, wording
+from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import Crossing, LandDiagnosis
 from atleak.diagnosis.rules import Rule
@@ -126,6 +127,27 @@ def wear_words(land: LandDiagnosis, say: Wording, *, unit: bool = True) -> str:
 def replace_at(land: LandDiagnosis, say: Wording) -> str | None:
     """Say at which mileage the land reaches the wear limit for replacing; None where none is projected."""
     return None if land.replace_mileage is None else crossing_in_words(land.replace_mileage, say)
+
+
+def consequence_words(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> str | None:
+    """Say what the wear of a land does to its unit, and up to which mileage that is known; None of a sound land."""
+    consequence = diagnosis.consequences[land.key]
+    if not land.verdict.flagged and consequence in (Consequence.NONE, Consequence.UNKNOWN):
+        return None
+    service = None if consequence is Consequence.NOW else diagnosis.next_service(land)
+    key = "none_until" if consequence is Consequence.NONE and service else str(consequence)
+    return say(f"consequences.{key}", mileage=service_mileage(service, say) if service else "")
+
+
+def service_mileage(mileage: float, say: Wording) -> str:
+    """Return the mileage of a service [km] in the reader's unit, in whole thousands."""
+    return say.number(1000.0 * math.floor(say.convert(mileage, "distance") / 1000.0), 0)
+
+
+def nothing_now(diagnosis: Diagnosis, say: Wording) -> str | None:
+    """Say that nothing has to be repaired now though lands are worn past a limit; None where something has."""
+    waits = diagnosis.verdict.calls_for_repair and not diagnosis.urgency.calls_for_repair
+    return say("consequences.nothing_now") if waits else None
 
 
 def rule_value(value: float, kind: RuleKind, say: Wording) -> str:

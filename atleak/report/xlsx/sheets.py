@@ -22,7 +22,14 @@ from atleak.report.tables.estimate import EstimateWords, open_words
 from atleak.report.tables.first_sentence import first_sentence
 from atleak.report.tables.lands import MatrixRow, condition_matrix
 from atleak.report.tables.names import spools_taken
-from atleak.report.tables.repairs import no_help, option_table, plan_ends, pump_brings, step_in_words
+from atleak.report.tables.repairs import (
+    no_help,
+    option_table,
+    plan_ends,
+    pump_brings,
+    step_consequence,
+    step_in_words,
+)
 from atleak.report.tables.sentences import (
     caveat_marks,
     caveats,
@@ -151,7 +158,7 @@ class Sheets:
 
     def _columns(self, plan: RepairPlan) -> tuple[int, ...]:
         """Return how many columns the tables of totals, of the order of repair and of the repairs have."""
-        steps = len(_OF_A_STEP) + len(plan.ends) + 1 if plan.order else 0
+        steps = len(_OF_A_STEP) + len(plan.ends) + 2 if plan.order else 0
         return 1 + len(self.live.conditions), steps, len(option_table(plan, self.say).parted.columns)
 
     def _complaint(self) -> list[tuple[str, Any]]:
@@ -240,7 +247,8 @@ class Sheets:
         if plan.order:
             ends = [Sentence("total after [%], {condition}", condition=total.condition) for total in plan.ends]
             first = row + 1
-            row = page.table(row, [*_OF_A_STEP, *ends, Sentence("helps most at")], map(self._step, plan.order))
+            headings = [*_OF_A_STEP, *ends, Sentence("helps most at"), self.say("columns.consequence")]
+            row = page.table(row, headings, map(self._step, plan.order))
             self.book.colour_words(page.sheet, (first, 2), (row - 1, 2), VERDICTS)
             self.book.colour_words(page.sheet, (first, 6), (row - 1, 6), BANDS)
             options = option_table(plan, self.say).parted
@@ -269,6 +277,7 @@ class Sheets:
             self.say.level(at.after.band) if step.helps else None,
             *(LiveCell("share", each.after.share * PERCENT) for each in step.conditions),
             helps if step.helps else no_help(step, self.say),
+            step_consequence(self.diagnosis, step, self.say),
         ]
 
     # --- matrix

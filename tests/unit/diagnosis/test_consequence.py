@@ -73,7 +73,7 @@ def test_wear_alone_has_no_consequence_and_is_to_be_watched(judge: Judge) -> Non
     (land,) = found.flagged
     assert (land.key, land.verdict, found.verdict) == (LINE, Verdict.REPLACE, Verdict.REPLACE)
     assert found.consequences[LINE] is Consequence.NONE
-    assert found.can_wait(land)
+    assert found.urgency_of(land) is Verdict.WATCH
     assert found.urgency is Verdict.WATCH
 
 

@@ -17,6 +17,7 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, load_limits
 from atleak.common.verdicts import Band
 from atleak.common.wording import wording
+from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.engine.leakage import LeakageModel
@@ -265,20 +266,35 @@ def test_where_only_the_total_is_past_its_limit_the_fewest_lands_bring_it_back(
         for lands in fewer
     )
     said = " ".join(plan_ends(plan, EN))
-    assert f"named for the total alone, at the end of the list: {len(plan.steps)}." in said
+    assert f"named for the total alone: {len(plan.steps)}." in said
     assert "green at every condition" in said
 
 
-def test_flagged_lands_come_before_those_that_only_the_total_asks_for(
+def test_lands_that_only_the_total_asks_for_come_after_flagged_ones_and_before_those_that_can_wait(
+    four_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
+) -> None:
+    readings = readings_of(four_speed, worn(four_speed, alike(four_speed, 0.13) | {("14", 1): 0.6}))
+    diagnosis = diagnose(four_speed, hipol, limits, readings=readings)
+    plan = plan_repairs(diagnosis)
+    waits = {key for key, consequence in diagnosis.consequences.items() if consequence is Consequence.NONE}
+    kinds = [1 if step.for_total else 2 * (step.land.key in waits) for step in plan.steps]
+    assert {*kinds} == {0, 1, 2}
+    assert kinds == sorted(kinds)
+    assert plan.reached
+
+
+def test_the_steps_that_are_needed_now_mend_the_unit_and_the_others_can_wait(
     four_speed: Controller, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
     readings = readings_of(four_speed, worn(four_speed, alike(four_speed, 0.13) | {("14", 1): 0.6}))
     plan = plan_repairs(diagnose(four_speed, hipol, limits, readings=readings))
-    kinds = [step.for_total for step in plan.steps]
-    assert not kinds[0]
-    assert any(kinds)
-    assert kinds == sorted(kinds)
-    assert plan.reached
+    now = [step for step in plan.steps if step.consequence is Consequence.NOW]
+    assert 0 < len(now) < len(plan.steps)
+    assert plan.steps[: len(now)] == tuple(now)
+    assert any(step.for_total for step in now)
+    *_, last = now
+    assert not [rule for at in last.conditions for rule in at.after.past]
+    assert [rule for at in last.conditions for rule in at.before.past]
 
 
 # --- the end

@@ -35,7 +35,8 @@ def test_each_flagged_land_stands_with_its_share_at_every_condition_that_reports
     assert len(table.headings) == len(set(table.headings)), "every column has words"
     table = table.without(*ON_PAPER)
     shown = [f"Share, {each.condition.label}" for each in worn.reported]
-    assert list(table.headings) == ["Verdict", "Pair", *shown, "Clearance [µm]", "Wear [%]", "Decided by", "Decision"]
+    others = ["Clearance [µm]", "Wear [%]", "Consequence", "Decided by", "Decision"]
+    assert list(table.headings) == ["Verdict", "Pair", *shown, *others]
     assert list(table.rows) == list(worn.flagged)
     for land in worn.flagged:
         verdict, pair, *texts = table.texts(land)
