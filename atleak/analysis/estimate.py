@@ -6,19 +6,19 @@ workshop's own and stays as it is. What nobody knows, a price or hours, is named
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
 from typing import Any, Protocol
 
-from atleak.analysis.record_doubts import covered
+from atleak.analysis.record_doubts import covered, is_of_pump
 from atleak.analysis.repair.choice import Choice, Gain, OfferedRepairs, choose, gain_of
-from atleak.analysis.repair.options import Move, MoveKey, Prices, StatedPrice, amount, product
+from atleak.analysis.repair.options import Move, MoveKey, Option, Prices, StatedPrice, amount, product, pump_option
 from atleak.analysis.repair.plan import in_order
 from atleak.analysis.repair.totals import RepairableUnit, Total
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.repairs import Goal, LandKey
+from atleak.catalogue.repairs import PUMP, Goal, LandKey
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
@@ -46,6 +46,7 @@ class Line:
     part: Decimal | None  # the price, rounded
     work: Decimal | None  # None: nobody knows the hours, or the labour rate
     other_currency: str = ""  # in which the file states the price, where that is not the estimate's
+    of_pump: bool = False  # whether it is about the pump, which it leaves as new
 
     @property
     def own(self) -> bool:
@@ -131,19 +132,34 @@ class Estimate:
     # --- what the engine says of it
 
     @cached_property
-    def _unit(self) -> RepairableUnit:
+    def _states(self) -> dict[LandKey, list[LandClearance]]:
         states: dict[LandKey, list[LandClearance]] = {}
         for line in self.lines:
             for key, state in line.states.items():
                 states.setdefault(key, []).append(state)
-        return RepairableUnit(self.diagnosis, states)
+        return states
+
+    def _totals(self, repairs: Sequence[Sequence[Line]]) -> list[tuple[Total, ...]]:
+        """Return the totals with several sets of lines, each with the pump new unless its line is in none of them."""
+        listed = any(line.of_pump for line in self.lines)
+        worn = [listed and not any(line.of_pump for line in lines) for lines in repairs]
+        units = {is_worn: self.diagnosis if is_worn else self.diagnosis.valve_body for is_worn in worn}
+        totals = {
+            is_worn: iter(
+                RepairableUnit(unit, self._states).totals(
+                    [self._choice(lines) for lines, each in zip(repairs, worn, strict=True) if each is is_worn]
+                )
+            )
+            for is_worn, unit in units.items()
+        }
+        return [next(totals[each]) for each in worn]
 
     def _choice(self, lines: Iterable[Line]) -> dict[LandKey, int]:
         chosen: dict[LandKey, int] = {}
         for line in lines:
             for key, state in line.states.items():
-                numbers = self._unit.states[key]
-                chosen[key] = 1 + next(number for number, each in enumerate(numbers) if each is state)
+                numbers = enumerate(self._states[key], start=1)
+                chosen[key] = next(number for number, each in numbers if each is state)
         return chosen
 
     @cached_property
@@ -153,7 +169,7 @@ class Estimate:
         changed = [
             [each for each in base if each is not line] if line.carried_out else [*base, line] for line in self.lines
         ]
-        ends, *others = self._unit.totals([self._choice(each) for each in (base, *changed)])
+        ends, *others = self._totals([base, *changed])
         return ends, {line.key: totals for line, totals in zip(self.lines, others, strict=True)}
 
     @property
@@ -203,6 +219,9 @@ def estimate(diagnosis: Diagnosis, job: Job, chooser: Chooser = choose) -> Estim
     choice = everything if goal is Goal.EVERY_LIMIT else chooser(diagnosis, goal, prices, kept=kept)
     make = _Lines(diagnosis, terms, choice, prices.currency)
     lines = [make.own(place, each) for place, each in enumerate(job.repair_decisions) if not each.empty]
+    unlisted = not any(line.of_pump for line in lines) and PUMP not in diagnosis.controller.components
+    if diagnosis.pump.verdict.flagged and unlisted:
+        lines.append(make.of_pump(pump_option(choice.moves.options, prices, kept)))
     taken = {key for line in lines for key in covered(line.decision, diagnosis.controller)}
     for offered in (choice, everything):
         for move, _ in in_order(offered, diagnosis):
@@ -212,6 +231,8 @@ def estimate(diagnosis: Diagnosis, job: Job, chooser: Chooser = choose) -> Estim
     ranks = {land.key: place for place, land in enumerate(diagnosis.flagged)}
 
     def urgency(line: Line) -> int:
+        if line.of_pump:
+            return -1
         return min((ranks[land.key] for land in line.lands if land.key in ranks), default=len(ranks))
 
     return Estimate(diagnosis, terms, choice, tuple(sorted(lines, key=urgency)), prices.currency)
@@ -270,8 +291,19 @@ class _Lines:
 
     def own(self, place: int, decision: RepairDecision) -> Line:
         """Return a line that the workshop wrote."""
-        about = covered(decision, self.diagnosis.controller)
-        return self._line(decision, place, chosen=any(move.treats & about for move in self.choice.chosen))
+        controller = self.diagnosis.controller
+        about = covered(decision, controller)
+        chosen = any(move.treats & about for move in self.choice.chosen)
+        chosen |= self.diagnosis.pump.verdict.flagged and is_of_pump(decision, controller)
+        return self._line(decision, place, chosen=chosen)
+
+    def of_pump(self, option: Option | None) -> Line:
+        """Return the line of a worn pump that nobody touched; None where the file names no repair of it."""
+        decision = RepairDecision(component=PUMP, decision="proposed")
+        if option is not None:
+            named = {"repair": option.repair.id, "work": option.repair.name}
+            decision = decision.model_copy(update={**named, "part_number": option.repair.part_number or ""})
+        return self._line(decision, None, chosen=True)
 
     def proposed(self, move: Move) -> Line:
         """Return the line of a repair that nobody touched."""
@@ -310,6 +342,7 @@ class _Lines:
             None if price is None else amount(price, self.currency),
             None if rate is None or hours is None else product(hours, rate, self.currency),
             other,
+            is_of_pump(decision, self.diagnosis.controller),
         )
 
     def _key(self, decision: RepairDecision) -> str:
@@ -351,8 +384,13 @@ def with_repairs(repairs: OfferedRepairs, job: Job, keys: Collection[MoveKey]) -
 
 
 def _nothing_besides(diagnosis: Diagnosis, job: Job) -> Job:
-    """Return the record with what its estimate proposes by itself left open, until it proposes nothing more."""
-    while besides := [each for each in estimate(diagnosis, job).lines if not each.own and each.carried_out]:
+    """Return the record with what its estimate proposes by itself left open, until it proposes nothing more.
+
+    A pump past its limits stays proposed: what is offered for the lands is computed with a new one.
+    """
+    while besides := [
+        each for each in estimate(diagnosis, job).lines if not (each.own or each.of_pump) and each.carried_out
+    ]:
         for line in besides:
             job = with_line(job, line, decision=None, price=None, hours=None)
     return job

@@ -16,7 +16,7 @@ from typing import Any
 from atleak.analysis.pressures import behind_limits
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.instruments import Instrument, Part
-from atleak.catalogue.repairs import LandKey
+from atleak.catalogue.repairs import PUMP, LandKey
 from atleak.common.errors import InputError, Message, Place, unknown
 from atleak.common.sentences import Name, Sentence
 from atleak.common.translations import languages
@@ -157,9 +157,9 @@ def decision_faults(job: Job, controller: Controller, file: str = "job record") 
     """Return what is wrong with each decision on a component, land or repair that the valve body does not have."""
     for number, decision in enumerate(job.repair_decisions, start=1):
         place = Place(file=file, table=f"repair_decisions {number}")
-        if decision.component and decision.component not in controller.components:
+        if decision.component and decision.component not in _parts(controller):
             problem = Sentence("{controller} has no such component", controller=Name(controller.name))
-            yield unknown(problem, decision.component, controller.components, place=place)
+            yield unknown(problem, decision.component, _parts(controller), place=place)
             continue
         lands = [land.key[1] for land in controller.lands_of(decision.component)] if decision.component else []
         if decision.land is not None and decision.land not in lands:
@@ -179,6 +179,19 @@ def decision_faults(job: Job, controller: Controller, file: str = "job record") 
             problem = Sentence("repair {repair} is none of component {component}", **of)
             expected = Sentence("component {component}", component=repairs[decision.repair].component)
             yield InputError(problem, place=place, expected=expected)
+
+
+def _parts(controller: Controller) -> tuple[str, ...]:
+    """Return what a record can be about: the components, and the pump."""
+    return (*controller.components, PUMP)
+
+
+def is_of_pump(decision: RepairDecision, controller: Controller) -> bool:
+    """Tell whether a decision is about the pump; one that names a component of that id is about the component."""
+    repair = next((each for each in controller.repairs if each.id == decision.repair), None)
+    if repair is not None:
+        return repair.of_pump
+    return decision.component == PUMP and PUMP not in controller.components
 
 
 def covered(decision: RepairDecision, controller: Controller) -> frozenset[LandKey]:
@@ -205,14 +218,24 @@ def undecided(diagnosis: Diagnosis, job: Job, *, closing: bool = False) -> tuple
     closing
         the job is handed over: a repair that is only proposed is then open too.
     """
-    settled = {"approved", "done", "declined", "deferred", *(() if closing else ("proposed",))}
-    decided: set[LandKey] = set()
-    for decision in job.repair_decisions:
-        if decision.decision in settled:
-            decided |= covered(decision, diagnosis.controller)
+    decided = frozenset[LandKey]().union(
+        *(covered(decision, diagnosis.controller) for decision in _settled(job, closing=closing))
+    )
     return tuple(
         land for land in diagnosis.flagged if diagnosis.urgency_of(land).calls_for_repair and land.key not in decided
     )
+
+
+def pump_undecided(diagnosis: Diagnosis, job: Job, *, closing: bool = False) -> bool:
+    """Tell whether the pump is to be replaced and nothing was decided about it."""
+    if not diagnosis.pump.verdict.calls_for_repair or PUMP in diagnosis.controller.components:
+        return False
+    return not any(is_of_pump(each, diagnosis.controller) for each in _settled(job, closing=closing))
+
+
+def _settled(job: Job, *, closing: bool) -> Iterator[RepairDecision]:
+    settled = {"approved", "done", "declined", "deferred", *(() if closing else ("proposed",))}
+    return (each for each in job.repair_decisions if each.decision in settled)
 
 
 def without_reason(job: Job) -> tuple[RepairDecision, ...]:
@@ -245,10 +268,10 @@ def _unknown_parts(job: Job, diagnosis: Diagnosis) -> Iterator[Message]:
     }
     for table, components in stated.items():
         for number, component in enumerate(components, start=1):
-            if component and component not in controller.components:
+            if component and component not in _parts(controller):
                 place = Place(file="job record", table=f"{table} {number}")
                 problem = Sentence("{controller} has no such component", controller=Name(controller.name))
-                fault: InputError = unknown(problem, component, controller.components, place=place)
+                fault: InputError = unknown(problem, component, _parts(controller), place=place)
                 yield Message("warning", "record_unknown_part", fault.sentence)
 
 

@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 import sqlalchemy as sa
 
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.repairs import PUMP
 from atleak.common.errors import AtleakError, BookError, InputError, Place
 from atleak.common.sentences import Sentence
 from atleak.job.case import OWN_FILES, SLOTS, Case, Reader, SourceFile
@@ -137,7 +138,7 @@ def _without_person(job: Job, controller: Controller, lost: tuple[str, ...]) -> 
 
 def _decisions(job: Job, controller: Controller) -> Iterator[dict[str, Any]]:
     for each in job.repair_decisions:
-        if each.component not in controller.components:
+        if each.component not in controller.components and each.component != PUMP:
             continue
         row = each.model_dump()
         kept = {name: row[name] for name in _OF_DECISION if name in row}

@@ -89,7 +89,8 @@ def _line(words: EstimateWords, line: Line, record: Job) -> Job:
     }
     own = key(f"estimate-{line.key}-{_generation(line)}")
     with st.container(border=True, key=own):
-        verdicts = ", ".join(dict.fromkeys(say.signed(land.verdict) for land in line.lands))
+        parts = [words.estimate.diagnosis.pump] if line.of_pump else line.lands
+        verdicts = ", ".join(dict.fromkeys(say.signed(each.verdict) for each in parts))
         part = f" ({line.decision.part_number})" if line.decision.part_number else ""
         needed = "" if line.chosen else f" — *{say('estimate_page.not_needed')}*"
         st.markdown(f"**{show.plain(words.pair(line))}** · {verdicts}: {show.plain(words.work(line) + part)}{needed}")

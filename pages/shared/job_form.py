@@ -13,6 +13,7 @@ from streamlit.runtime.uploaded_file_manager import UploadedFile
 
 from atleak.analysis.record_doubts import decision_faults
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.repairs import PUMP
 from atleak.catalogue.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
 from atleak.common.errors import InputError
 from atleak.measurements.job_card import PICTURE_SUFFIXES, Grade, Job, Record, RepairState
@@ -130,7 +131,7 @@ def _tables(record: Job, controller: Controller) -> tuple[dict[str, Any], dict[s
     shared = {
         "component": _choice(
             "component",
-            ("", *controller.components),
+            dict.fromkeys(("", *controller.components, PUMP)),
             lambda each: component_words(controller, str(each), say) if each else "",
         ),
         "land": _choice("land", (None, *range(1, 10)), decided),

@@ -57,6 +57,8 @@ def decided_totals(diagnosis: Diagnosis) -> tuple[Total, ...]:
 def draw(diagnosis: Diagnosis) -> None:
     """Draw the plan; a tick computes nothing else of the page again."""
     say, repairs = reader.say(), offered(diagnosis)
+    if diagnosis.pump.verdict.flagged:
+        st.markdown(say("pump.repair_first" if diagnosis.pump_new is None else "pump.planned_first"))
     if not repairs.all:
         st.write(say("repair_plan.nothing_offered"))
         return

@@ -100,7 +100,8 @@ class Conditions(PrintedPart):
         say, controller = self.say, self.diagnosis.controller
 
         def lands(row: RepairOptionRow) -> str:
-            return f"{say('printed.land')} {joined(land_number(controller, key, say) for key in row.option.lands)}"
+            numbers = joined(land_number(controller, key, say) for key in row.option.lands)
+            return f"{say('printed.land')} {numbers}" if numbers else ""
 
         options = option_table(self.names.plan, say)
         if options.rows:

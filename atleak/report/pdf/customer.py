@@ -426,8 +426,12 @@ class CustomerPage(PrintedPart):
             yield say("customer.do_describe" if describe else "customer.do_measure")
             return
         if (pump := self.names.plan.pump) is not None:
-            repair = None if pump.chosen is None else repair_name(pump.chosen.repair, say)
-            yield say("pump.repair_first") if repair is None else say("pump.repair_by", repair=repair)
+            repair = "" if pump.chosen is None else repair_name(pump.chosen.repair, say)
+            words = self.names.estimate
+            for line in () if words is None else words.estimate.lines:
+                if line.of_pump and line.own:
+                    repair = say.name(line.decision.work)
+            yield say("pump.repair_by", repair=repair) if repair else say("pump.repair_first")
             if not self._due:
                 yield say("customer.do_pump")
                 return

@@ -63,7 +63,7 @@ def write_lands(tab: Tab, controller: Controller, own: OwnLands) -> None:
     sheet, formats, say = tab.sheet, tab.formats, tab.say
     rows = list(_rows(controller, own, say))
     columns = [_NUMBER, _NAME, _LAND, _CONTACT, _STATED, _POSITION, _STATED_POSITION, _NOTE]
-    columns += [_FITTED, _OPTIONS] if controller.repairs else []
+    columns += [_FITTED, _OPTIONS] if any(repair.lands for repair in controller.repairs) else []
     headings = [
         say.sentence(column.heading) + (f" [{say.unit('length')}]" if column.of_length else "") for column in columns
     ]
@@ -73,7 +73,7 @@ def write_lands(tab: Tab, controller: Controller, own: OwnLands) -> None:
         widths.append(width_for(texts, column.width))
     table = PagedTable(tab, headings, widths)
     title = Sentence("Lands of this unit: {name}", name=Name(controller.name))
-    how_to = (*_HOW_TO, _HOW_TO_REPAIR) if controller.repairs else _HOW_TO
+    how_to = (*_HOW_TO, _HOW_TO_REPAIR) if _FITTED in columns else _HOW_TO
     table.write((title, *how_to), HEADER + len(rows), columns.index(_CONTACT))
     for row, (_, cells) in enumerate(rows, start=HEADER + 1):
         table.fit(row, {at: str(cells.get(column) or "") for at, column in enumerate(columns)})

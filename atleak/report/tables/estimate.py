@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from atleak.analysis.estimate import CARRIED_OUT, Estimate, Line, Sum
-from atleak.analysis.record_doubts import undecided, without_reason
+from atleak.analysis.record_doubts import pump_undecided, undecided, without_reason
 from atleak.analysis.repair.options import decimals
 from atleak.catalogue.controller import Controller
 from atleak.common.wording import Wording, isolated
@@ -176,10 +176,11 @@ def _numbers_of(lands: Iterable[LandDiagnosis], controller: Controller, say: Wor
 
 
 def open_words(diagnosis: Diagnosis, job: Job, say: Wording, *, closing: bool) -> Iterator[str]:
-    """Say which lands are to be replaced without anything being decided, and what was declined without a reason."""
-    lands = undecided(diagnosis, job, closing=closing)
-    if lands:
-        yield say("estimate.undecided", lands=_numbers_of(lands, diagnosis.controller, say))
+    """Say what is to be replaced, lands or pump, without a decision, and what was declined without a reason."""
+    open_lands = _numbers_of(undecided(diagnosis, job, closing=closing), diagnosis.controller, say)
+    pump = say("pump.name") if pump_undecided(diagnosis, job, closing=closing) else ""
+    if pump or open_lands:
+        yield say("estimate.undecided", lands=", ".join(filter(None, (pump, open_lands))))
     declined = without_reason(job)
     if declined:
         yield say(

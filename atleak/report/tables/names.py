@@ -6,7 +6,7 @@ It also says where the spools are taken to lie, and between which shares the tot
 from __future__ import annotations
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.repairs import LandKey
+from atleak.catalogue.repairs import PUMP, LandKey
 from atleak.common.sentences import Sentence
 from atleak.common.units import PERCENT
 from atleak.common.wording import Wording, isolated
@@ -18,7 +18,9 @@ _LONGEST = 8  # signs of a component's number
 
 
 def component_words(controller: Controller, component: str, say: Wording) -> str:
-    """Name a component: ``25 main pressure valve``, or ``boost valve`` where its id is that name in technical words."""
+    """Name a component, or the pump: ``25 main pressure valve``, ``boost valve`` where its id is that name in words."""
+    if component == PUMP and component not in controller.components:
+        return say("pump.name")
     name = _name(controller, component, say)
     return f"{component} {name}".strip() if has_number(controller, component) else name
 

@@ -14,13 +14,18 @@ from typing import Any
 import openpyxl
 import pypdfium2
 import pytest
+from jsonschema import Draft202012Validator
 
+from atleak.analysis.estimate import estimate, with_line, with_repairs
+from atleak.analysis.record_doubts import decision_faults
+from atleak.analysis.repair.choice import OfferedRepairs
 from atleak.analysis.repair.plan import plan_repairs
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import checked_controller, load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances, PumpGaps
+from atleak.catalogue.repairs import Repair
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -29,13 +34,17 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.engine.projection import project
 from atleak.equations import pump as equations
+from atleak.job.result import result_record
 from atleak.measurements.clearances import clearances
+from atleak.measurements.job_card import Job
 from atleak.measurements.readings import Readings
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.json.diagnosis import diagnosis_record, to_json
+from atleak.report.json.schemas import schema
 from atleak.report.pdf import write_pdf
 from atleak.report.sheets.measuring_columns import PUMP_SIDE, PUMP_TIP, SHEET
 from atleak.report.sheets.measuring_sheet import write_readings, write_template
+from atleak.report.tables.estimate import EstimateWords, open_words
 from atleak.report.tables.first_sentence import first_sentence, pump_sentence
 from atleak.report.tables.sentences import counted_in_speed, shares_add_up
 from atleak.report.terminal import print_diagnosis
@@ -246,6 +255,77 @@ def test_a_worn_land_does_not_hide_behind_a_worn_pump(name: str, hipol: Fluid, j
         assert [rule.value for rule in after.rules] == [rule.value for rule in before.rules]
     assert {step.land.key for step in plan_repairs(both).steps} == {step.land.key for step in plan_repairs(sound).steps}
     assert diagnosis_record(both)["unit"]["decided_by"]["kind"] == "pump"
+
+
+REPAIRS = (
+    Repair("new_one", "pump", frozenset(), "new_pump", "new pump", "made up", "MADE-UP-9", 310.0, "EUR", 2.0),
+    Repair("overhauled", "pump", frozenset(), "overhaul", "pump overhaul", "made up", price=95.5, currency="EUR"),
+)
+
+
+@pytest.mark.parametrize("name", first_of(SHIPPED))
+def test_a_worn_pump_is_the_first_step_of_the_plan_with_its_repair(
+    name: str, hipol: Fluid, judge: Judge, sheet_of: SheetOf, capsys: pytest.CaptureFixture[str]
+) -> None:
+    unit = replace(with_gap(name), repairs=REPAIRS, id=f"{name}_with_repairs")
+    key = leakiest(unit, hipol)
+    diagnosis = judge(unit, sheet_of(unit, 4.0, key), 100.0)
+    plan = plan_repairs(diagnosis)
+    pump, land = plan.order
+    assert pump is plan.pump
+    assert pump.chosen is not None
+    assert (pump.chosen.repair.id, land.land.key) == ("overhauled", key)  # type: ignore[union-attr]
+    assert plan.cost is not None
+    assert (plan.cost.prices, plan.cost.without_hours, plan.cost.without_option) == ({"EUR": 95.5}, 1, 1)
+    for end, new in zip(plan.ends, diagnosis.pump_new.new_projections, strict=True):  # type: ignore[union-attr]
+        assert end.reserve == pytest.approx(new.reserve, rel=0.02)
+    for before, as_measured in zip(pump.conditions, diagnosis.projections, strict=True):
+        assert before.before.reserve == pytest.approx(as_measured.reserve, rel=1e-9)
+
+    wanted = replace(diagnosis, repairs=REPAIRS[:1])
+    record = diagnosis_record(wanted)
+    Draft202012Validator(schema("diagnose")).validate(result_record(wanted, None))
+    assert [each["id"] for each in record["pump"]["repairs"]] == ["new_one", "overhauled"]
+    step, of_land = record["repair_plan"]
+    assert (step["component"], step["land"], step["chosen"]) == ("pump", None, "new_one")
+    assert step["options"] == record["pump"]["repairs"]
+    assert (of_land["component"], of_land["land"]) == key
+    assert record["repair_plan_ends"]["cost"]["prices"] == [{"price": 310.0, "currency": "EUR"}]
+    print_diagnosis(wanted)
+    printed = " ".join(capsys.readouterr().out.split())
+    assert re.search(
+        r"1\. pump: .* → new pump \(MADE-UP-9\), as new, 310.00 EUR, 2.0 h or pump overhaul.* 2\. ", printed
+    )
+    with pypdfium2.PdfDocument(write_pdf(wanted)) as document:
+        assert "Repair the pump first: new pump (MADE-UP-9)." in " ".join(
+            document[0].get_textpage().get_text_range().split()
+        )
+    summary = openpyxl.load_workbook(io.BytesIO(write_workbook(wanted)), read_only=True).worksheets[0]
+    cells = [[str(cell) for cell in row if cell is not None] for row in summary.iter_rows(values_only=True)]
+    assert any(row[0] == "pump" for row in cells if row)
+    assert any("new pump (MADE-UP-9)" in row for row in cells)
+
+
+@pytest.mark.parametrize("name", first_of(SHIPPED))
+def test_an_estimate_lists_the_pump_first_and_without_it_the_pump_stays_worn(
+    name: str, judge: Judge, sheet_of: SheetOf
+) -> None:
+    unit = replace(with_gap(name), repairs=REPAIRS, id=f"{name}_with_repairs")
+    diagnosis, job = judge(unit, sheet_of(unit), 100.0), Job()
+    made = estimate(diagnosis, job)
+    (line,) = made.lines
+    assert (line.of_pump, line.price, line.carried_out, line.chosen) == (True, 95.5, True, True)
+    assert made.past == ()
+    assert any("pump" in each for each in open_words(diagnosis, job, wording("en"), closing=True))
+    declined = with_line(job, line, decision="declined", reason="the customer sells the car")
+    without = estimate(diagnosis, declined)
+    assert [(each.of_pump, each.own) for each in without.lines] == [(True, True)]
+    assert {rule.id for rule in without.past} >= {rule.id for rule in diagnosis.pump.lacking}
+    assert made.stays_past(line) == without.past
+    assert EstimateWords(without, wording("de")).pair(without.lines[0]) == "Pumpe"
+    assert list(open_words(diagnosis, declined, wording("en"), closing=True)) == []
+    assert list(decision_faults(declined, unit)) == []
+    assert with_repairs(OfferedRepairs(diagnosis), job, ()).repair_decisions == ()
 
 
 @pytest.mark.parametrize("name", first_of(SHIPPED))
