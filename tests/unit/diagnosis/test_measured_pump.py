@@ -278,9 +278,9 @@ def test_a_worn_pump_is_the_first_step_of_the_plan_with_its_repair(
     assert plan.cost is not None
     assert (plan.cost.prices, plan.cost.without_hours, plan.cost.without_option) == ({"EUR": 95.5}, 1, 1)
     for end, new in zip(plan.ends, diagnosis.pump_new.new_projections, strict=True):  # type: ignore[union-attr]
-        assert end.reserve == pytest.approx(new.reserve, rel=0.02)
+        assert end.reserve == pytest.approx(new.reserve, rel=0.02, abs=0.0)
     for before, as_measured in zip(pump.conditions, diagnosis.projections, strict=True):
-        assert before.before.reserve == pytest.approx(as_measured.reserve, rel=1e-9)
+        assert before.before.reserve == pytest.approx(as_measured.reserve, rel=1e-9, abs=0.0)
 
     wanted = replace(diagnosis, repairs=REPAIRS[:1])
     record = diagnosis_record(wanted)
