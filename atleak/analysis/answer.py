@@ -105,7 +105,10 @@ class Answer:
 
     @cached_property
     def steps(self) -> tuple[PumpStep | RepairStep, ...]:
-        """Return the steps of the repair plan that mend what the answer names; of lands that can wait, none."""
+        """Return the steps of the repair plan that mend what explains it, a pump past its limits first.
+
+        Where no pressure is missing, lands that can wait are left out.
+        """
         if self.missing is None or self.cause in (Cause.UNEXPLAINED, Cause.CLUTCH_SEAL, Cause.NONE):
             return ()
         least = _LEAST * float(np.mean(self.total))
@@ -113,7 +116,7 @@ class Answer:
         lands = {
             key for row in explain for key, values in self.lands_of(row).items() if float(np.mean(values)) >= least
         }
-        pump = [self.plan.pump] if self.plan.pump is not None and PUMP_ROW in explain else []
+        pump = [] if self.plan.pump is None else [self.plan.pump]
         due = [each for each in self.plan.steps if not self.by_flow or not self.diagnosis.can_wait(each.land)]
         return (*pump, *(each for each in due if {each.land.key, *(one.key for one in each.together)} & lands))
 

@@ -13,6 +13,8 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.json.conditions import explained_record, of_land, scaled, unexplained_record
 from atleak.report.tables.answer import answer_lines
 
+_NOTHING = dict.fromkeys(("unexplained_kpa", "unexplained_low_kpa", "unexplained_high_kpa"))
+
 
 def answer_record(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the answer of a diagnosis, in the form of ``diagnose --json``."""
@@ -30,7 +32,7 @@ def answer_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "condition": answer.condition,
         "missing_kpa": None if missing is None else missing.amount(lambda each: each.missing).value * KPA,
         "explained": [] if missing is None else explained_record(missing),
-        **({} if missing is None else unexplained_record(missing)),
+        **(_NOTHING if missing is None else unexplained_record(missing)),
         "text": answer_lines(diagnosis, say)._asdict(),
         "do": _do(answer),
         "cost": prices.get(currency) if currency else None,

@@ -42,7 +42,7 @@ def answer_lines(diagnosis: Diagnosis, say: Wording) -> AnswerLines:
 def answer_facts(diagnosis: Diagnosis, say: Wording) -> Facts:
     """Return the three lines with what each says before it."""
     lines = answer_lines(diagnosis, say)._asdict()
-    return Facts([(say(f"answer.{name}"), said) for name, said in lines.items() if said])
+    return Facts([(say(f"answer.{name}"), said) for name, said in lines.items()])
 
 
 class _Words:
@@ -83,6 +83,9 @@ class _Words:
         if answer.cause not in (Cause.LANDS, Cause.LINE_SETTING) and self.diagnosis.judged:
             bores = self._amount(lambda each: each.of(Cause.LANDS) + each.of(Cause.LINE_SETTING))
             yield say("answer.bores", amount=bores)
+        left = missing.amount(lambda each: -each.unexplained)
+        if missing.measured is not None and left.low is not None and left.low > 0.0:
+            yield say("answer.against", amount=self._amount(lambda each: -each.unexplained))
 
     def _by_flow(self) -> Iterator[str]:
         answer, say = self.answer, self.say
@@ -150,7 +153,7 @@ class _Words:
         elif answer.cause is Cause.PUMP:
             measured = self.diagnosis.controller.pump.measured.any_known
             yield say("answer.pump_first") if measured else say("answer.measure_pump")
-            if answer.steps:
+            if any(step.chosen for step in answer.steps):
                 yield self._steps()
         elif answer.cause is Cause.CLUTCH_SEAL:
             yield say("answer.air_check", circuit=self._circuit(answer.circuit or ""))
@@ -173,8 +176,8 @@ class _Words:
     def sure(self) -> Iterator[str]:
         answer, say = self.answer, self.say
         if answer.missing is None:
-            return
-        if answer.probability is None:
+            yield say("answer.not_computed" if answer.cause is Cause.UNEXPLAINED else "answer.as_the_verdict")
+        elif answer.probability is None:
             yield say("answer.best_estimate")
         else:
             others = ", ".join(say(f"answer.or_{each}") for each in answer.also)

@@ -117,8 +117,9 @@ class Sheets:
             sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title
         )
         sheet.set_row(0, 24)
-        row = page.pairs(1, answer_facts(diagnosis, self.say).rows)
-        self._verdict(page, row)
+        answer = answer_facts(diagnosis, self.say).rows
+        page.pairs(1, answer)
+        self._verdict(page, 1 + len(answer))
         vehicle, box = self.job.vehicle, self.job.transmission
         rows: list[tuple[str, Any]] = [
             (Sentence("job"), self.job.number),
@@ -142,7 +143,7 @@ class Sheets:
             (Sentence("representative"), Name(record["controller"]["representative_note"] or "")),
             *self._complaint(),
         ]
-        row = page.pairs(row + 4, rows) + 1
+        row = page.pairs(5 + len(answer), rows) + 1
         if plan is None:
             row = page.across(row, self.say("findings.alone"))
             if diagnosis.log is not None:

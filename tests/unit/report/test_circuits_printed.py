@@ -553,8 +553,8 @@ def test_the_summary_says_so_too_and_its_verdict_follows_the_rules(
 ) -> None:
     found, numbers = decided
     sheets = calculator(write_workbook(found))
-    assert sheets.value("Summary", "B2") == signed(found.verdict)
-    issued = sheets.book["Summary"]["B4"].value
+    assert sheets.value("Summary", "B5") == signed(found.verdict)
+    issued = sheets.book["Summary"]["B7"].value
     assert issued == f"{signed(found.verdict)}: {first_sentence(found, wording('en'))}"
     assert [number for number in numbers if f"{number:g}" not in issued] == []
 

@@ -103,10 +103,10 @@ def test_the_workbooks_verdict_counts_what_gauges_showed(sample_readings: Path, 
     diagnosis = Case(readings=SourceFile.at(sample_readings), pressures=gauges).diagnose()
     content = write_workbook(diagnosis)
     summary = openpyxl.load_workbook(io.BytesIO(content))["Summary"]
-    assert openpyxl.load_workbook(io.BytesIO(content), data_only=True)["Summary"]["B2"].value == verdict
-    assert f",{1 + RANKED.index(diagnosis.pressures.verdict)})" in summary["B2"].value
+    assert openpyxl.load_workbook(io.BytesIO(content), data_only=True)["Summary"]["B5"].value == verdict
+    assert f",{1 + RANKED.index(diagnosis.pressures.verdict)})" in summary["B5"].value
     if drive == 200.0:
-        assert "Gauge at the line, D, slow idle: 200 kPa where 412 kPa are the least" in summary["B4"].value
+        assert "Gauge at the line, D, slow idle: 200 kPa where 412 kPa are the least" in summary["B7"].value
 
 
 def test_gauges_that_are_within_say_so(sample_readings: Path) -> None:

@@ -30,8 +30,8 @@ def test_the_verdict_of_a_sheet_and_a_log_follows_from_the_workbooks_cells(
     both = diagnose(sample.controller, sample.fluid, sample.limits, readings=sample.readings, road_test=low)
     assert (both.verdict == Verdict.CRITICAL) == (factor < 1.0)
     sheets = calculator(write_workbook(both))
-    assert sheets.value("Summary", "B2") == signed(both.verdict)
-    assert sheets.value("Summary", "B4").startswith(f"Provisional. {signed(both.verdict)}: ")
+    assert sheets.value("Summary", "B5") == signed(both.verdict)
+    assert sheets.value("Summary", "B7").startswith(f"Provisional. {signed(both.verdict)}: ")
 
 
 @pytest.mark.parametrize(("name", "heading"), [("Road test", "Lowest, lasting"), ("Gauge readings", "Gauge")])

@@ -43,7 +43,7 @@ def test_sheets_verdicts_and_conditions_have_the_words_of_the_report(worn_clutch
     say, book = wording("de"), openpyxl.load_workbook(io.BytesIO(german), data_only=True)
     assert book.sheetnames[:3] == ["Übersicht", "Bünde", "Bund je Betriebspunkt"]
     summary = book["Übersicht"]
-    assert summary["B2"].value == say.signed(worn_clutch.verdict)
-    assert summary["B4"].value.startswith(f"{say.signed(worn_clutch.verdict)}: ")
+    assert summary["B5"].value == say.signed(worn_clutch.verdict)
+    assert summary["B7"].value.startswith(f"{say.signed(worn_clutch.verdict)}: ")
     headings = {str(cell.value) for cell in book["Bund je Betriebspunkt"][1]}
     assert f"Befund des Anteils, {say.condition(worn_clutch.worst.condition)}" in headings

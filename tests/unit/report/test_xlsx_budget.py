@@ -247,7 +247,7 @@ def test_a_changed_coordinate_reaches_lands_headline_and_budget(by_coordinates, 
     second = column(sheets.book, "coordinate 2 [mm]")
 
     def shown() -> list[Any]:
-        return [sheets.value(SHEET, u), sheets.value(SHEET, cells["c_r"]), sheets.value("Summary", "B3")]
+        return [sheets.value(SHEET, u), sheets.value(SHEET, cells["c_r"]), sheets.value("Summary", "B6")]
 
     before = shown()
     for row in sheets.book["Readings"].iter_rows(min_row=2):

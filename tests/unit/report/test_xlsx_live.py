@@ -231,7 +231,7 @@ def test_libreoffice_gives_what_atleak_gives_after_every_change_at_once(
     verdicts = [[land.verdict for land in found.lands] for found in (before, after)]
     assert all(was != now for was, now in zip(*totals, strict=True))
     assert verdicts[0] != verdicts[1]
-    assert value("Summary", "B2") == signed(after.verdict)
+    assert value("Summary", "B5") == signed(after.verdict)
     assert len([land for land in after.lands if land.verdict.flagged]) == flagged_now(book, value)
 
 
@@ -323,7 +323,7 @@ def test_a_share_over_the_pumps_flow_is_called_a_demand(units, readings_of):
     wide = {land.key: (land.nominal_diameter, land.nominal_diameter + 200 * UM) for land in unit.controller.lands}
     content = write_workbook(replace(unit, readings=readings_of(unit.controller, wide)).diagnose())
     summary = openpyxl.load_workbook(io.BytesIO(content), data_only=True)["Summary"]
-    assert "✖ critical: " in summary["B4"].value
+    assert "✖ critical: " in summary["B7"].value
     formats = [cell for row in summary.iter_rows() for cell in row if cell.number_format == NUMBER_FORMATS["share"]]
     assert max(cell.value for cell in formats) > 100.0
     assert '[>100]0.00" demand"' in NUMBER_FORMATS["share"]
