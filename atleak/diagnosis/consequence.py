@@ -16,7 +16,7 @@ import numpy as np
 from atleak.catalogue.limits import RuleKind, falls_below, reaches
 from atleak.catalogue.repairs import LandKey
 from atleak.common.verdicts import Band, Verdict
-from atleak.diagnosis.land import SERVICE_INTERVAL, LandDiagnosis, WearLine, line_from_new
+from atleak.diagnosis.land import SERVICE_INTERVAL, LandDiagnosis, WearLine
 from atleak.diagnosis.rules import Rule, permissible_low
 from atleak.engine.operation import LINE, LandStates, Repaired
 from atleak.engine.projection import Projection, with_wear
@@ -121,7 +121,6 @@ class JudgedTotal:
 def consequences(
     diagnosis: Diagnosis,
     responsible: Collection[LandKey] = (),
-    lines: Mapping[LandKey, WearLine] | None = None,
 ) -> Mapping[LandKey, Consequence]:
     """Return the consequence of every land's wear, in the controller's order.
 
@@ -132,8 +131,6 @@ def consequences(
     ----------
     responsible
         lands found responsible for a pressure that gauges or a log measured past its limit.
-    lines
-        wear over mileage that several visits tell; those from new, where that was measured, unless given.
 
     Returns
     -------
@@ -147,7 +144,7 @@ def consequences(
         land for land in unit.lands if land.state.judged and land.state.radial_clearance > land.state.land.widest_new
     ]
     now = {*responsible, *_behind_now(unit, grown)}
-    before = _behind_at_service(unit, now, diagnosis.mileage, lines)
+    before = _behind_at_service(unit, now, diagnosis.mileage, diagnosis.wear_lines)
 
     def consequence(land: LandDiagnosis) -> Consequence:
         key = land.key
@@ -178,18 +175,10 @@ def _significant(land: LandDiagnosis) -> bool:
     return known is not None and known[0] > 0.0
 
 
-def wear_lines(unit: Diagnosis, mileage: float | None) -> dict[LandKey, WearLine]:
-    """Return the wear since new of every land of which one visit tells it."""
-    of_lands = ((land.key, land.uncertainty) for land in unit.lands if land.uncertainty is not None)
-    from_new = {key: line_from_new(uncertainty.sources, mileage) for key, uncertainty in of_lands}
-    return {key: line for key, line in from_new.items() if line is not None and line.certain}
-
-
 def _behind_at_service(
-    unit: Diagnosis, now: Collection[LandKey], mileage: float | None, lines: Mapping[LandKey, WearLine] | None
+    unit: Diagnosis, now: Collection[LandKey], mileage: float | None, lines: Mapping[LandKey, WearLine]
 ) -> set[LandKey]:
     """Return the lands behind what is past a limit at the next service, those with a consequence now mended."""
-    lines = wear_lines(unit, mileage) if lines is None else lines
     wearing = {key: line for key, line in lines.items() if line.certain and key not in now}
     if mileage is None or not wearing:
         return set()

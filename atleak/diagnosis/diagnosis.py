@@ -14,13 +14,15 @@ from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
 from atleak.catalogue.repairs import Complaint, LandKey, Repair
 from atleak.common.errors import Message
 from atleak.common.verdicts import Band, Verdict, worst
-from atleak.diagnosis.consequence import Consequence, consequences, wear_lines
+from atleak.diagnosis.consequence import Consequence, consequences
 from atleak.diagnosis.gauge_check import PressureCheck
 from atleak.diagnosis.land import (
     NO_RATE,
     SERVICE_INTERVAL,
     LandDiagnosis,
     PumpDiagnosis,
+    WearLine,
+    line_from_new,
     replace_mileage,
     without_rate,
 )
@@ -103,6 +105,8 @@ class Diagnosis:
         what a reader of the result must know.
     repairs
         that the workshop chose to plan with; of other lands the cheapest is planned.
+    lines_of_visits
+        wear over mileage of the lands of which several visits tell it; None: since new, where this visit tells that.
     """
 
     readings: Readings | None
@@ -133,6 +137,7 @@ class Diagnosis:
     complaint: Complaint | None
     messages: tuple[Message, ...]
     repairs: tuple[Repair, ...] = ()
+    lines_of_visits: Mapping[LandKey, WearLine] | None = field(default=None, repr=False)
 
     @property
     def projection(self) -> Projection:
@@ -447,8 +452,17 @@ class Diagnosis:
         land
             one of `lands`.
         """
-        known = self.mileage is not None and land.key in wear_lines(self, self.mileage)
-        return self.mileage + SERVICE_INTERVAL if known and self.mileage is not None else None
+        line, mileage = self.wear_lines.get(land.key), self.mileage
+        return None if line is None or mileage is None or not line.certain else mileage + SERVICE_INTERVAL
+
+    @cached_property
+    def wear_lines(self) -> Mapping[LandKey, WearLine]:
+        """Return how every land wears of which that is known, by component and land."""
+        if self.lines_of_visits is not None:
+            return self.lines_of_visits
+        of_lands = ((land.key, land.uncertainty) for land in self.lands if land.uncertainty is not None)
+        lines = {key: line_from_new(uncertainty.sources, self.mileage) for key, uncertainty in of_lands}
+        return {key: line for key, line in lines.items() if line is not None}
 
     @property
     def ranked(self) -> tuple[LandDiagnosis, ...]:

@@ -203,7 +203,7 @@ def draw_wear(now: Seen) -> None:
     if not now.history.with_rate:
         st.info(say("unit.no_rate"))
         return
-    show.table(wear_table(now.history, now.diagnosis.controller, say))
+    show.table(wear_table(now.history, now.diagnosis, say))
     st.caption(say("unit.wear_note"))
 
 

@@ -248,7 +248,8 @@ class _Page:
 
     def _still_to_repair(self) -> str | None:
         """Name the pairs that are to be repaired still, the costliest first; None where there are none."""
-        left = [land for land in self.comparison.after.flagged if land.verdict.calls_for_repair]
+        after = self.comparison.after
+        left = [land for land in after.flagged if after.urgency_of(land).calls_for_repair]
         if not left:
             return None
         names = joined((self._named(*land.key) for land in left[:LEFT]), "; ")

@@ -336,7 +336,7 @@ class CustomerPage(PrintedPart):
         say, waiting = self.say, [each for each in self.valves if each.urgency is not each.verdict]
         columns = (
             Column("customer.valve", width=250, of=lambda each: self._valve(each.component)),
-            Column("verdict", None if waiting else VERDICT, width=150, of=self._urgent),
+            Column("verdict", None if waiting else VERDICT, width=250, of=self._urgent),
             Column("customer.from_to", width=250, of=self._paths),
             Column("customer.felt", width=300, of=self._felt),
             Column("customer.alone", width=350, of=self._alone),

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from atleak.analysis.history.wear import LandLimit, LandWear, TotalOverMileage, WearHistory
-from atleak.catalogue.controller import Controller
 from atleak.common.units import PERCENT, UM
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import WearLine
 from atleak.report.tables.names import land_words
-from atleak.report.tables.sentences import crossing_in_words
+from atleak.report.tables.sentences import consequence_words, crossing_in_words
 from atleak.report.tables.table import Column, Table
 
 PER = 1e4  # [km], or miles where people read those, for which they read a rate
@@ -57,8 +58,20 @@ def levels_of(history: WearHistory) -> list[Verdict]:
     return sorted({limit.level for land in history.lands for limit in land.limits}, key=lambda level: level.rank)
 
 
-def wear_table(history: WearHistory, controller: Controller, say: Wording) -> Table:
-    """Return a row for each land: clearance, rate, and the mileage of each level's first limit, the soonest first."""
+def wear_table(history: WearHistory, diagnosis: Diagnosis, say: Wording) -> Table:
+    """Return a row for each land: clearance, rate, and the mileage of each level's first limit, the soonest first.
+
+    Parameters
+    ----------
+    diagnosis
+        of the last visit that measured; what wear does by the next service follows from the lines of all visits.
+    """
+    lines = {land.key: land.line for land in history.lands if land.line is not None}
+    last = replace(diagnosis, lines_of_visits=lines, mileage=history.present)
+    by_key = {land.key: land for land in last.lands}
+
+    def consequence(land: LandWear) -> str | None:
+        return consequence_words(last, by_key[land.key], say) if land.key in by_key else None
 
     def clearance(land: LandWear) -> float | None:
         return land.series.measured[-1].clearance if land.series.measured else None
@@ -70,10 +83,11 @@ def wear_table(history: WearHistory, controller: Controller, say: Wording) -> Ta
     distance = f"{say.number(PER, 0)} {say.unit('distance')}"
     rate = say("history.rate_heading", unit=say.unit("clearance"), distance=distance)
     columns = (
-        Column("pair", width=150, of=lambda land: land_words(controller, land.key, say)),
+        Column("pair", width=150, of=lambda land: land_words(diagnosis.controller, land.key, say)),
         Column("clearance", "clearance", of=clearance, times=UM),
         Column("rate", words=rate, of=lambda land: rate_in_words(land.line, say)),
         *(_at(level, partial(first_at, level), say) for level in levels_of(history)),
+        Column("consequence", width=150, of=consequence),
         Column("visits", digits=0, of=lambda land: len(land.series.measured)),
         Column("since", of=lambda land: _since(land, history, say)),
     )

@@ -142,7 +142,7 @@ def test_lines_of_several_visits_are_taken_where_they_are_given(judge: Judge, fe
     line = wear_line([15_000.0, 30_000.0], [16 * UM, 20 * UM], exact)
     assert line is not None
     assert line.at(30_000.0 + SERVICE_INTERVAL) == pytest.approx(36 * UM, rel=1e-9, abs=0.0)
-    assert consequences(found, lines={FIRST: line})[FIRST] is Consequence.BEFORE_NEXT_SERVICE
+    assert replace(found, lines_of_visits={FIRST: line}).consequences[FIRST] is Consequence.BEFORE_NEXT_SERVICE
 
 
 def test_what_cannot_be_computed_is_unknown(judge: Judge, fed: Controller, readings_of: Build, hipol, limits) -> None:

@@ -16,6 +16,7 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.common.translations import languages
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import wording
+from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.engine.profile import PAPER, WORKSHOP
@@ -26,7 +27,8 @@ from atleak.report.pdf import write_pdf
 from atleak.report.pdf.customer import CustomerPage, digits_apart
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.tables.complaint import End, explanations, worn_valves
-from tests.unit.conftest import first_of
+from atleak.report.tables.sentences import consequence_words
+from tests.unit.conftest import first_of, with_clearances
 from tests.unit.report import read_back
 
 SIGNED = ("signatures",)
@@ -342,6 +344,72 @@ def test_a_valve_that_is_the_only_one_to_repair_is_not_called_one_of_several(gro
     assert worn_valves(found, plan.choice)[0].brings(found.worst).saving > 0.0
     first, say = pages_of(write_pdf(found, sections=SIGNED))[0], wording("en")
     assert say.table("customer")["do_first"].split("{")[0] not in first
+
+
+@pytest.fixture(scope="module")
+def wide(hipol, limits, readings_of) -> Callable[..., Diagnosis]:
+    """Diagnoses a unit with circuits, of which some lands are so many times as wide as the widest new ones."""
+    described = load_controller("chrysler_41te")
+    lands = (replace(each, mounting_clearance=each.widest_new, mounting_measured=True) for each in described.lands)
+    unit = replace(described, lands=tuple(lands))
+
+    def build(times: dict[tuple[str, int], float], mileage: float | None = None) -> Diagnosis:
+        clearances = {key: unit.land(*key).widest_new * each for key, each in times.items()}
+        sheet = with_clearances(unit, readings_of, clearances)
+        return diagnose(unit, hipol, limits, readings=sheet, mileage=mileage)
+
+    return build
+
+
+WAITS, DUE = ("regulator", 2), ("manual_valve", 1)
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_valve_whose_wear_does_nothing_is_not_to_be_repaired_on_this_visit(wide, language):
+    found, say = wide({WAITS: 1.9}), wording(language)
+    assert (found.verdict, found.urgency) == (Verdict.REPLACE, Verdict.WATCH)
+    first = pages_of(write_pdf(found, language=language))[0]
+    valve = say.name(found.controller.components["regulator"])
+    said = [say("customer.watch"), say("customer.urgent_watch"), say("consequences.none")]
+    said += [say("customer.waits", count=1), say("customer.do_watch", valves=valve)]
+    assert [words for words in said if words.replace("\u00a0", " ") not in first] == []
+    for words in (say("customer.urgent_replace"), say("customer.escapes"), say.level(Verdict.REPLACE)):
+        assert words not in first
+
+
+def test_of_two_worn_valves_the_one_that_does_nothing_can_wait(wide):
+    found, say = wide({WAITS: 1.9, DUE: 1.9}), wording("en")
+    assert found.urgency is Verdict.REPLACE
+    first = pages_of(write_pdf(found))[0]
+    due, waits = (say.name(found.controller.components[component]) for component, _ in (DUE, WAITS))
+    assert f"{say('customer.do_repair', valves=due)} {say('customer.do_wait', valves=waits)}" in first
+    assert say("customer.urgent_replace") in first
+    now, waiting = plan_repairs(found).steps
+    assert [(step.land.key, step.consequence) for step in (now, waiting)] == [
+        (DUE, Consequence.NOW),
+        (WAITS, Consequence.NONE),
+    ]
+
+
+@pytest.mark.parametrize(("units", "mileage"), [("metric", "120 000 km"), ("us", "74 000 mi")])
+def test_a_valve_that_fails_before_the_next_service_says_at_which_mileage_and_that_it_is_assumed(wide, units, mileage):
+    found, say = wide({DUE: 1.55}, 60_000.0), wording("en", units)
+    first = pages_of(write_pdf(found, units=units))[0]
+    amount, unit = mileage.rsplit(" ", 1)
+    assert say("customer.urgent_before_service", mileage=amount) in first
+    assert f"by {amount} {unit} (service assumed)" in first
+    assert "How often it is serviced is assumed." in first
+    assert say("customer.urgent_replace") not in first
+
+
+def test_a_valve_that_can_wait_says_up_to_which_mileage_where_a_line_of_wear_tells_it(wide):
+    found, say = wide({WAITS: 1.9}, 60_000.0), wording("en")
+    (land,) = found.flagged
+    service = say.number(120_000.0, 0)
+    assert consequence_words(found, land, say) == f"worn; can wait to {service} km (service assumed)"
+    assert consequence_words(wide({WAITS: 1.9}), land, say) == "worn; can wait"
+    sound = next(each for each in found.lands if not each.verdict.flagged)
+    assert consequence_words(found, sound, say) is None
 
 
 def test_oil_leaks_into_a_section_the_sump_or_a_fixed_pressure_and_each_is_told_apart(aside):

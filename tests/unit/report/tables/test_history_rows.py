@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
@@ -19,6 +20,7 @@ from atleak.diagnosis.examination import diagnose
 from atleak.measurements.readings import Readings
 from atleak.report.charts import history_figures as figures
 from atleak.report.tables.history import soonest_first, total_table, wear_table
+from atleak.report.tables.sentences import consequence_words
 
 REGULATOR, SECOND, TCC, SOLENOID = (
     ("pressure_regulator", 1),
@@ -49,11 +51,9 @@ def unit(
     return wear_over_mileage(visits, limits), diagnosis
 
 
-def test_every_land_has_its_rate_and_when_it_reaches_each_level(
-    unit: tuple[WearHistory, Diagnosis], minimal: Controller
-) -> None:
-    history, _ = unit
-    rows = {row["pair"]: row for row in wear_table(history, minimal, ENGLISH).records()}
+def test_every_land_has_its_rate_and_when_it_reaches_each_level(unit: tuple[WearHistory, Diagnosis]) -> None:
+    history, diagnosis = unit
+    rows = {row["pair"]: row for row in wear_table(history, diagnosis, ENGLISH).records()}
     worn = rows["pressure regulator valve/1"]
     assert worn["rate"].startswith("1.00 (0.")
     assert (worn[WATCH], worn["visits"], worn["since"]) == ("reached", 2, "2022-05-01: repaired")
@@ -64,6 +64,16 @@ def test_every_land_has_its_rate_and_when_it_reaches_each_level(
     assert "(−0." in unworn["rate"]
     assert unworn[REPLACE].startswith(("not before", "not foreseeable"))
     assert unworn["since"] is None
+
+
+def test_what_wear_does_by_the_next_service_follows_from_the_visits(unit: tuple[WearHistory, Diagnosis]) -> None:
+    history, diagnosis = unit
+    described = replace(diagnosis, controller=replace(diagnosis.controller, gaps_not_described=frozenset()))
+    said = {row["pair"]: row["consequence"] for row in wear_table(history, described, ENGLISH).records()}
+    solenoid = next(land for land in described.lands if land.key == SOLENOID)
+    assert consequence_words(described, solenoid, ENGLISH) == "worn; can wait"  # one visit tells no rate
+    assert said["solenoid modulator valve/1"].replace("\u00a0", " ") == "worn; can wait to 220 000 km (service assumed)"
+    assert said["converter clutch regulator valve/1"] is None  # within its limits
 
 
 def test_what_is_past_a_limit_comes_first_and_what_nobody_can_tell_last(unit: tuple[WearHistory, Diagnosis]) -> None:
@@ -116,10 +126,10 @@ def test_a_pareto_chart_counts_units_and_what_they_make_up() -> None:
     assert list(bar.customdata) == [75.0, 100.0]
 
 
-def test_a_rate_stands_in_the_readers_units(unit: tuple[WearHistory, Diagnosis], minimal: Controller) -> None:
+def test_a_rate_stands_in_the_readers_units(unit: tuple[WearHistory, Diagnosis]) -> None:
     """1.00 µm per 10 000 km is 0.63 times 0.0001 in per 10 000 mi."""
     us = wording("de", "us")
-    rows = {row["pair"]: row for row in wear_table(unit[0], minimal, us).records()}
+    rows = {row["pair"]: row for row in wear_table(*unit, us).records()}
     assert rows["Druckregelventil/1"]["rate"].startswith("0,63 (")
     figure = figures.clearance_over_mileage(unit[0].land(REGULATOR), unit[0].visits, unit[0].present, us)
     assert figure.layout.xaxis.title.text == "Laufleistung [mi]"
