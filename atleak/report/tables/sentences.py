@@ -200,9 +200,9 @@ def covered_from(diagnosis: Diagnosis, projection: Projection) -> str:
 
 
 def position_sentence(diagnosis: Diagnosis, projection: Projection, say: Wording) -> str:
-    """Say for which position of the spools flows are given, and the total share as they may lie; "" where it is set."""
+    """Say for which position of the spools flows are given, and the share as they may lie; "" where there is none."""
     band = position_band(diagnosis, projection)
-    if band is None:
+    if band is None or projection.pump_capacity <= 0.0:
         return ""
     low, high = (say.percent(each, 0 if band[1] >= 0.1 else 1) for each in band)
     key = "anywhere" if diagnosis.profile.eccentricity == UNKNOWN else "concentric"

@@ -30,6 +30,7 @@ from atleak.common.verdicts import Verdict
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
+from atleak.diagnosis.provisional import AssumedBasis
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.engine.projection import project
@@ -238,6 +239,7 @@ def test_a_worn_pump_is_named_first_and_no_unworn_valve(
     assert not re.search(r"\binf\b|∞|Look first", printed)
     with pypdfium2.PdfDocument(write_pdf(diagnosis)) as document:
         page = " ".join(document[0].get_textpage().get_text_range().split())
+        assert "–\u00a0%" not in document[1].get_textpage().get_text_range()
     assert "The pump is worn and has to be repaired first." in page
     assert "Repair:" not in page
     assert "∞" not in page
@@ -380,6 +382,19 @@ def test_a_pump_over_its_limit_is_past_it_whatever_the_valves_do(
     assert [(each.rule.verdict, each.decision) for each in over.pump.decisions] == [
         (Verdict.REPLACE, "conditional_fail")
     ]
+
+
+@pytest.mark.parametrize("known", ["published", "representative"])
+def test_a_verdict_by_a_representative_limit_of_the_pump_is_provisional(
+    known: str, unit: Controller, read: Readings, hipol: Fluid, limits: Limits
+) -> None:
+    assert unit.entry is not None
+    data = unit.entry.model_dump(by_alias=True, exclude_unset=True)
+    data["pump"][known] = ["side_clearance_limit_um"]
+    described = checked_controller(data, "unit.toml")
+    over = diagnose(described, hipol, limits, readings=read, pump_clearances=PumpClearances.of_um(51.0, None))
+    assert over.decided_by is over.pump
+    assert (AssumedBasis.PUMP in over.provisional) is (known == "representative")
 
 
 def test_how_sure_the_reserve_is_follows_from_the_clearances_too(
