@@ -211,8 +211,6 @@ class CustomerPage(PrintedPart):
             yield f"{begun(impossible_part(diagnosis, say))}."
         elif pump is not None:
             yield pump
-        for said in may_parts(diagnosis, say):
-            yield f"{begun(said)}."
         if diagnosis.without_sheet:
             yield say("customer.no_sheet")
         elif diagnosis.judged:
@@ -222,6 +220,8 @@ class CustomerPage(PrintedPart):
         yield from self._lost()
         yield from self._explained()
         yield from self._held()
+        for said in may_parts(diagnosis, say):
+            yield f"{begun(said)}."
         half = sum(land.state.measured for land in diagnosis.unmeasured)
         missing = len(diagnosis.unmeasured) - half
         if missing and diagnosis.judged:

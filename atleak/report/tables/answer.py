@@ -22,6 +22,7 @@ from atleak.report.tables.sentences import land_in_words
 from atleak.report.tables.table import Facts
 
 _NAMED, _WORTH = 3, 0.1  # lands that the answer names, and what each explains of the whole at least
+_STEPS = 3  # of the plan that the answer names
 _SURELY = 0.99  # probability above which no more is said than that
 
 
@@ -163,7 +164,10 @@ class _Words:
             yield self._steps() if answer.steps else say("answer.can_wait")
 
     def _steps(self) -> str:
-        steps, cost = "; ".join(map(self._step, self.answer.steps)), price_and_hours(self.answer.cost, self.say)
+        every, cost = self.answer.steps, price_and_hours(self.answer.cost, self.say)
+        steps, more = "; ".join(map(self._step, every[:_STEPS])), len(every) - _STEPS
+        if more > 0:
+            steps = self.say("diagnosis.and_more", named=steps, count=more)
         return f"{steps}. {self.say('answer.cost', cost=cost)}" if cost else f"{steps}."
 
     def _step(self, step: PumpStep | RepairStep) -> str:
