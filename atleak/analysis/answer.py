@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -166,12 +167,17 @@ def _more_than_half(answer: Answer, causes: Iterable[Cause]) -> float:
 
 
 def answer_of(diagnosis: Diagnosis) -> Answer:
-    """Return the answer of a diagnosis, made once and kept with it.
+    """Return the answer of a diagnosis.
 
     Measured pressures that are past a limit lead, the one of which most is missing; then pressures that are past a
     limit by the clearances; then, where no pressure is lost, the growth of what the pump has to deliver.
     """
-    return kept_with(diagnosis, "answer", "", lambda: _answer(diagnosis), most=1)
+
+    def found() -> dict[str, Any]:  # without the diagnosis, which it is kept with
+        values = vars(_answer(diagnosis))
+        return {each.name: values[each.name] for each in fields(Answer) if each.name != "diagnosis"}
+
+    return Answer(diagnosis, **kept_with(diagnosis, "answer", "", found, most=1))
 
 
 def _answer(diagnosis: Diagnosis) -> Answer:

@@ -33,7 +33,7 @@ def answer_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "missing_kpa": None if missing is None else missing.amount(lambda each: each.missing).value * KPA,
         "explained": [] if missing is None else explained_record(missing),
         **(_NOTHING if missing is None else unexplained_record(missing)),
-        "text": answer_lines(diagnosis, say)._asdict(),
+        "text": answer_lines(answer, say)._asdict(),
         "do": _do(answer),
         "cost": prices.get(currency) if currency else None,
         "currency": currency,

@@ -34,15 +34,15 @@ class AnswerLines(NamedTuple):
     sure: str
 
 
-def answer_lines(diagnosis: Diagnosis, say: Wording) -> AnswerLines:
-    """Return the answer of a diagnosis as three lines."""
-    words = _Words(answer_of(diagnosis), say)
+def answer_lines(answer: Answer, say: Wording) -> AnswerLines:
+    """Return an answer as three lines."""
+    words = _Words(answer, say)
     return AnswerLines(*(" ".join(part) for part in (words.wrong(), words.do(), words.sure())))
 
 
 def answer_facts(diagnosis: Diagnosis, say: Wording) -> Facts:
     """Return the three lines with what each says before it."""
-    lines = answer_lines(diagnosis, say)._asdict()
+    lines = answer_lines(answer_of(diagnosis), say)._asdict()
     return Facts([(say(f"answer.{name}"), said) for name, said in lines.items()])
 
 
@@ -168,12 +168,13 @@ class _Words:
         steps, more = "; ".join(map(self._step, every[:_STEPS])), len(every) - _STEPS
         if more > 0:
             steps = self.say("diagnosis.and_more", named=steps, count=more)
+        steps = begun(steps)
         return f"{steps}. {self.say('answer.cost', cost=cost)}" if cost else f"{steps}."
 
     def _step(self, step: PumpStep | RepairStep) -> str:
         say = self.say
         if step.chosen is None and isinstance(step, PumpStep):
-            return begun(step_in_words(self.diagnosis, step, say))
+            return step_in_words(self.diagnosis, step, say)
         repair = say("answer.as_new") if step.chosen is None else repair_name(step.chosen.repair, say)
         return say("answer.repair", what=step_in_words(self.diagnosis, step, say), repair=repair)
 
