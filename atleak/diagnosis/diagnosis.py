@@ -15,6 +15,7 @@ from atleak.catalogue.repairs import Complaint, LandKey, Repair
 from atleak.common.errors import Message
 from atleak.common.verdicts import Band, Verdict, worst
 from atleak.diagnosis.consequence import Consequence, consequences
+from atleak.diagnosis.gauge_card import GaugeCard
 from atleak.diagnosis.gauge_check import PressureCheck
 from atleak.diagnosis.land import (
     NO_RATE,
@@ -85,6 +86,8 @@ class Diagnosis:
         leakage over the log; None without one, and where none can be computed over it.
     log
         what the log says by itself; None without one.
+    gauge_card
+        what gauges should show on the unit, new and as measured.
     pressures
         gauge readings of the standing vehicle, judged; None without any.
     logged
@@ -127,6 +130,7 @@ class Diagnosis:
     losses: tuple[Losses, ...]
     road: RoadLeakage | None
     log: RoadFindings | None
+    gauge_card: GaugeCard = field(repr=False)
     pressures: PressureCheck | None
     logged: tuple[Missing, ...]
     uncertainty: UnitUncertainty | None

@@ -15,6 +15,7 @@ from atleak.catalogue.repairs import Complaint
 from atleak.common.errors import translates_refusals
 from atleak.common.memory import kept_with
 from atleak.diagnosis.diagnosis import Diagnosis, mileage_of
+from atleak.diagnosis.gauge_card import GaugeCard
 from atleak.diagnosis.gauge_check import check_pressures
 from atleak.diagnosis.land import diagnosed_land, diagnosed_pump
 from atleak.diagnosis.messages import messages_of, sheet_messages
@@ -135,18 +136,16 @@ def diagnose(
     measured = [state.land.key for state in states if state.measured]
     rules, uncertainty = _judged(unit, limits, road.leakage, pump_new, readings, instruments, assumptions, guard_factor)
     better = pump_new.unit_rules if pump_new else ()
+    card = GaugeCard(unit.model, unit.as_unworn, readings, instruments, assumptions)
     checked = (
         None
         if pressures is None and road.log is None
         else check_pressures(
             pressures or NO_GAUGES,
-            unit.model,
+            card,
             limits,
             log=road.log,
             projections=unit.now,
-            readings=readings,
-            instruments=instruments,
-            assumptions=assumptions,
             guard_factor=guard_factor,
         )
     )
@@ -177,6 +176,7 @@ def diagnose(
         losses=tuple(pressure_losses(unit.model, unit.as_new, each.condition, measured) for each in unit.now),
         road=road.leakage,
         log=road.log,
+        gauge_card=card,
         pressures=checked if pressures else None,
         logged=checked.logged if checked else (),
         uncertainty=uncertainty,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import cast
 
 import numpy as np
@@ -13,7 +13,6 @@ import numpy as np
 from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_tables import SelectorRange
-from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.errors import DomainError, Message, Place
@@ -21,6 +20,7 @@ from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence, in_a_row
 from atleak.common.units import KPA, Quantity, gear_name
 from atleak.common.verdicts import Verdict, worst
+from atleak.diagnosis.gauge_card import Expected, GaugeCard, StandsToExpected, held_at, point_of, standing_point
 from atleak.diagnosis.gauge_patterns import GaugeStanding, Pattern, Stands, find_patterns
 from atleak.diagnosis.missing import Cause, Missing
 from atleak.diagnosis.road import RoadFindings
@@ -28,7 +28,6 @@ from atleak.diagnosis.rules import Rule, permissible_steps
 from atleak.diagnosis.uncertainty import Assumptions, RuleDecision
 from atleak.diagnosis.uncertainty.decision import decide_normal, decide_rule
 from atleak.diagnosis.uncertainty.posterior import MOST_RISE, Fault, Lost, PosteriorUnit, Shown, losses
-from atleak.diagnosis.uncertainty.sources import find_sources
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import LINE as LINE_SECTION
 from atleak.engine.projection import Projection, project
@@ -49,7 +48,6 @@ from atleak.measurements.gauge_readings import (
     tap_name,
     taps_of,
 )
-from atleak.measurements.readings import Readings
 
 _SHOWN = 8  # cells named in a message
 _LOG = "the log's sensor"  # a gauge by its own name
@@ -89,6 +87,12 @@ class CheckedReading:
     lost: Lost | None = None  # by its circuit, or the line, against new; None where that is not judged
     missing: Missing | None = None  # against new, and what explains it; None where nothing can be computed there
     unjudged: Sentence | None = None  # why no rule judges it
+    shown: Expected | None = None  # what gauges would show there; None where nothing can be computed
+
+    @property
+    def stands_to_expected(self) -> StandsToExpected | None:
+        """Return how it stands to what gauges would show of the unit, new and as measured; None where that is open."""
+        return None if self.shown is None else self.shown.stands(self.reading.pressure)
 
     @property
     def cell(self) -> GaugeCell:
@@ -182,14 +186,11 @@ class PressureCheck:
 
 def check_pressures(
     table: PressureTable,
-    model: LeakageModel,
+    card: GaugeCard,
     limits: Limits,
     *,
     log: RoadFindings | None = None,
     projections: Sequence[Projection] = (),
-    readings: Readings | None = None,
-    instruments: Instruments | None = None,
-    assumptions: Assumptions,
     guard_factor: float,
 ) -> PressureCheck:
     """Judge every reading of a table.
@@ -198,24 +199,20 @@ def check_pressures(
     ----------
     table
         the gauge readings.
-    model
-        the engine with the clearances as measured: what pump and circuits hold is expected from it.
+    card
+        what gauges should show on the unit, with its clearances as measured and what it may be like.
     limits
         whose limits below the permissible pressure, and of circuits, are applied.
     log
         of the same unit, whose main pressure tells of it too.
     projections
         those at hand; at other conditions the model is asked.
-    readings, instruments
-        the measuring sheet of the model's clearances and with what it was taken; without it no land was measured.
-    assumptions
-        with the gauge's relative standard uncertainty, ``main_pressure``, and what a unit may be like.
     guard_factor
         k of the guard band of every limit.
     """
     at_hand = {projection.condition: projection for projection in projections}
-    checker = _Checker(table, model, limits, at_hand, assumptions, guard_factor, log)
-    taps, order = taps_of(model.controller), ranges_of(model.controller)
+    checker = _Checker(table, card, limits, at_hand, guard_factor, log)
+    taps, order = taps_of(checker.controller), ranges_of(checker.controller)
     taken = sorted(
         table.readings,
         key=lambda each: (
@@ -227,10 +224,9 @@ def check_pressures(
     )
     checked = [checker.checked(each) for each in taken]
     if limits.circuit_loss is not None:
-        rests_on = model, readings, instruments, assumptions, log is not None and log.road_test.sha256
-        made = partial(checker.losses, readings, instruments or load_instruments())
+        rests_on = card, log is not None and log.road_test.sha256
         owner = table if table.readings or log is None else log.road_test
-        lost, in_log = kept_with(owner, "losses", rests_on, made, most=1)
+        lost, in_log = kept_with(owner, "losses", rests_on, checker.losses, most=1)
         checker.logged = checker.of_log(in_log)
         checked = [checker.with_loss(checker.with_missing(each, lost), lost) for each in checked]
     judged = tuple(each if each.decisions else checker.unjudged(each) for each in checked)
@@ -243,18 +239,25 @@ class _Checker:
     """Judges the readings of one table."""
 
     table: PressureTable
-    model: LeakageModel
+    card: GaugeCard
     limits: Limits
     at_hand: dict[OperatingPoint, Projection]
-    assumptions: Assumptions
     guard_factor: float
     log: RoadFindings | None = None
     logged: tuple[Missing, ...] = ()
     outside: list[DomainError] = field(default_factory=list)
 
     @property
+    def model(self) -> LeakageModel:
+        return self.card.model
+
+    @property
     def controller(self) -> Controller:
         return self.model.controller
+
+    @property
+    def assumptions(self) -> Assumptions:
+        return self.card.assumptions
 
     @property
     def uncertainty(self) -> float:
@@ -264,7 +267,8 @@ class _Checker:
     def checked(self, reading: GaugeReading) -> CheckedReading:
         """Return one reading beside what is permissible and expected, main pressure judged."""
         cell, permissible = reading.cell, permitted(self.controller, reading.cell)
-        rules = []
+        point, rules = self._point(reading), []
+        projection = None if point is None else self._projected(point)
         steps = None if permissible is None else permissible_steps(permissible, self.limits)
         if permissible is not None and permissible.low is not None and steps is not None:
             below, u = 1.0 - reading.pressure / permissible.low, self.uncertainty * reading.pressure / permissible.low
@@ -274,16 +278,15 @@ class _Checker:
             tap_name=tap_name(self.controller, cell.tap),
             gear=gear_in(cell.range, self.controller.gears),
             permissible=permissible,
-            expected=self._expected(reading),
+            expected=None if projection is None else held_at(projection, cell.tap),
+            shown=None if projection is None else self.card.at(projection, cell.tap),
             line=self._line(reading),
             decisions=tuple(self._decide(rule, u) for rule, u in rules),
         )
 
     # --- what circuits have lost
 
-    def losses(
-        self, readings: Readings | None, instruments: Instruments
-    ) -> tuple[dict[tuple[str, OperatingPoint], Lost], dict[OperatingPoint, Lost]]:
+    def losses(self) -> tuple[dict[tuple[str, OperatingPoint], Lost], dict[OperatingPoint, Lost]]:
         """Return what line and circuits have lost wherever they were read, and the line where a log shows it.
 
         A log tells of another drive, at other temperatures, by another sensor: it is weighed apart from the gauges, and
@@ -302,10 +305,8 @@ class _Checker:
         in_log = [Shown(point, LINE_SECTION, at.pressure, _LOG) for point, at in self._in_log]
         if not (wanted or in_log):
             return {}, {}
-        states = cast("Sequence[LandClearance]", self.model.clearances)
-        sources, _ = find_sources(states, readings, self.controller, instruments, self.assumptions)
         at = {each.point: self.at_hand[each.point] for each in (*shown, *in_log)}
-        unit = PosteriorUnit(self.model, sources, self.assumptions, at.values())
+        unit = PosteriorUnit(self.model, self.card.sources, self.assumptions, at.values())
         by_log: dict[OperatingPoint, Lost] = {}
         for name in dict.fromkeys(each.point.name for each in in_log):
             alone = [each for each in in_log if each.point.name == name]
@@ -320,7 +321,9 @@ class _Checker:
         found = []
         for place in permitted.places if permitted is not None else ():
             for shown in dict.fromkeys([*place.held[:1], *place.held[-1:]]) if place.state != "driving" else ():
-                point = self._drawn(self._point_of(place.gear, place.state, shown.temperature, shown.engine_speed))
+                point = self._drawn(
+                    standing_point(self.controller, place.gear, place.state, shown.temperature, shown.engine_speed)
+                )
                 if point is not None:
                     found.append((point, shown))
         return tuple(found)
@@ -439,16 +442,6 @@ class _Checker:
             return None
         return _reached(circuit, gear_in(reading.cell.range, self.controller.gears), beside.pressure)
 
-    def _expected(self, reading: GaugeReading) -> float | None:
-        """Return what pump or circuit hold in a cell [Pa]; None where no operating point is like it."""
-        point = self._point(reading)
-        projection, tap = None if point is None else self._projected(point), reading.cell.tap
-        if projection is None:
-            return None
-        if tap == LINE_TAP:
-            return projection.main_pressure_held
-        return next((each.pressure for each in projection.circuits if each.circuit.id == tap), None)
-
     def _projected(self, point: OperatingPoint) -> Projection | None:
         if point not in self.at_hand:
             try:
@@ -459,30 +452,7 @@ class _Checker:
         return self.at_hand[point]
 
     def _point(self, reading: GaugeReading) -> OperatingPoint | None:
-        """Return the operating point of the same gear and state, at the temperature and speed that were stated.
-
-        At a fast idle line pressure is that of idle, and only a stated speed says what the pump delivers.
-        """
-        gear, engine = gear_in(reading.cell.range, self.controller.gears), reading.cell.engine
-        if engine is Engine.FAST_IDLE and reading.engine_speed is None:
-            return None
-        state = "stall" if engine is Engine.STALL else "idle"
-        return self._point_of(gear, state, reading.temperature, reading.engine_speed)
-
-    def _point_of(
-        self, gear: int | None, state: str, temperature: float | None, engine_speed: float | None
-    ) -> OperatingPoint | None:
-        """Return the operating point of a gear and state, with its temperature and speed where none are stated."""
-        points = (each for each in self.controller.operating_points if each.gear == gear and each.state == state)
-        point = next(points, None)
-        if point is None:
-            return None
-        return replace(
-            point,
-            temperature=point.temperature if temperature is None else temperature,
-            engine_speed=point.engine_speed if engine_speed is None else engine_speed,
-            stated_state=point.stated_state if engine_speed is None else point.state,
-        )
+        return point_of(self.controller, reading.cell, reading.temperature, reading.engine_speed)
 
     def standing(self, checked: CheckedReading) -> GaugeStanding:
         """Return a reading as the patterns need it."""

@@ -389,10 +389,15 @@ class PosteriorUnit:
         beside, with_it_tight = (self.pressures(each, point)[tap] for each in (drawn, replace(drawn, wear=tight)))
         return replace(found, seal=with_it_tight - beside, seal_worn=float(np.mean(drawn.wear[seals].any(axis=0))))
 
-    def split_as_measured(self, point: OperatingPoint, tap: str) -> Split:
-        """Split what a tap has lost by what was measured alone: no fault that nobody saw is drawn."""
+    @cached_property
+    def as_measured(self) -> _Drawn:
+        """Return draws of the unit by what was measured alone: no fault that nobody saw is drawn."""
         drawn = self.draw(self.prior, OF_A_SPLIT, 0)
-        return self.split(replace(drawn, wear=np.zeros_like(drawn.wear)), point, tap)
+        return replace(drawn, wear=np.zeros_like(drawn.wear))
+
+    def split_as_measured(self, point: OperatingPoint, tap: str) -> Split:
+        """Split what a tap has lost by what was measured alone."""
+        return self.split(self.as_measured, point, tap)
 
     def _leak(self, what: str, name: str, point: OperatingPoint, viscosity: Any, gone: Any) -> Restriction:
         """Return a leak that takes ``gone`` times what the circuit's feeds pass at line pressure without any."""

@@ -42,6 +42,7 @@ def gauge_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
 def _reading(diagnosis: Diagnosis, checked: CheckedReading) -> dict[str, Any]:
     reading, permissible, deciding = checked.reading, checked.permissible, checked.deciding
     line = reading.cell.tap == LINE_TAP
+    new, now = (checked.shown.new, checked.shown.now) if checked.shown else (None, None)
     return {
         **_cell(checked.cell),
         "label": checked.label,
@@ -56,6 +57,12 @@ def _reading(diagnosis: Diagnosis, checked: CheckedReading) -> dict[str, Any]:
         "stands": checked.stands,
         "over_permissible_kpa": scaled(checked.over, KPA),
         "expected_kpa": scaled(checked.expected, KPA),
+        "expected_low_kpa": scaled(now.low if now else None, KPA),
+        "expected_high_kpa": scaled(now.high if now else None, KPA),
+        "expected_new_kpa": scaled(new.value if new else None, KPA),
+        "expected_new_low_kpa": scaled(new.low if new else None, KPA),
+        "expected_new_high_kpa": scaled(new.high if new else None, KPA),
+        "stands_to_expected": checked.stands_to_expected,
         "line_kpa": None if line else scaled(checked.line, KPA),
         "below_line_kpa": None if line else scaled(checked.below_line, KPA),
         "loss_kpa": scaled(checked.loss, KPA),
@@ -166,12 +173,27 @@ def gauge_table(check: PressureCheck, say: Wording) -> Table:
         Column("gauge", "pressure", _typed_places(check), of=lambda each: each.reading.pressure, times=KPA),
         Column("permitted", words_of="pressure", of=lambda each: permissible_text(each.permissible, say)),
         Column("expected", "pressure", of=lambda each: each.expected, times=KPA),
+        Column("expected_new", "pressure", of=_when_new, times=KPA),
+        Column("stands_to_expected", width=120, of=lambda each: _stands(each, say)),
         Column("lost", "pressure", of=lambda each: each.loss, times=KPA),
         Column("lost_between", words_of="pressure", of=lambda each: _between(each, say)),
         Column("past_limit", of=lambda each: None if each.over_limit is None else say.percent(each.over_limit, 0)),
         Column("decision", width=110, of=lambda each: each.deciding and say.get("decisions", each.deciding.decision)),
     )
     return Table("gauges", shown, check.readings, say).filled
+
+
+def _stands(each: CheckedReading, say: Wording) -> str | None:
+    """Return how a reading stands to what gauges would show of the unit new, and of it as measured, in words."""
+    stands = each.stands_to_expected
+    if stands in ("below", "above") and each.shown is not None and each.shown.measured:
+        return say(f"stands_to_expected.{stands}_both")
+    return None if stands is None else say(f"stands_to_expected.{stands}")
+
+
+def _when_new(each: CheckedReading) -> float | None:
+    """Return what a new unit would show [Pa], where that is not what is expected anyway."""
+    return each.shown.new.value if each.shown is not None and each.shown.measured else None
 
 
 def _typed_places(check: PressureCheck) -> int:
