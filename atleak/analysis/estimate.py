@@ -213,7 +213,8 @@ def estimate(diagnosis: Diagnosis, job: Job, chooser: Chooser = choose) -> Estim
     A line that the goal has no need of is listed without a state, and in no sum.
     """
     terms, prices = job.estimate, prices_of(job, diagnosis.controller)
-    kept = [each.repair for each in job.repair_decisions if each.repair]
+    decided = sorted(job.repair_decisions, key=lambda each: each.decision not in CARRIED_OUT)
+    kept = [each.repair for each in decided if each.repair]
     everything = chooser(diagnosis, Goal.EVERY_LIMIT, prices, kept=kept)
     goal = terms.goal
     choice = everything if goal is Goal.EVERY_LIMIT else chooser(diagnosis, goal, prices, kept=kept)
@@ -222,7 +223,10 @@ def estimate(diagnosis: Diagnosis, job: Job, chooser: Chooser = choose) -> Estim
     unlisted = not any(line.of_pump for line in lines) and PUMP not in diagnosis.controller.components
     if diagnosis.pump.verdict.flagged and unlisted:
         lines.append(make.of_pump(pump_option(choice.moves.options, prices, kept)))
-    taken = {key for line in lines for key in covered(line.decision, diagnosis.controller)}
+    wanted = {option.repair.id for option in everything.moves.wanted.values()}
+    aside = make.options.keys() - wanted  # of those decided on: another one is taken for a land that they change
+    about = (covered(line.decision, diagnosis.controller) for line in lines if line.decision.repair not in aside)
+    taken = set[LandKey]().union(*about)
     for offered in (choice, everything):
         for move, _ in in_order(offered, diagnosis):
             if not move.treats <= taken:
@@ -288,6 +292,7 @@ class _Lines:
         self.diagnosis, self.terms, self.choice, self.currency = diagnosis, terms, choice, currency
         self.options = {option.repair.id: option for option in choice.moves.options.all}
         self.keys: set[str] = set()
+        self.counted: set[tuple[str, bool]] = set()  # repairs whose cost a line has, and whether it is carried out
 
     def own(self, place: int, decision: RepairDecision) -> Line:
         """Return a line that the workshop wrote."""
@@ -321,7 +326,11 @@ class _Lines:
     def _line(self, decision: RepairDecision, place: int | None, *, chosen: bool) -> Line:
         option, rate = self.options.get(decision.repair), self.terms.labour_rate
         price, hours, other = decision.price, decision.hours, ""
-        if option is not None:
+        counted = decision.repair, decision.decision in CARRIED_OUT
+        if option is not None and counted in self.counted:  # a kit costs once, whatever component names it
+            price, hours = price or 0.0, hours or 0.0
+        elif option is not None:
+            self.counted.add(counted)
             hours = option.repair.hours if hours is None else hours
             if price is None and option.repair.price is not None:
                 mine = option.repair.currency == self.currency

@@ -174,10 +174,10 @@ def decision_faults(job: Job, controller: Controller, file: str = "job record") 
         if decision.repair and decision.repair not in repairs:
             problem = Sentence("{controller} names no such repair", controller=Name(controller.name))
             yield unknown(problem, decision.repair, repairs, place=place)
-        elif decision.repair and decision.component not in ("", repairs[decision.repair].component):
+        elif decision.repair and decision.component not in ("", *repairs[decision.repair].components):
             of = {"repair": decision.repair, "component": decision.component}
             problem = Sentence("repair {repair} is none of component {component}", **of)
-            expected = Sentence("component {component}", component=repairs[decision.repair].component)
+            expected = Sentence("component {component}", component=repairs[decision.repair].components)
             yield InputError(problem, place=place, expected=expected)
 
 
@@ -194,11 +194,17 @@ def is_of_pump(decision: RepairDecision, controller: Controller) -> bool:
     return decision.component == PUMP and PUMP not in controller.components
 
 
+def components_of(decision: RepairDecision, controller: Controller) -> tuple[str, ...]:
+    """Return the components that a decision is about: all of those that a kit mends, or its own."""
+    repair = next((each for each in controller.repairs if each.id == decision.repair), None)
+    return repair.components if repair is not None else (decision.component,)
+
+
 def covered(decision: RepairDecision, controller: Controller) -> frozenset[LandKey]:
     """Return the lands that a decision is about: those that its repair changes, its land, or all of its component."""
     repair = next((each for each in controller.repairs if each.id == decision.repair), None)
     if repair is not None:
-        return frozenset((repair.component, land) for land in repair.lands)
+        return frozenset(repair.lands)
     lands = controller.lands_of(decision.component) if decision.component in controller.components else ()
     return frozenset(land.key for land in lands if decision.land in (None, land.key[1]))
 
@@ -286,11 +292,12 @@ def needless_work(job: Job, diagnosis: Diagnosis) -> Iterator[RepairDecision]:
 
 def _needless(job: Job, diagnosis: Diagnosis) -> Iterator[Message]:
     for each in needless_work(job, diagnosis):
-        keys = sorted(covered(each, diagnosis.controller))
+        keys, components = sorted(covered(each, diagnosis.controller)), diagnosis.controller.components
+        names = tuple(Name(components[component]) for component in dict.fromkeys(component for component, _ in keys))
         text = Sentence(
             "{component} ({lands}): work is decided here that no limit asks for. None of these lands is past a limit, "
             "nor behind a total or pressure that is.",
-            component=Name(diagnosis.controller.components[keys[0][0]]),
+            component=names,
             lands=[f"{component}/{land}" for component, land in keys],
         )
         yield Message("warning", "work_without_need", text)

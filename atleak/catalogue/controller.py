@@ -364,7 +364,7 @@ class Controller(Headed):
         component
             its number.
         """
-        return tuple(repair for repair in self.repairs if repair.component == component)
+        return tuple(repair for repair in self.repairs if component in repair.components)
 
     def complaint(self, wanted: str | None) -> Complaint | None:
         """Return a complaint that the file maps; None where none is wanted.

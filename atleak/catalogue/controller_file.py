@@ -45,6 +45,7 @@ from atleak.catalogue.pump import Pump
 from atleak.catalogue.pump_dimensions import read_pump
 from atleak.catalogue.remaining_tables import Remaining
 from atleak.catalogue.repairs import (
+    ALL,
     PUMP,
     PUMP_KINDS,
     Complaint,
@@ -105,13 +106,13 @@ def _mending_nothing(controller: Controller, data: Mapping[str, Any], file: str)
     """Doubt repairs that may leave lands as wide as worn ones: by the limits that hold unless others are chosen."""
     for number, repair in enumerate(controller.repairs):
         left: dict[str, float] = {}
-        for land in controller.lands_of(repair.component) if repair.ends else ():
+        for land in (controller.land(*key) for key in repair.lands) if repair.ends else ():
             wear = load_limits(DEFAULT_LIMITS).wear
             assert wear is not None
             worn = min(limit for _, limit in wear.of_wear(land.mounting_high, land.mounting_tolerance or 0.0))
             most = min((1.0 + worn) * land.mounting_high, land.clearance_limit or math.inf)
             widest = land.with_repair(repair).widest_new
-            if repair.changes(land.key) and reaches(widest, most):
+            if reaches(widest, most):
                 left[f"{land.component}/{land.land}"] = widest
         if left:
             text = Sentence(
@@ -283,6 +284,7 @@ def _land(
 
 
 _NO_LAND = Sentence("no such land in this controller")
+_NO_COMPONENT = Sentence("no such component with lands in this controller")
 _NO_POINT = Sentence("no such operating point in this controller")
 _POINT_TWICE = Sentence("operating point given twice")
 _OVERSIZE = 2.0e-3  # [m] by which a repair changes a nominal diameter at most: choice of this project
@@ -383,14 +385,11 @@ def _repairs(
     tables: Sequence[RepairTable], lands: Sequence[Land], known: Sequence[LandKey], reading: PartReading
 ) -> tuple[Repair, ...]:
     def repair(table: RepairTable, where: KeySteps) -> Repair:
-        mine = [land for component, land in known if component == table.component]
-        of_pump = table.component == PUMP and not mine  # a component of that name goes before it
-        _check_what_is_repaired(table, where, reading, of_pump=of_pump)
-        if of_pump:
-            return made(Repair, table, lands=frozenset())
-        _check_land(table.component, table.lands or mine or [1], "lands", known, where, reading)
-        _check_diameter(table, lands, where, reading)
-        return made(Repair, table, lands=frozenset(mine if table.lands is None else table.lands))
+        of_pump = table.component == PUMP and all(component != PUMP for component, _ in known)
+        _check_what_is_repaired(table, where, reading, of_pump=of_pump)  # a component of that name goes before it
+        mended = () if of_pump else _mended(table, known, where, reading)
+        _check_diameter(table, [land for land in lands if land.key in mended], where, reading)
+        return made(Repair, table, lands=mended)
 
     return tuple(reading.objects_of(tables, ("repairs",), repair, twice=Sentence("repair given twice")))
 
@@ -408,14 +407,28 @@ def _check_what_is_repaired(table: RepairTable, where: KeySteps, reading: PartRe
             raise reading.fault((*where, name), problem, value=getattr(table, name), expected=expected)
 
 
+def _mended(table: RepairTable, known: Sequence[LandKey], where: KeySteps, reading: PartReading) -> tuple[LandKey, ...]:
+    """Return the lands of a repair's component, of the several ones of a kit, or of all."""
+    if table.component is not None and table.lands is not None:
+        _check_land(table.component, table.lands, "lands", known, where, reading)
+        return tuple((table.component, land) for land in dict.fromkeys(table.lands))
+    if table.components == ALL:
+        return tuple(known)
+    key, names = ("component", [table.component]) if table.component else ("components", table.components or ())
+    components = dict.fromkeys(component for component, _ in known)
+    for name in names:
+        if name not in components:
+            raise reading.unknown((*where, key), _NO_COMPONENT, name, components, refers_to="lands")
+    return tuple(key for name in names for key in known if key[0] == name)
+
+
 def _check_diameter(table: RepairTable, lands: Sequence[Land], where: KeySteps, reading: PartReading) -> None:
     """Refuse a repair whose nominal diameter cannot be that of one of its lands."""
     diameter = table.nominal_diameter_mm
     if diameter is None:
         return
     for land in lands:
-        mine = land.component == table.component and (table.lands is None or land.land in table.lands)
-        if mine and abs(diameter * 1e-3 - land.nominal_diameter) > _OVERSIZE:
+        if abs(diameter * 1e-3 - land.nominal_diameter) > _OVERSIZE:
             nominal = land.nominal_diameter * 1e3
             problem = Sentence("land {land} is {nominal:g} mm: no oversize of it", land=land.land, nominal=nominal)
             expected = Sentence("lands = [..] with the lands that get this diameter, and another repair for the rest")

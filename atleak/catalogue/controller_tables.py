@@ -217,7 +217,7 @@ class ConsumerTable(Strict):
 class PermissiblePressureTable(Strict):
     gear: int | None = None
     gears: list[int] | None = key(
-        "Gears", "R N 1 2 or all; one of both is needed", width=16, default=None, min_length=1
+        "Gears", "R N 1 2 or all; one of both is needed", one="gear", width=16, default=None, min_length=1
     )
     ranges: list[SelectorRange] | None = key(
         "Ranges", "Of the lever, such as P N", width=12, default=None, min_length=1

@@ -73,6 +73,7 @@ class Key:
     up_to: tuple[str, str] = ("", "")  # heading and help of the upper end, where it may be a range
     names: str = ""  # whose names may stand here: "material"
     width: int = 14  # of its column, in characters
+    one: str = ""  # key of a single value, where this one is of several
     becomes: str = ""  # name of the value in SI units, where that is not the key without its unit
 
 

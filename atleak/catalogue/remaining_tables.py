@@ -130,6 +130,5 @@ class Remaining:
             return fault.value in {written_land(key) for key in self.lands}
         table = self.whole[str(steps[0])][steps[1]]
         named = [table["land"]] if "land" in table else table.get("lands")
-        return any(
-            component == table["component"] and (named is None or land in named) for component, land in self.lands
-        )
+        mended = [table["component"]] if "component" in table else table["components"]
+        return any(component in mended and (named is None or land in named) for component, land in self.lands)

@@ -1,7 +1,7 @@
-"""Describe how a component, or the pump, can be repaired, and what customers complain of.
+"""Describe how components, or the pump, can be repaired, and what customers complain of.
 
-A repair has a part, a price and the clearance that it leaves; a complaint points to the operating points and lands that
-can explain it.
+A repair has a part, a price and the clearance that it leaves, of one component or of all that a kit mends; a complaint
+points to the operating points and lands that can explain it.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, model_validator
+from pydantic import AfterValidator, PlainValidator, model_validator
 
 from atleak.catalogue import usual_values as usual
 from atleak.catalogue.entries import (
@@ -29,9 +29,11 @@ from atleak.catalogue.entries import (
 )
 from atleak.catalogue.keys import key
 from atleak.common.errors import InputError, unknown
-from atleak.common.file_faults import NotAccepted
+from atleak.common.file_faults import NotAccepted, WrongTogether
 from atleak.common.sentences import Name, Sentence
 
+LandKey = tuple[str, int]
+ALL = "all"  # components of a valve body
 RepairKind = Literal[
     "clean_and_reuse", "oversize_valve", "sleeve", "new_valve", "new_casting", "new_pump", "overhaul", "other"
 ]
@@ -52,10 +54,31 @@ def currency_code(text: str) -> str:
     return text.upper() if re.fullmatch("[A-Za-z]{3}", text) else text
 
 
+def _components(value: object) -> list[str] | str:
+    """Check the components that a kit mends: their names, each once, or the word for all."""
+    if value == ALL:
+        return ALL
+    names = [name.strip() if isinstance(name, str) else "" for name in value] if isinstance(value, list) else []
+    if not names or not all(names) or len(set(names)) < len(names):
+        raise NotAccepted(Sentence('a list of components, each once, such as ["8", "9"], or "all"'))
+    return names
+
+
+Components = Annotated[list[str] | str, PlainValidator(_components)]
+
+
 class RepairTable(Strict):
     id: Identifier = key("Id", ID_HELP, width=20)
-    component: NonEmptyText = key("Component", "Or pump", names="component or pump", width=20)
-    lands: list[int] | None = key("Lands", "All of the component unless stated", default=None, min_length=1)
+    component: NonEmptyText | None = None
+    components: Components | None = key(
+        "Component",
+        "Of a kit several, with commas between, or all; or pump",
+        names="repaired part",
+        one="component",
+        width=20,
+        default=None,
+    )
+    lands: list[int] | None = key("Lands", "Of one component; all of it unless stated", default=None, min_length=1)
     kind: RepairKind = key("Kind", width=16)
     name: NonEmptyText = key("Name", width=30)
     part_number: NonEmptyText | None = key("Part number", default=None)
@@ -80,6 +103,10 @@ class RepairTable(Strict):
 
     @model_validator(mode="after")
     def _complete(self) -> RepairTable:
+        if (self.component is None) == (self.components is None):
+            raise WrongTogether(Sentence("either component or components"), "component")
+        if self.lands is not None and self.component is None:
+            raise WrongTogether(Sentence("lands beside a single component alone"), "lands")
         if self.price is not None and self.currency is None:
             raise NotAccepted(Sentence("the currency of the price"))
         new, tolerance = self.mounting_clearance_um, self.mounting_tolerance_um
@@ -91,11 +118,10 @@ class RepairTable(Strict):
 
 @dataclass(frozen=True)
 class Repair:
-    """One way to repair a component, or some of its lands, or the pump."""
+    """One way to repair some lands, of one component or of all that a kit mends, or the pump."""
 
     id: str  # by which choices name it
-    component: str  # its number
-    lands: frozenset[int]  # that it changes; none: it is one of the pump
+    lands: tuple[LandKey, ...]  # that it changes; none: it is one of the pump
     kind: RepairKind  # what is done
     name: str  # what people see
     source: str  # who states this
@@ -108,6 +134,11 @@ class Repair:
     mounting_clearance: float | tuple[float, float] | None = None  # [m] radial afterwards; None: as of new parts
     mounting_tolerance: float | None = None  # [m]
     evidence: Evidence | None = None  # who says what it leaves
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Return the numbers of the components that it mends, or the word for the pump."""
+        return tuple(dict.fromkeys(component for component, _ in self.lands)) or (PUMP,)
 
     @property
     def label(self) -> str:
@@ -130,10 +161,9 @@ class Repair:
         """Tell whether a land keeps the clearance that was measured: it is cleaned, and nothing else is stated."""
         return self.kind == "clean_and_reuse" and self.mounting_clearance is None
 
-    def changes(self, key: tuple[str, int]) -> bool:
+    def changes(self, key: LandKey) -> bool:
         """Tell whether it is a repair of that land."""
-        component, land = key
-        return component == self.component and land in self.lands
+        return key in self.lands
 
 
 def find_repairs(repairs: Sequence[Repair], wanted: Iterable[str], controller: str) -> tuple[Repair, ...]:
@@ -155,21 +185,19 @@ def find_repairs(repairs: Sequence[Repair], wanted: Iterable[str], controller: s
             if known[name].of_pump and other.of_pump:
                 problem = Sentence("{repair} and {other} both repair the pump", repair=name, other=other.id)
                 raise InputError(problem, expected=Sentence("one repair of the pump"))
-            both = sorted(known[name].lands & other.lands) if other.component == known[name].component else []
+            both = [key for key in known[name].lands if other.changes(key)]
             if both:
+                component, land = both[0]
                 problem = Sentence(
                     "{repair} and {other} both repair component {component} land {land}",
                     repair=name,
                     other=other.id,
-                    component=other.component,
-                    land=both[0],
+                    component=component,
+                    land=land,
                 )
                 raise InputError(problem, expected=Sentence("one repair of each land"))
         chosen.append(known[name])
     return tuple(chosen)
-
-
-LandKey = tuple[str, int]
 
 
 class ComplaintTable(Strict):

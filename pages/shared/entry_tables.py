@@ -29,7 +29,7 @@ _NAMED = 5  # rows of which is said beneath their table what is wrong, too
 _TALL, _LINE = 20, 35  # rows that are shown at most, and pixels of one
 _LETTER, _SIGN = 7, 40  # pixels of a letter, and of the sign before a heading
 _SIGN_OF = {"red": "✗", "orange": "?"}
-_OPEN = {"pressure"}  # whose names are offered by no list: a share of one may be typed too
+_OPEN = {"pressure", "repaired part"}  # whose names no list offers: a share of one, or several, may be typed
 _WIDEST = 40  # letters of a column
 _NONE = ""
 

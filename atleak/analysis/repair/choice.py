@@ -326,12 +326,10 @@ class OfferedRepairs:
         return tuple(RepairedAt(one, other) for one, other in zip(self._one_by_one[0], after, strict=True))
 
     def excluded_by(self, key: MoveKey) -> frozenset[MoveKey]:
-        """Return the other repairs that do not go together with one: no land is changed by two of the file's."""
+        """Return the other repairs that do not go together with one."""
         mine = next((move for move in self.moves.all if move.key == key), None)
-        if mine is None or mine.option is None:
-            return frozenset()
-        others = (each for each in self.moves.all if each.option is not None and each is not mine)
-        return frozenset(each.key for each in others if set(each.lands) & set(mine.lands))
+        others = () if mine is None else (each for each in self.moves.all if not each.goes_with(mine))
+        return frozenset(each.key for each in others if each is not mine)
 
 
 def ticked(repairs: OfferedRepairs, keys: Collection[MoveKey], key: MoveKey, on: bool) -> frozenset[MoveKey]:

@@ -6,7 +6,7 @@ Amounts are rounded as people write them: to the currency's smallest unit, half 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import ROUND_HALF_UP, Decimal
 
@@ -182,6 +182,12 @@ class Move:
         """Return what names it."""
         return self.lands[0] if self.option is None else self.option.repair.id
 
+    def goes_with(self, other: Move) -> bool:
+        """Tell whether both can be done: of two options no land has both, and none that one mends is made as new."""
+        if self.option is not None and other.option is not None:
+            return self.option.states.keys().isdisjoint(other.option.states)
+        return not any(one.option and one.option.mends(two.lands[0]) for one, two in ((self, other), (other, self)))
+
 
 @dataclass(frozen=True)
 class StatedPrice:
@@ -230,12 +236,13 @@ class Moves:
 
     A land for which the workshop chose a repair has that one alone. Any other has every option of the file that leaves
     it within its limits, or is made as new where there is none. An option without a price is not offered
-    where others, with a price, do what it does.
+    where others, with a price, do what it does for flagged lands.
 
     Parameters
     ----------
     kept
-        ids of repairs that are taken for their lands, whatever else the file names.
+        ids of repairs that are taken for their lands, whatever else the file names; of two that change one land the
+        first.
     as_new
         whether every land can be made as new, options or not.
     """
@@ -249,9 +256,10 @@ class Moves:
         kept: Iterable[str] = (),
         as_new: bool = False,
     ) -> None:
-        lands, kept = list(lands), set(kept)
+        lands = list(lands)
         self.options, self.prices = options, prices
-        self.wanted = {land.key: self._wanted(land.key, kept) for land in lands}
+        self.wanted = dict(self._wanted(kept))
+        self._flagged = {land.key for land in lands if land.verdict.flagged}
         offered = {land.key: self._offered(land, as_new=as_new) for land in lands}
         self.of_land: dict[LandKey, tuple[Move, ...]] = {}
         treats: dict[str, set[LandKey]] = defaultdict(set)
@@ -284,12 +292,17 @@ class Moves:
         priced = (move for move in self.all if self.prices.price(move) is not None)
         return tuple(dict.fromkeys(map(self.prices.currency_of, priced)))
 
-    def _wanted(self, key: LandKey, kept: set[str]) -> Option | None:
-        chosen = next((option for option in self.options.of(key) if option.repair.id in kept), None)
-        return self.options.wanted(key) or chosen
+    def _wanted(self, kept: Iterable[str]) -> Iterator[tuple[LandKey, Option]]:
+        """Yield the lands that the workshop's repairs change, each with its one."""
+        by_id, taken = {option.repair.id: option for option in self.options.all}, set[LandKey]()
+        for name in (*(repair.id for repair in self.options.diagnosis.repairs), *kept):
+            option = by_id.get(name)
+            if option is not None and taken.isdisjoint(option.states):
+                taken |= option.states.keys()
+                yield from ((key, option) for key in option.states)
 
     def _offered(self, land: LandDiagnosis, *, as_new: bool) -> list[Option | None]:
-        key, wanted = land.key, self.wanted[land.key]
+        key, wanted = land.key, self.wanted.get(land.key)
         if wanted is not None:
             return [wanted]
         able: list[Option | None] = []
@@ -308,11 +321,11 @@ class Moves:
         return self.prices.cost(Move(option, option.lands, frozenset())) is not None
 
     def _replaceable(self, option: Option | None, priced: Iterable[Option]) -> bool:
-        """Tell whether what an option without a price mends is mended by others that have one."""
+        """Tell whether every flagged land that an option without a price mends is mended by others that have one."""
         if option is None:
             return False
         everywhere = {key for each in self.options.all if self._priced(each) for key in each.mending}
-        return any(priced) and option.mending <= everywhere
+        return any(priced) and option.mending & self._flagged <= everywhere
 
     def unit(self) -> RepairableUnit:
         """Return the unit with each land in every state that one of these repairs leaves it in."""
@@ -346,11 +359,9 @@ def pump_option(options: Options, prices: Prices, kept: Collection[str] = ()) ->
 
 
 def together(moves: Iterable[Move]) -> list[Move]:
-    """Return as many repairs as go together, those of most lands first: no land is changed by two options."""
+    """Return as many repairs as go together, those of most lands first."""
     chosen: list[Move] = []
-    changed: set[LandKey] = set()
     for move in sorted(moves, key=lambda move: -len(move.treats)):
-        if move.option is None or not changed & set(move.lands):
+        if all(move.goes_with(other) for other in chosen):
             chosen.append(move)
-            changed.update(move.lands if move.option is not None else ())
     return chosen

@@ -14,6 +14,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import combinations, starmap
 from typing import Any
 
 import numpy as np
@@ -208,8 +209,7 @@ class Search:
 
     def _repairs_all(self, chosen: Sequence[Move]) -> bool:
         treated = {key for move in chosen for key in move.treats}
-        changed = [key for move in chosen if move.option is not None for key in move.lands]
-        return treated >= set(self.required) and len(changed) == len(set(changed))
+        return treated >= set(self.required) and all(starmap(Move.goes_with, combinations(chosen, 2)))
 
     def _attempts(self, chosen: Iterable[Move]) -> list[tuple[Target, Attempt]]:
         """Return every limit with a choice as the engine computes it at the condition of the limit."""
@@ -278,25 +278,23 @@ class Search:
 
     @cached_property
     def _overridden(self) -> Mapping[tuple[LandKey, int], int]:
-        """Return the variables of lands that an option changes and that can be made as new all the same."""
+        """Return the variables of lands that an option changes, mends not, and that can be made as new besides."""
         pairs: dict[tuple[LandKey, int], int] = {}
         as_new = {move.lands[0] for move in self.moves.all if move.option is None}
         for place, move in enumerate(self.moves.all):
-            for key in move.lands if move.option is not None else ():
-                if key in as_new:
+            for key in move.lands:
+                if key in as_new and move.option is not None and not move.option.mends(key):
                     pairs[key, place] = len(self.moves.all) + len(pairs)
         return pairs
 
     def _state_rows(self) -> None:
-        """Add that every required land is repaired, each land at most by one option, and that as new goes before it."""
+        """Add that every required land is repaired, what goes not together, and that as new goes before an option."""
         place_of = self._place
-        changing: dict[LandKey, list[int]] = {}
         for key in self.required:
             self._rows.append(({place_of[move.key]: 1.0 for move in self.moves.of_land[key]}, 1.0))
-        for place, move in enumerate(self.moves.all):
-            for key in move.lands if move.option is not None else ():
-                changing.setdefault(key, []).append(place)
-        self._rows += [(dict.fromkeys(places, -1.0), -1.0) for places in changing.values() if len(places) > 1]
+        for (place, move), (further, other) in combinations(enumerate(self.moves.all), 2):
+            if not move.goes_with(other):
+                self._rows.append(({place: -1.0, further: -1.0}, -1.0))
         for (key, place), variable in self._overridden.items():
             new = place_of[key]
             self._rows += [

@@ -289,8 +289,11 @@ class Names(CellForm):
     """Several names, or words of a closed list, with commas between, or each on a line of its own."""
 
     options: tuple[str, ...] = ()
+    or_every: bool = False  # `EVERY` stands for all names that there are
 
-    def value(self, cell: SheetCellKind, units: Units) -> list[str]:
+    def value(self, cell: SheetCellKind, units: Units) -> list[str] | str:
+        if self.or_every and as_text(cell).casefold() == EVERY:
+            return EVERY
         lines = isinstance(cell, str) and "\n" in cell
         names = [name.strip() for name in re.split(r"\n" if lines else r"[,;]", str(cell) if lines else as_text(cell))]
         names = [name for name in names if name]
@@ -303,6 +306,8 @@ class Names(CellForm):
         return names
 
     def cell(self, value: Any, units: Units) -> str:
+        if value == EVERY:
+            return EVERY
         if any(sign in name for name in value for sign in ",;"):
             return "\n".join([*value, ""])
         return ", ".join(value)

@@ -171,6 +171,25 @@ class SheetColumn:
 
 
 @dataclass(frozen=True)
+class OneOrSeveral(SheetColumn):
+    """A column of two keys, of which a table has one: ``one`` for a single value, the column's own for several."""
+
+    one: str = ""
+
+    def of(self, table: Mapping[str, Any], end: int | None = None) -> Any:
+        return [table[self.one]] if self.one in table else super().of(table, end)
+
+    def put(self, table: Values, value: Any) -> None:
+        if isinstance(value, list) and len(value) == 1:
+            table[self.one] = value[0]
+        else:
+            super().put(table, value)
+
+    def steps(self) -> list[KeySteps]:
+        return [self.keys, (self.one,)]
+
+
+@dataclass(frozen=True)
 class KnownOfAll(SheetColumn):
     """A field of the head that says how one value of all lands is known, where a land does not say otherwise."""
 
@@ -276,14 +295,10 @@ class Form(WorkbookSheet):
 
 @dataclass(frozen=True)
 class Tables(WorkbookSheet):
-    """A list of tables, one on each row. Where the file takes one value or a list of them, ``one`` names both keys."""
-
-    one: tuple[str, str] = ("", "")
+    """A list of tables, one on each row."""
 
     def rows(self, data: Mapping[str, Any]) -> Iterator[Values]:
-        single, several = self.one
-        for table in data.get(self._key, ()):
-            yield self._values({**table, several: [table[single]]} if single in table else table)
+        yield from map(self._values, data.get(self._key, ()))
 
     def fill(self, rows: Sequence[WorkbookRow], into: Description) -> None:
         for row in rows:

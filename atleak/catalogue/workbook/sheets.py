@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
@@ -36,7 +36,7 @@ from atleak.catalogue.controller_tables import (
 from atleak.catalogue.entries import Evidence
 from atleak.catalogue.keys import Key, key_of, unit_of
 from atleak.catalogue.pump_tables import PumpTable
-from atleak.catalogue.repairs import PUMP, ComplaintTable, RepairTable
+from atleak.catalogue.repairs import ALL, PUMP, ComplaintTable, RepairTable
 from atleak.catalogue.workbook.cells import (
     CLEARANCE,
     CLEARANCES,
@@ -61,6 +61,7 @@ from atleak.catalogue.workbook.shapes import (
     Form,
     KnownOfAll,
     NamedTables,
+    OneOrSeveral,
     Parts,
     SheetColumn,
     Tables,
@@ -71,7 +72,12 @@ from atleak.common.file_faults import model_in
 
 EVIDENCE = ChoiceCell(tuple(Evidence))
 _OF_ALL = "How known, of all lands that do not say otherwise; empty: not stated"
-_OWN_KINDS: dict[str, CellForm] = {"date": Day(), "gear": Gear(), "gears": Gears()}  # by key
+_OWN_KINDS: dict[str, CellForm] = {  # by key
+    "date": Day(),
+    "gear": Gear(),
+    "gears": Gears(),
+    "components": Names(or_every=True),
+}
 
 
 def sheet_columns(
@@ -122,9 +128,9 @@ def known_of_all(model: type[BaseModel]) -> tuple[SheetColumn, ...]:
     )
 
 
-def in_kind(columns: Iterable[SheetColumn], heading: str, kind: CellForm) -> tuple[SheetColumn, ...]:
-    """Return columns of which one has another kind than its key says."""
-    return tuple(replace(each, kind=kind) if each.heading == heading else each for each in columns)
+def with_other(columns: Iterable[SheetColumn], heading: str, **changes: Any) -> tuple[SheetColumn, ...]:
+    """Return columns of which one is otherwise than its key says."""
+    return tuple(replace(each, **changes) if each.heading == heading else each for each in columns)
 
 
 def kind_of_sheet(name: str, annotation: Any, described: Key) -> CellForm:
@@ -149,7 +155,7 @@ def kind_of_sheet(name: str, annotation: Any, described: Key) -> CellForm:
 
 
 def _columns(name: str, field: FieldInfo, described: Key, at: tuple[str, ...]) -> list[SheetColumn]:
-    column = SheetColumn(
+    column = (partial(OneOrSeveral, one=described.one) if described.one else SheetColumn)(
         described.heading,
         (*at, name),
         kind_of_sheet(name, field.annotation, described),
@@ -192,7 +198,7 @@ class Offered:
 
 NAMES = {
     "component": Offered("Components", "Id"),
-    "component or pump": Offered("Components", "Id", (PUMP,)),
+    "repaired part": Offered("Components", "Id", (ALL, PUMP)),
     "circuit": Offered("Circuits", "Id"),
     "line or circuit": Offered("Circuits", "Id", (LINE_SHEET,)),
     "pressure": Offered("Circuits", "Id", (*SECTIONS, "drain")),
@@ -208,7 +214,7 @@ UNIT_LINES = (  # at the head of the first sheet; no keys of the file
     SheetColumn("Pressures are in", ("pressure",), ChoiceCell(PRESSURES), required=True),
 )
 
-_OF_HEAD = in_kind(sheet_columns(ControllerFile), "Gears", Gears(or_every=False))
+_OF_HEAD = with_other(sheet_columns(ControllerFile), "Gears", kind=Gears(or_every=False))
 _TO_GEARS = [column.heading for column in _OF_HEAD].index("Gears") + 1
 HEAD = Form(
     "Head",
@@ -302,7 +308,6 @@ SHEETS: tuple[WorkbookSheet, ...] = (
         "Between which values main pressure must lie: by range of the lever, by gear, or both",
         sheet_columns(PermissiblePressureTable),
         ("permissible_pressure",),
-        one=("gear", "gears"),
     ),
     NamedTables(
         "Section pressures",
@@ -339,7 +344,7 @@ SHEETS: tuple[WorkbookSheet, ...] = (
     Tables(
         "Repairs",
         "What can be done about a worn component, or the pump: used by the plan of repair and by the estimate",
-        sheet_columns(RepairTable),
+        with_other(sheet_columns(RepairTable), "Component", required=True),
         ("repairs",),
     ),
     Tables(

@@ -11,7 +11,7 @@ from operator import itemgetter
 from typing import Any
 
 from atleak.analysis.estimate import Line
-from atleak.analysis.record_doubts import record_doubts
+from atleak.analysis.record_doubts import components_of, record_doubts
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.catalogue.words import PART_WORDS
@@ -46,7 +46,7 @@ from atleak.report.pdf.conditions import Conditions, Pressures, RoadTestSection
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.estimate import open_words
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
-from atleak.report.tables.names import component_words
+from atleak.report.tables.names import components_words
 from atleak.report.tables.road_test import RoadSeries
 from atleak.report.tables.sentences import fluid_in_state, measuring_temperature, option_words, profile_words
 from atleak.report.tables.table import Column, Table
@@ -263,7 +263,7 @@ class Body(PrintedPart):
 
         def pair(each: RepairDecision) -> str:
             land = f"{say('printed.land')}\u00a0{each.land}" if each.land else ""
-            return joined((component_words(controller, each.component, say), land))
+            return joined((components_words(controller, components_of(each, controller), say), land))
 
         columns = (
             Column("pair", width=200, of=pair),

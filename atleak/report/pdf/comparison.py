@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from atleak.analysis.changes import SIDES, Comparison, LandComparison
+from atleak.analysis.record_doubts import components_of
 from atleak.common.style import DEFAULT_PAPER, find_paper
 from atleak.common.units import KPA, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, isolated, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
-from atleak.measurements.job_card import Job
+from atleak.measurements.job_card import Job, RepairDecision
 from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.pdf.blocks import joined, section_blocks, signatures
 from atleak.report.pdf.typesetting import common_data, compile_pdf
@@ -31,6 +32,7 @@ from atleak.report.tables.comparison import (
     with_uncertainty,
 )
 from atleak.report.tables.first_sentence import measured_sentence
+from atleak.report.tables.names import is_whole_body
 from atleak.report.tables.table import VERDICT, Column, Picture, Points, Section, SectionPart, Table, Text, span
 
 PAIRS = range(12, 2, -1)  # how many pairs the page lists, as many as fit; the report of each job has them all
@@ -208,7 +210,7 @@ class _Page:
         works: dict[str, list[str]] = defaultdict(list)
         for each in decisions:
             if each.decision == "done":
-                works[each.work or each.repair or say("estimate.as_new")].append(self._named(each.component, each.land))
+                works[each.work or each.repair or say("estimate.as_new")].append(self._of(each))
         items = [say("comparison.done_item", work=work, pairs=joined(pairs, "; ")) for work, pairs in works.items()]
         yield Points(items) if items else Text(say("comparison.done_none"))
         left = [each for each in decisions if each.decision in ("declined", "deferred")]
@@ -216,12 +218,21 @@ class _Page:
             refused = (
                 say(
                     "comparison.not_done_item",
-                    work=joined((self._named(each.component, each.land), each.work), ": "),
+                    work=joined((self._of(each), each.work), ": "),
                     decision=joined((say.get("job_decisions", each.decision or ""), each.reason), ": "),
                 )
                 for each in left
             )
             yield Text(say("comparison.not_done", items=joined(refused, "; ")), small=True)
+
+    def _of(self, decision: RepairDecision) -> str:
+        """Name the pair that a decision is about, or the components that a kit mends."""
+        controller = self.comparison.after.controller
+        components = components_of(decision, controller)
+        if is_whole_body(controller, components):
+            return self.say("plan.whole_body")
+        land = decision.land if len(components) == 1 else None
+        return joined(self._named(each, land) for each in components)
 
     def _named(self, component: str, land: int | None) -> str:
         """Name a pair as a customer reads it: by its name, with its number only where several bear that name."""

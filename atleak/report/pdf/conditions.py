@@ -23,7 +23,7 @@ from atleak.report.tables.gauges import permissible_text
 from atleak.report.tables.lands import MatrixRow, leaking_worst_first, matrix_table
 from atleak.report.tables.names import land_number
 from atleak.report.tables.pressures import PumpOverSpeed, condition_table, held_table, pressure_chart, pump_over_speed
-from atleak.report.tables.repairs import RepairOptionRow, option_table, order_table, plan_ends, totals_table
+from atleak.report.tables.repairs import RepairOptionRow, kit_words, option_table, order_table, plan_ends, totals_table
 from atleak.report.tables.road_test import RoadInstant, RoadSeries, event_table, instant_table, place_table
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
 from atleak.report.tables.sentences import circuit_sentence, shares_add_up
@@ -101,7 +101,8 @@ class Conditions(PrintedPart):
 
         def lands(row: RepairOptionRow) -> str:
             numbers = joined(land_number(controller, key, say) for key in row.option.lands)
-            return f"{say('printed.land')} {numbers}" if numbers else ""
+            lands = f"{say('printed.land')} {numbers}" if numbers else ""
+            return kit_words(controller, row.option, say) or lands
 
         options = option_table(self.names.plan, say)
         if options.rows:

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import starmap
+from itertools import chain, starmap
 from typing import Any
 
 from atleak.analysis.estimate import Line
 from atleak.analysis.pressures import lowest_first, pressures_at
-from atleak.analysis.record_doubts import needless_work
+from atleak.analysis.record_doubts import components_of, needless_work
 from atleak.analysis.repair.totals import Total
 from atleak.common.units import KPA, PERCENT
 from atleak.common.verdicts import VERDICTS, Band, Verdict
@@ -22,13 +22,14 @@ from atleak.common.wording import begun, isolated
 from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.operation import LINE
+from atleak.measurements.job_card import RepairDecision
 from atleak.report.charts.drawing import controller_svg, shortened
 from atleak.report.pdf.blocks import Block, joined, listed, signatures
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.answer import answer_facts
 from atleak.report.tables.complaint import End, WornValve, explanations, most_lost, worn_valves
 from atleak.report.tables.first_sentence import impossible_part, may_parts, measured_sentence, shown_verdict, worn_pump
-from atleak.report.tables.names import has_number
+from atleak.report.tables.names import has_number, is_whole_body
 from atleak.report.tables.repairs import repair_name
 from atleak.report.tables.sentences import consequence_words, service_mileage
 from atleak.report.tables.table import VERDICT, Column, Judged, Table
@@ -112,7 +113,8 @@ class CustomerPage(PrintedPart):
     def _planned(self) -> list[str]:
         """Return the valves that the plan of repairs names and that cannot wait, in its order."""
         steps = (step for step in self.names.plan.steps if step.consequence in (Consequence.NOW, Consequence.UNKNOWN))
-        return list(dict.fromkeys(step.land.key[0] for step in steps))
+        lands = ((step.land, *(each for each in step.together if each.verdict.flagged)) for step in steps)
+        return list(dict.fromkeys(land.key[0] for land in chain.from_iterable(lands)))
 
     @cached_property
     def _due(self) -> list[str]:
@@ -300,7 +302,7 @@ class CustomerPage(PrintedPart):
             values = {
                 "label": label,
                 "condition": self.say.condition(each.rule.condition),
-                "valves": self._named([*dict.fromkeys(component for component, _ in each.lands)]),
+                "valves": self._named(component for component, _ in each.lands),
             }
             if each.held is None:
                 yield say("customer.explained_by_reserve", **values)
@@ -325,10 +327,20 @@ class CustomerPage(PrintedPart):
             f"{name} ({component})" if has_number(self.diagnosis.controller, component) and name != component else name
         )
 
-    def _named(self, components: Sequence[str]) -> str:
-        named = joined(map(self._valve, components[:_NAMED]))
-        more = len(components) - _NAMED
+    def _named(self, components: Iterable[str]) -> str:
+        return self._first(map(self._valve, components))
+
+    def _first(self, names: Iterable[str]) -> str:
+        """Join names, each once: the first of them, and how many more."""
+        names = [*dict.fromkeys(names)]
+        named, more = joined(names[:_NAMED]), len(names) - _NAMED
         return named if more <= 0 else self.say("diagnosis.and_more", named=named, count=more)
+
+    def _of(self, decision: RepairDecision) -> str:
+        """Name the valve that a decision is about, or those that a kit mends."""
+        controller = self.diagnosis.controller
+        components = components_of(decision, controller)
+        return self.say("plan.whole_body") if is_whole_body(controller, components) else self._named(components)
 
     def _valves(self) -> Block | None:
         if not self.valves:
@@ -502,7 +514,7 @@ class CustomerPage(PrintedPart):
         if words is None:
             return None
         columns = (
-            Column("customer.valve", width=250, of=lambda line: self._valve(line.decision.component)),
+            Column("customer.valve", width=250, of=lambda line: self._of(line.decision)),
             Column("work", width=250, of=words.work),
             Column("", digits=2, words=f"{say('printed.amount')}\n{words.estimate.currency}".strip(), of=words.amount),
             Column("agreed", width=200, of=words.agreed),
@@ -517,10 +529,10 @@ class CustomerPage(PrintedPart):
             sums = say("customer.sum", **values)
         elif due.gross is not None:
             sums = say("customer.sum_with_tax", tax=words.money(due.tax), **values)
-        named = self._named([*dict.fromkeys(line.decision.component for line in unpriced)])
+        named = self._first(self._of(line.decision) for line in unpriced)
         notes = [say("customer.unpriced", valves=named)] if unpriced else []
         notes += [say("customer.at_least")] if sums and not due.complete else []
-        needless = self._named([*dict.fromkeys(each.component for each in needless_work(self.job, self.diagnosis))])
+        needless = self._first(map(self._of, needless_work(self.job, self.diagnosis)))
         notes[:0] = [say("customer.needless", valves=needless)] if needless else []
         return {
             "title": say("customer.cost"),

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from atleak.analysis.estimate import CARRIED_OUT, Estimate, Line, Sum
-from atleak.analysis.record_doubts import pump_undecided, undecided, without_reason
+from atleak.analysis.record_doubts import components_of, pump_undecided, undecided, without_reason
 from atleak.analysis.repair.options import decimals
 from atleak.catalogue.controller import Controller
 from atleak.common.wording import Wording, isolated
@@ -17,7 +17,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.measurements.job_card import Job, RepairDecision
-from atleak.report.tables.names import component_words, has_number, land_number
+from atleak.report.tables.names import component_words, components_words, has_number, land_number
 from atleak.report.tables.sentences import rule_limited, rule_value
 
 _COLUMNS = (
@@ -33,8 +33,10 @@ class EstimateWords:
     say: Wording
 
     def pair(self, line: Line) -> str:
-        """Name the component with the lands that the line is about: ``8/1, 8/2 valve``, or ``boost valve/1``."""
+        """Name the component with the lands that a line is about, ``8/1, 8/2 valve``, or those that a kit mends."""
         controller, decision = self.estimate.diagnosis.controller, line.decision
+        if len(components := components_of(decision, controller)) > 1:
+            return components_words(controller, components, self.say)
         keys = [land.key for land in line.lands]
         if not keys and decision.land:
             keys = [(decision.component, decision.land)]
@@ -159,7 +161,8 @@ class EstimateWords:
         for line in self.estimate.lines:
             decision = line.decision
             lands = " ".join(f"{component}/{land}" for component, land in (each.key for each in line.lands))
-            row: list[object] = [decision.component, lands, decision.repair, self.work(line), decision.part_number]
+            components = " ".join(components_of(decision, self.estimate.diagnosis.controller))
+            row: list[object] = [components, lands, decision.repair, self.work(line), decision.part_number]
             row += [line.part, line.hours, line.work, self.estimate.currency, decision.decision, decision.reason]
             table.writerow([_safe(each) for each in row])
         table.writerow([])
@@ -191,6 +194,8 @@ def open_words(diagnosis: Diagnosis, job: Job, say: Wording, *, closing: bool) -
 def _called(decision: RepairDecision, controller: Controller, say: Wording) -> str:
     """Name a decision by its component and land, or by its work."""
     component, land = decision.component, decision.land
+    if len(components := components_of(decision, controller)) > 1:
+        return components_words(controller, components, say)
     if component not in controller.components:
         return f"{component}{'' if land is None else f'/{land}'}" or decision.repair or decision.work
     return (

@@ -5,6 +5,8 @@ It also says where the spools are taken to lie, and between which shares the tot
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
+
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.repairs import PUMP, LandKey
 from atleak.common.sentences import Sentence
@@ -15,6 +17,7 @@ from atleak.engine.profile import UNKNOWN, Profile
 from atleak.engine.projection import Projection
 
 _LONGEST = 8  # signs of a component's number
+_NAMED = 4  # components in a row
 
 
 def component_words(controller: Controller, component: str, say: Wording) -> str:
@@ -23,6 +26,20 @@ def component_words(controller: Controller, component: str, say: Wording) -> str
         return say("pump.name")
     name = _name(controller, component, say)
     return f"{component} {name}".strip() if has_number(controller, component) else name
+
+
+def components_words(controller: Controller, components: Sequence[str], say: Wording) -> str:
+    """Name components in a row: all of several as the whole valve body, else some of them and how many more."""
+    if is_whole_body(controller, components):
+        return say("plan.whole_body")
+    named = ", ".join(component_words(controller, each, say) for each in components[:_NAMED])
+    more = len(components) - _NAMED
+    return named if more <= 0 else say("diagnosis.and_more", named=named, count=more)
+
+
+def is_whole_body(controller: Controller, components: Collection[str]) -> bool:
+    """Tell whether components are all that have lands, and several."""
+    return len(components) > 1 and {land.component for land in controller.lands} <= set(components)
 
 
 def land_number(controller: Controller, key: LandKey, say: Wording) -> str:

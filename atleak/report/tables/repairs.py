@@ -16,6 +16,7 @@ from atleak.analysis.repair.choice import Basis, OfferedRepair, OfferedRepairs
 from atleak.analysis.repair.options import Cost, MoveKey, Option
 from atleak.analysis.repair.plan import PumpStep, Remainder, RepairPlan, RepairStep
 from atleak.analysis.repair.totals import RepairedAt, Total
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import Evidence
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey, Repair
@@ -26,7 +27,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.operation import LINE
 from atleak.report.json.conditions import OF_REPAIR, named_record, of_land, scaled
 from atleak.report.tables.lands import CONDITION_WIDTH
-from atleak.report.tables.names import land_number
+from atleak.report.tables.names import components_words, land_number
 from atleak.report.tables.sentences import consequence_words, land_in_words, replace_at, rule_reached
 from atleak.report.tables.table import VERDICT, Column, Judged, Table, span
 
@@ -38,16 +39,17 @@ class RepairOptionRow:
     number: int
     step: PumpStep | RepairStep
     option: Option
+    controller: Controller
 
     @property
     def chosen(self) -> bool:
         """Tell whether the plan computes with it."""
         return self.step.chosen is self.option
 
-    @property
-    def lands(self) -> str:
-        """Name the lands that it changes."""
-        return ", ".join(f"{component}/{land}" for component, land in self.option.lands)
+    def lands(self, say: Wording) -> str:
+        """Name the lands that it changes; of a kit its components."""
+        lands = ", ".join(f"{component}/{land}" for component, land in self.option.lands)
+        return kit_words(self.controller, self.option, say) or lands
 
     @property
     def representative(self) -> bool:
@@ -101,19 +103,27 @@ def repair_name(repair: Repair, say: Wording) -> str:
     return f"{name} ({repair.part_number})" if repair.part_number else name
 
 
+def kit_words(controller: Controller, option: Option | None, say: Wording) -> str:
+    """Name the components that a kit mends in one repair; an empty text of any other repair."""
+    components = () if option is None else option.repair.components
+    return say("plan.kit", components=components_words(controller, components, say)) if len(components) > 1 else ""
+
+
 def option_rows(plan: RepairPlan) -> list[RepairOptionRow]:
     """Return every option of every step of a plan, those of the file's order, the planned one first."""
+    controller = plan.choice.unit.diagnosis.controller
     return [
-        RepairOptionRow(number, step, option)
+        RepairOptionRow(number, step, option, controller)
         for number, step in enumerate(plan.order, start=1)
         for option in sorted(step.options, key=lambda option: option is not step.chosen)
     ]
 
 
 def step_in_words(diagnosis: Diagnosis, step: PumpStep | RepairStep, say: Wording) -> str:
-    """Name what a step repairs; of a pump that is made as new without a repair, say so."""
+    """Name what a step repairs, the land that calls for it and what a kit mends with it; say of a pump if as new."""
     if isinstance(step, RepairStep):
-        return land_in_words(diagnosis, step.land.key, say)
+        kit = kit_words(diagnosis.controller, step.chosen, say)
+        return ", ".join(filter(None, (land_in_words(diagnosis, step.land.key, say), kit)))
     return say("pump.name") if step.options else say("pump.as_new")
 
 
@@ -213,7 +223,7 @@ def option_table(plan: RepairPlan, say: Wording) -> Table:
         Column(
             "lands",
             parts=(
-                Column("lands"),
+                Column("lands", of=lambda row: row.lands(say)),
                 Column("id", of=repair("id")),
                 Column("source", of=lambda row: say.name(row.option.repair.source)),
             ),
@@ -224,14 +234,15 @@ def option_table(plan: RepairPlan, say: Wording) -> Table:
 
 def planned(row: RepairOptionRow, say: Wording) -> str:
     """Say one option in a line: what it is, what it leaves, and what it costs."""
-    hours = row.option.repair.hours
+    hours, kit = row.option.repair.hours, kit_words(row.controller, row.option, say)
+    together = say("plan.together", lands=row.lands(say)) if len(row.option.lands) > 1 else ""
     said = [
         row.name(say),
         say("plan.leaves", clearance=say.span(row.left, "clearance", 1)) if row.left else say("repair_plan.as_new"),
         "" if row.option.repair.price is None else row.price(say),
         "" if hours is None else say("plan.hours", hours=row.hours(say)),
         row.option.repair.tool or "",
-        say("plan.together", lands=row.lands) if len(row.option.lands) > 1 else "",
+        kit or together,
     ]
     return ", ".join(filter(None, said))
 
@@ -271,6 +282,7 @@ def option_record(option: Option, key: LandKey) -> dict[str, Any]:
     repair, land = option.repair, option.states[key].land
     return {
         **named_record(repair, *OF_REPAIR),
+        "components": list(repair.components) if len(repair.components) > 1 else None,
         "lands": [of_land(changed) for changed in option.lands],
         "nominal_diameter_mm": land.nominal_diameter * MM,
         "clearance_after_um": option.states[key].radial_clearance * UM,
@@ -428,9 +440,11 @@ def effect_sentences(
 def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording) -> str:
     """Say one repair: the worst verdict, its lands, what is done, and what it brings alone where that is most."""
     first = each.lands[0]
-    others = ", ".join(land_number(diagnosis.controller, land.key, say) for land in each.lands[1:])
-    lands = ", ".join(filter(None, (land_in_words(diagnosis, first.key, say), others)))
     option = each.move.option
+    others = kit_words(diagnosis.controller, option, say) or ", ".join(
+        land_number(diagnosis.controller, land.key, say) for land in each.lands[1:]
+    )
+    lands = ", ".join(filter(None, (land_in_words(diagnosis, first.key, say), others)))
     work = say("repair_plan.as_new") if option is None else repair_name(option.repair, say)
     at = each.best_at
     alone = say("repair_plan.no_help")

@@ -129,6 +129,47 @@ def test_a_repair_of_all_lands_may_name_a_component_whose_only_land_has_a_fault(
     assert set(faults_of(tables)) == {("components", 14, "lands", 0, "contact_length_mm")}
 
 
+@pytest.mark.parametrize(
+    ("stated", "place", "said"),
+    [
+        ({}, (), "[repairs[1] (kit)]: the keys of this table do not go together; expected either component or"),
+        ({"component": "boost_valve", "components": "all"}, (), "either component or components"),
+        ({"components": "all", "lands": [1]}, (), "lands beside a single component alone"),
+        (
+            {"components": "every"},
+            ("components",),
+            "'components': value not accepted (found 'every'); expected a list",
+        ),
+        ({"components": []}, ("components",), '["8", "9"], or "all"'),
+        ({"components": ["boost_valve", "boost_valve"]}, ("components",), "each once"),
+        ({"components": ["boost_valve", "bost_valve"]}, ("components",), "did you mean 'boost_valve'?"),
+    ],
+)
+def test_a_repair_names_one_component_or_those_of_a_kit(
+    tables: Tables, stated: Tables, place: tuple[str, ...], said: str
+) -> None:
+    tables["repairs"] = [{"id": "kit", "kind": "other", "name": "kit", "source": "made up", **stated}]
+    ((where, fault),) = faults_of(tables).items()
+    assert where[:2] == ("repairs", 0)
+    assert not place or where[2:] == place
+    assert said in str(fault)
+
+
+def test_a_kit_mends_every_land_of_its_components_and_a_body_all_there_are(tables: Tables) -> None:
+    first, second = (component["id"] for component in tables["components"][1:3])
+    kit = {"kind": "other", "source": "made up"}
+    tables["repairs"] = [
+        {"id": "kit", "components": [second, first], "name": "kit", **kit},
+        {"id": "body", "components": "all", "name": "remanufactured body", **kit},
+    ]
+    controller = checked_controller(tables)
+    two, body = controller.repairs
+    assert two.components == (second, first)
+    assert two.lands == tuple(land.key for name in (second, first) for land in controller.lands_of(name))
+    assert set(body.lands) == {land.key for land in controller.lands}
+    assert controller.repairs_of(first) == (two, body)
+
+
 def test_tables_of_which_nothing_can_be_said_name_what_is_missing() -> None:
     assert set(faults_of({"id": "x", "gears": [1, 2]})) == {
         (key,) for key in ("name", "source", "date", "materials", "pump", "operating_points", "components")

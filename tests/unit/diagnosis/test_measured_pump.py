@@ -260,8 +260,8 @@ def test_a_worn_land_does_not_hide_behind_a_worn_pump(name: str, hipol: Fluid, j
 
 
 REPAIRS = (
-    Repair("new_one", "pump", frozenset(), "new_pump", "new pump", "made up", "MADE-UP-9", 310.0, "EUR", 2.0),
-    Repair("overhauled", "pump", frozenset(), "overhaul", "pump overhaul", "made up", price=95.5, currency="EUR"),
+    Repair("new_one", (), "new_pump", "new pump", "made up", "MADE-UP-9", 310.0, "EUR", 2.0),
+    Repair("overhauled", (), "overhaul", "pump overhaul", "made up", price=95.5, currency="EUR"),
 )
 
 

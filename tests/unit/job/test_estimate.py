@@ -33,10 +33,10 @@ from atleak.report.xlsx import write_workbook
 
 PR, ACC = "pressure_regulator", "accumulator"
 SLEEVE = Repair(
-    "sleeve", PR, frozenset({1}), "sleeve", "bore sleeved", "made up",
+    "sleeve", ((PR, 1),), "sleeve", "bore sleeved", "made up",
     part_number="MADE-UP-1", price=10.005, currency="EUR", hours=1.15,
 )  # fmt: skip
-CASTING = Repair("casting", ACC, frozenset({1}), "new_casting", "new casting", "made up", price=400.0, currency="USD")
+CASTING = Repair("casting", ((ACC, 1),), "new_casting", "new casting", "made up", price=400.0, currency="USD")
 WORN = {(PR, 1): 1.5, (PR, 2): 1.2, (ACC, 1): 1.8}
 
 
@@ -156,7 +156,7 @@ def test_a_goal_has_no_need_of_every_flagged_land_and_says_so(unit: Any) -> None
 
 
 def test_a_flagged_land_that_is_only_cleaned_stays_past_its_limit(worn: Diagnosis) -> None:
-    clean = Repair("clean", PR, frozenset({1, 2}), "clean_and_reuse", "clean and reuse", "made up")
+    clean = Repair("clean", ((PR, 1), (PR, 2)), "clean_and_reuse", "clean and reuse", "made up")
     diagnosis = replace(worn, controller=replace(worn.controller, repairs=(*worn.controller.repairs, clean)))
     cleaned = Job(repair_decisions=[{"component": PR, "repair": "clean", "decision": "done"}])
     assert {land.key for land in estimate(diagnosis, cleaned).lands_past} == {(PR, 1), (PR, 2)}

@@ -22,7 +22,7 @@ from atleak.measurements.readings import Readings
 
 PR, TCC, ACC = "pressure_regulator", "tcc_regulator", "accumulator"
 SLEEVE, SPOOL = (
-    Repair(kind, PR, frozenset({1}), kind, f"{kind} as made up", "made up", price=price, currency="EUR", hours=1.0)
+    Repair(kind, ((PR, 1),), kind, f"{kind} as made up", "made up", price=price, currency="EUR", hours=1.0)
     for kind, price in (("sleeve", 60.0), ("oversize_spool", 25.0))
 )
 WORN = {(PR, 1): 1.5, (PR, 2): 1.2, (TCC, 1): 0.05, (ACC, 1): 1.8}

@@ -244,7 +244,7 @@ def test_a_pair_that_was_only_cleaned_is_the_worn_one_that_it_was(unit: str, hip
     controller = replace(controller, lands=tuple(replace(each, mounting_measured=True) for each in controller.lands))
     lands = [each for each in controller.lands if not each.seal]
     cleaned, other = lands[0], next(each for each in lands if each.component != lands[0].component)
-    repair = Repair("clean", cleaned.component, frozenset({cleaned.land}), "clean_and_reuse", "clean", "made up")
+    repair = Repair("clean", (cleaned.key,), "clean_and_reuse", "clean", "made up")
     rows = ["Component;Plane;Part;Diameter [mm];Fitted repair"]
     for land in (cleaned, other):
         named = "clean" if land is cleaned else ""

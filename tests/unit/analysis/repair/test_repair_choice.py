@@ -6,6 +6,7 @@ import itertools
 import random
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +14,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from atleak.analysis.estimate import Estimate
-from atleak.analysis.repair.choice import Basis, Choice, choose
+from atleak.analysis.estimate import Estimate, decided_repairs, estimate, with_repairs
+from atleak.analysis.repair.choice import Basis, Choice, OfferedRepairs, choose, ticked
 from atleak.analysis.repair.options import Move, Prices, StatedPrice
+from atleak.analysis.repair.plan import plan_repairs
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
@@ -28,9 +30,10 @@ from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.rules import unit_rules
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
-from atleak.measurements.job_card import EstimateTerms
+from atleak.measurements.job_card import EstimateTerms, Job
 from atleak.measurements.readings import Readings
 from atleak.report.tables.estimate import EstimateWords
+from atleak.report.tables.repairs import offered_words, option_record, step_in_words
 from tests.unit.conftest import first_of
 
 Build = Callable[..., Readings]
@@ -56,12 +59,13 @@ def worn_unit(hipol: Fluid, limits: Limits, readings_of: Build) -> Callable[...,
 
 
 def sets_of(choice: Choice) -> Iterator[list[Move]]:
-    """Every set of the repairs that are offered, with one option for a land at the most."""
+    """Every set of the repairs that are offered, with one option for a land at the most, and none besides as new."""
     moves = choice.moves.all
     for chosen in itertools.product((False, True), repeat=len(moves)):
         kept = list(itertools.compress(moves, chosen))
         changed = [key for move in kept if move.option is not None for key in move.lands]
-        if len(changed) == len(set(changed)):
+        mended = {key for move in kept if move.option is not None for key in move.option.mending}
+        if len(changed) == len(set(changed)) and not any(move.key in mended for move in kept):
             yield kept
 
 
@@ -116,8 +120,12 @@ def test_the_fewest_repairs_of_twelve_flagged_lands_are_those_of_all_4096_sets(
 
 
 def option(number: int, component: str, lands: tuple[int, ...], price: float | None, hours: float | None) -> Repair:
+    return kit(number, tuple((component, land) for land in lands), price, hours)
+
+
+def kit(number: int, lands: tuple[LandKey, ...], price: float | None, hours: float | None = None) -> Repair:
     return Repair(
-        f"option_{number}", component, frozenset(lands), "sleeve", f"option {number}", "made up",
+        f"option_{number}", lands, "sleeve", f"option {number}", "made up",
         price=price, currency=None if price is None else "EUR", hours=hours,
     )  # fmt: skip
 
@@ -125,28 +133,22 @@ def option(number: int, component: str, lands: tuple[int, ...], price: float | N
 WORN = (("1", 1), ("1", 2), ("2", 1), ("2", 2), ("3", 2), ("4", 1))  # some leak from one circuit into the next
 GROWTH = st.fixed_dictionaries({key: st.floats(0.0, 3.0) for key in WORN})
 PRICE = st.one_of(st.none(), st.integers(1, 200).map(float))
-OPTIONS = st.lists(
-    st.tuples(
-        st.sampled_from([("1", (1,)), ("1", (1, 2)), ("2", (1,)), ("2", (2,)), ("2", (1, 2)), ("4", (1,))]), PRICE
-    ),
-    max_size=6,
-)
+ALL = tuple(sorted(WORN))
+COVERED = (ALL[:1], ALL[:2], ALL[2:3], ALL[3:4], ALL[2:4], ALL[5:], ALL[:4], ALL[1:3], ALL[3:5], ALL)  # kits last
+OPTIONS = st.lists(st.tuples(st.sampled_from(COVERED), PRICE), max_size=6)
 
 
 @settings(max_examples=max(settings().max_examples // 6, 1))  # each computes up to 256 sets
 @given(growth=GROWTH, options=OPTIONS, goal=st.sampled_from(Goal), rate=st.sampled_from([None, 60.0]))
 def test_a_choice_is_as_good_as_the_best_of_all_sets_and_green_where_any_is(
     growth: dict[LandKey, float],
-    options: list[tuple[tuple[str, tuple[int, ...]], float | None]],
+    options: list[tuple[tuple[LandKey, ...], float | None]],
     goal: Goal,
     rate: float | None,
     worn_unit: Callable[..., Diagnosis],
     three_circuits: Controller,
 ) -> None:
-    repairs = tuple(
-        option(number, component, lands, price, 0.5 * number)
-        for number, ((component, lands), price) in enumerate(options)
-    )
+    repairs = tuple(kit(number, lands, price, 0.5 * number) for number, (lands, price) in enumerate(options))
     diagnosis = worn_unit(replace(three_circuits, repairs=repairs), growth)
     choice = choose(diagnosis, goal, Prices(labour_rate=rate))
     flagged = {land.key for land in diagnosis.flagged}
@@ -156,6 +158,8 @@ def test_a_choice_is_as_good_as_the_best_of_all_sets_and_green_where_any_is(
     assert choice.reached == bool(good) == rediagnosed(choice)
     assert {key for move in choice.chosen for key in move.treats} >= asked
     cost = choice.moves.prices.cost
+    if not good:  # kits that overlap leave a land worn
+        return
     if choice.basis is Basis.CHEAPEST:
         priced = [each for each in good if all(cost(move) is not None for move in each)]
         best = min((sum(cost(move) for move in each), len(each)) for each in priced)
@@ -253,3 +257,93 @@ def test_a_repair_for_the_permissible_pressure_is_named_so(
     assert len(named) == len(chosen.chosen)
     assert all(gain.without.kind is RuleKind.PERMISSIBLE_PRESSURE for gain in named)
     assert all(gain.within.value <= 0.0 < gain.without.value for gain in named)
+
+
+@pytest.fixture(scope="module")
+def body_and_sleeves(three_circuits: Controller, worn_unit: Callable[..., Diagnosis]) -> Callable[..., Diagnosis]:
+    """Diagnoses the three circuits with some lands worn, a body of 650 EUR in the file and a sleeve for each land."""
+    lands = [land.key for land in three_circuits.lands]
+
+    def build(worn: int, sleeve: float) -> Diagnosis:
+        sleeves = (option(number, key[0], (key[1],), sleeve, 1.0) for number, key in enumerate(lands))
+        body = replace(kit(99, tuple(lands), 650.0, 6.0), id="body", name="remanufactured body")
+        return worn_unit(replace(three_circuits, repairs=(body, *sleeves)), dict.fromkeys(lands[:worn], 2.0))
+
+    return build
+
+
+def test_a_body_is_chosen_where_it_costs_less_than_the_sleeves_that_it_saves(
+    body_and_sleeves: Callable[..., Diagnosis],
+) -> None:
+    one = choose(body_and_sleeves(1, 38.0))
+    assert (one.basis, keys(one)) == (Basis.CHEAPEST, {"option_0"})
+    diagnosis = body_and_sleeves(9, 90.0)
+    assert len(diagnosis.flagged) == 9
+    assert keys(choose(diagnosis)) == {"body"}
+    plan = plan_repairs(diagnosis)
+    (step,) = plan.steps
+    assert {step.land.key, *(land.key for land in step.together)} == {land.key for land in diagnosis.lands}
+    assert plan.cost is not None
+    assert (plan.cost.prices, plan.cost.hours, plan.cost.repairs) == ({"EUR": 650.0}, 6.0, 1)
+    assert plan.cost.without_option == 0
+    assert step_in_words(diagnosis, step, wording("en")).endswith(", one repair of the whole valve body")
+    (body, sleeve) = (option_record(each, step.land.key) for each in step.options)
+    assert body["components"] == ["1", "2", "3", "4"]
+    assert sleeve["components"] is None
+
+
+def test_a_body_without_a_price_takes_the_place_of_no_sleeve_that_has_one(
+    body_and_sleeves: Callable[..., Diagnosis],
+) -> None:
+    diagnosis = body_and_sleeves(2, 38.0)
+    body, *sleeves = diagnosis.controller.repairs
+    file = replace(body, price=None), *sleeves[:2]  # of no other land the file names anything else
+    unpriced = replace(diagnosis, controller=replace(diagnosis.controller, repairs=file))
+    choice = choose(unpriced)
+    assert (choice.basis, keys(choice)) == (Basis.CHEAPEST, {"option_0", "option_1"})
+
+
+def test_a_land_that_two_kits_cover_is_in_one_state_and_none_that_one_mends_is_as_new(
+    three_circuits: Controller, worn_unit: Callable[..., Diagnosis]
+) -> None:
+    """Each kit alone mends one of the flagged lands, both the one between: the second is as new beside the first."""
+    kits = kit(1, (("1", 1), ("2", 1)), 50.0), kit(2, (("2", 1), ("4", 1)), 40.0)
+    diagnosis = worn_unit(replace(three_circuits, repairs=kits), {("1", 1): 2.0, ("2", 1): 2.0, ("4", 1): 2.0})
+    choice = choose(diagnosis)
+    assert keys(choice) in ({"option_1", ("4", 1)}, {"option_2", ("1", 1)})
+    assert sorted(key for _, lands in choice.lands for key in lands) == sorted(choice.states)
+    mended = {key for move in choice.chosen if move.option is not None for key in move.option.mending}
+    assert not mended & keys(choice)
+
+
+def test_what_was_decided_for_one_component_of_a_kit_is_decided_for_all_and_costs_once(
+    body_and_sleeves: Callable[..., Diagnosis],
+) -> None:
+    diagnosis = body_and_sleeves(2, 90.0)
+    assert {line.key for line in estimate(diagnosis, Job()).lines} == {"option_0", "option_1"}
+    body = {"repair": "body", "decision": "approved"}
+    once = estimate(diagnosis, Job(repair_decisions=[{"component": "3", **body}]))
+    (line,) = once.lines
+    assert set(line.states) == {land.key for land in diagnosis.lands}
+    assert EstimateWords(once, wording("en")).pair(line) == "the whole valve body"
+    twice = estimate(diagnosis, Job(repair_decisions=[{"component": name, **body} for name in "31"]))
+    for made in (once, twice):
+        assert (made.total.parts, sum(line.hours or 0.0 for line in made.lines)) == (Decimal(650), 6.0)
+        assert not made.lands_past
+    others = {"component": "1", "repair": "body", "decision": "declined"}, {"repair": "option_0", "decision": "done"}
+    sleeved = estimate(diagnosis, Job(repair_decisions=others))
+    assert {line.key: line.decision.decision for line in sleeved.lines} == {
+        "body": "declined", "option_0": "done", "option_1": "proposed",
+    }  # fmt: skip
+    assert sleeved.total.parts == Decimal(180)
+
+
+def test_a_body_that_is_ticked_takes_the_single_repairs_out(body_and_sleeves: Callable[..., Diagnosis]) -> None:
+    repairs = OfferedRepairs(body_and_sleeves(2, 90.0))
+    one = ticked(repairs, {"option_1"}, "option_0", on=True)
+    assert ticked(repairs, one, "body", on=True) == {"body"}
+    job = with_repairs(repairs, Job(), {"body"})
+    assert [(each.repair, each.land, each.decision) for each in job.repair_decisions] == [("body", None, "proposed")]
+    assert decided_repairs(repairs, job) == {"body"}
+    said = [offered_words(repairs.diagnosis, each, wording("en")) for each in repairs.all if each.key == "body"]
+    assert "one repair of the whole valve body: remanufactured body" in said[0]

@@ -147,7 +147,7 @@ def test_a_repair_that_leaves_a_land_worn_is_none_however_cheap(
     new, made_up = land.mounting_high, ("made up", "made up")
     widths = {"nearly_all": 1.99 * new, "worn": 1.45 * new, "as_new": new}
     options = tuple(
-        Repair(id, land.component, frozenset({land.land}), "other", *made_up, price=10.0 * price, currency="USD")
+        Repair(id, (land.key,), "other", *made_up, price=10.0 * price, currency="USD")
         for price, id in enumerate(widths, start=1)
     )
     options = tuple(replace(each, mounting_clearance=widths[each.id]) for each in options)
@@ -186,7 +186,7 @@ def test_a_repair_that_leaves_more_than_the_share_of_one_land_is_none(hipol: Flu
     key = max((land.key for land in controller.lands if land.key not in sealed), key=at_idle.share_drawn_by)
     land = controller.land(*key)
     only_shares = replace(limits, wear=None, clearance=None)
-    repair = Repair("wide", land.component, frozenset({land.land}), "other", "wide", "made up")
+    repair = Repair("wide", (land.key,), "other", "wide", "made up")
     worn = {key: (land.nominal_diameter, land.nominal_diameter + 2.0 * 200e-6)}
     for width, mends in ((190e-6, False), (land.mounting_high, True)):
         described = replace(controller, repairs=(replace(repair, mounting_clearance=width),))

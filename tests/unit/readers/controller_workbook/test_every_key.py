@@ -35,6 +35,7 @@ TOGETHER = {
     ("pump", "measured"),
     ("pump", "published"),
     ("permissible_pressure", "gear"),  # gears with one gear
+    ("repairs", "component"),  # components with one
 }
 
 
@@ -124,7 +125,15 @@ def test_what_no_shipped_file_says_is_kept_too(tables: Tables) -> None:
             "mounting_clearance_um": [6.4, 20.0],
             "source": "made up for this test",
             "evidence": "representative",
-        }
+        },
+        {
+            "id": "kit",
+            "components": [each["id"] for each in data["components"][:2]],
+            "kind": "other",
+            "name": "kit",
+            "source": "made up",
+        },
+        {"id": "body", "components": "all", "kind": "other", "name": "remanufactured body", "source": "made up"},
     ]
     data["repairs"].append(
         {"id": "pump", "component": "pump", "kind": "overhaul", "name": "pump overhaul", "source": "made up"}

@@ -56,7 +56,8 @@ def test_one_mistake_on_every_sheet_gives_one_list(five_speed_book: Book) -> Non
             assert f"row {row + 1}," in first
         if value != "":
             assert repr(value) in first
-    assert "column C (Component): no such land in this controller (found 'boost_valv')" in by_sheet["Repairs"][0]
+    assert "column C (Component): no such component with lands" in by_sheet["Repairs"][0]
+    assert by_sheet["Repairs"][0].endswith("did you mean 'boost_valve'?")
     assert "a line with its ratio" in by_sheet["Section pressures"][0]
     assert {sheet: len(listed) for sheet, listed in by_sheet.items()} == dict.fromkeys(_names(), 1)
     # the one message shows them all, in the order of the sheets
