@@ -462,7 +462,8 @@ class CustomerPage(PrintedPart):
         if waiting:
             yield say("customer.do_wait", valves=self._named(waiting))
         yield from self._elsewhere()
-        yield from self._brings(due, alone=len(due) == 1 or len(planned) == 1)
+        steps = {step.land.key[0] for step in self.names.plan.steps}
+        yield from self._brings(due, alone=len(due) == 1 or len(steps) == 1)
 
     def _elsewhere(self) -> Iterator[str]:
         """Say what to look at for a complaint that no pressure explains, where pressures are solved."""

@@ -205,13 +205,13 @@ def worn_valves(diagnosis: Diagnosis, choice: Choice) -> tuple[WornValve, ...]:
     Parameters
     ----------
     choice
-        the repairs that are chosen for the unit; a valve's own of them are those that change one of its lands.
+        the repairs that are chosen for the unit; of a kit only what it does to a valve is that valve's own.
     """
     by_component: dict[str, list[LandDiagnosis]] = {}
     for land in diagnosis.flagged:
         by_component.setdefault(land.key[0], []).append(land)
-    mine = [[move for move in choice.chosen if any(key[0] == name for key in move.treats)] for name in by_component]
-    now, *after = choice.totals_of([[], *mine])
+    mine = [{key: state for key, state in choice.states.items() if key[0] == name} for name in by_component]
+    now, *after = choice.unit.totals([{}, *mine])
     held = [each for each in pressures_at(diagnosis, lowest_first(diagnosis)[0]).applied if each.loss > 0.0]
     past = [each for each in held if each.verdict is not None and each.verdict.flagged]
     explained = {
@@ -228,7 +228,9 @@ def worn_valves(diagnosis: Diagnosis, choice: Choice) -> tuple[WornValve, ...]:
         urgency = worst(map(diagnosis.urgency_of, lands))
         return WornValve(component, lands, _paths(diagnosis, keys), complaints, lost, urgency, alone)
 
-    effects = (tuple(map(RepairedAt, now, totals)) if moves else () for moves, totals in zip(mine, after, strict=True))
+    effects = (
+        tuple(map(RepairedAt, now, totals)) if states else () for states, totals in zip(mine, after, strict=True)
+    )
     valves = map(valve, by_component, by_component.values(), effects)
 
     def order(valve: WornValve) -> tuple[int, int, float]:

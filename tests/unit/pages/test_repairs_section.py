@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import pytest
 from streamlit.testing.v1 import AppTest
 
-from tests.unit.pages.conftest import choice, texts, unfold, uploader
+from atleak.catalogue.entries import catalogue_files
+from tests.unit.pages.conftest import choice, go, texts, unfold, uploader
 
 SHEET = """Valve;Land;Part;Diameter [mm];Contact length [mm]
 boost_valve;1;spool;9.855;4.5
@@ -32,3 +34,49 @@ def test_repairs_of_the_file_are_shown_and_another_one_can_be_chosen(app: AppTes
     assert planned(app) == {second: "planned", first: ""}
     choice(app, "Valve body").select("minimal_example").run()
     assert not app.exception
+
+
+KITS = """
+[[repairs]]
+id = "sleeve"
+component = "pressure_regulator"
+kind = "sleeve"
+name = "bore sleeved"
+price = 38.0
+currency = "EUR"
+source = "made up"
+
+[[repairs]]
+id = "body"
+components = "all"
+kind = "other"
+name = "remanufactured body"
+price = 650.0
+currency = "EUR"
+source = "made up"
+"""
+TWO_WORN = b"""Valve;Land;Part;Diameter [mm]
+pressure_regulator;1;spool;15.00
+pressure_regulator;1;bore;15.09
+accumulator;1;spool;18.00
+accumulator;1;bore;18.10
+"""
+
+
+@pytest.mark.page("22_Settings")
+def test_a_body_that_is_ticked_is_one_line_of_the_estimate_and_unticks_the_sleeve(app: AppTest) -> None:
+    own = catalogue_files("controllers")["minimal_example"].read_text(encoding="utf-8") + KITS
+    uploader(app).upload_all({"own.toml": own.encode(), "worn.csv": TWO_WORN}).run()
+    go(app, "4_Diagnosis")
+    assert not app.exception
+    next(each for each in app.checkbox if "bore sleeved" in each.label).check().run()
+    body = next(each for each in app.checkbox if "remanufactured body" in each.label)
+    assert "one repair of the whole valve body" in body.label
+    body.check().run()
+    assert [each.value for each in app.checkbox if "sleeved" in each.label] == [False]
+    app.button(key="take-repairs").click().run()
+    go(app, "13_Estimate")
+    assert not app.exception
+    assert "**the whole valve body**" in texts(app)
+    (sums,) = [table.value for table in app.dataframe if "Net" in table.value]
+    assert list(sums["Parts"]) == ["650.00"]

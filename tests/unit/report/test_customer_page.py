@@ -13,6 +13,7 @@ import pytest
 from atleak.analysis.repair.plan import plan_repairs
 from atleak.catalogue.circuits import Pressure
 from atleak.catalogue.controller_file import load_controller
+from atleak.catalogue.repairs import Repair
 from atleak.common.translations import languages
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import wording
@@ -468,3 +469,21 @@ def test_who_approves_signs_between_technician_and_customer_where_somebody_is_na
         people = CustomerPage(names, signed=True).data()["signatures"]["people"]
         assert [role for role, _ in people] == [wording("en")(f"texts.sign_{role}") for role in roles]
         assert people[0][1] == "B. Nowak"
+
+
+def test_a_body_is_one_line_of_the_estimate_and_each_valve_is_judged_by_its_own_lands(all_worn):
+    worn = all_worn("five_speed_2005")
+    lands = tuple(land.key for land in worn.controller.lands)
+    body = Repair("body", lands, "other", "new body", "made up", price=650.0, currency="EUR", hours=6.0)
+    unit = replace(worn, controller=replace(worn.controller, repairs=(body,)))
+    names = PrintedNames(unit, Job(estimate=ESTIMATE), wording("en"))
+    assert [row[:3] for row in CustomerPage(names, signed=False).data()["cost"]["tables"][0]["rows"]] == [
+        ["the whole valve body", "new body", "1\u00a0130.00"]
+    ]
+    worst = {valve.component: valve.brings(unit.worst) for valve in worn_valves(unit, names.plan.choice)}
+    saved = [at.before.share - at.after.share for at in worst.values() if at is not None]
+    (whole,) = names.plan.steps
+    before = next(at.before.share for at in whole.conditions if at.condition == unit.worst.condition)
+    after = next(at.after.share for at in whole.conditions if at.condition == unit.worst.condition)
+    assert len(saved) > 9
+    assert max(saved) < 0.9 * (before - after)

@@ -135,25 +135,35 @@ GROWTH = st.fixed_dictionaries({key: st.floats(0.0, 3.0) for key in WORN})
 PRICE = st.one_of(st.none(), st.integers(1, 200).map(float))
 ALL = tuple(sorted(WORN))
 COVERED = (ALL[:1], ALL[:2], ALL[2:3], ALL[3:4], ALL[2:4], ALL[5:], ALL[:4], ALL[1:3], ALL[3:5], ALL)  # kits last
-OPTIONS = st.lists(st.tuples(st.sampled_from(COVERED), PRICE), max_size=6)
+LEAVES = st.sampled_from([None, None, 18e-6, 25e-6])
+OPTIONS = st.lists(st.tuples(st.sampled_from(COVERED), PRICE, LEAVES), max_size=6)
 
 
 @settings(max_examples=max(settings().max_examples // 6, 1))  # each computes up to 256 sets
 @given(growth=GROWTH, options=OPTIONS, goal=st.sampled_from(Goal), rate=st.sampled_from([None, 60.0]))
 def test_a_choice_is_as_good_as_the_best_of_all_sets_and_green_where_any_is(
     growth: dict[LandKey, float],
-    options: list[tuple[tuple[LandKey, ...], float | None]],
+    options: list[tuple[tuple[LandKey, ...], float | None, float | None]],
     goal: Goal,
     rate: float | None,
     worn_unit: Callable[..., Diagnosis],
     three_circuits: Controller,
 ) -> None:
-    repairs = tuple(kit(number, lands, price, 0.5 * number) for number, (lands, price) in enumerate(options))
+    repairs = tuple(
+        replace(kit(number, lands, price, 0.5 * number), mounting_clearance=leaves)
+        for number, (lands, price, leaves) in enumerate(options)
+    )
     diagnosis = worn_unit(replace(three_circuits, repairs=repairs), growth)
     choice = choose(diagnosis, goal, Prices(labour_rate=rate))
     flagged = {land.key for land in diagnosis.flagged}
     asked = flagged if goal is Goal.EVERY_LIMIT else set()
     assert choice.proven
+    plan = plan_repairs(diagnosis)
+    planned = {step.chosen.repair for step in plan.steps if step.chosen is not None}
+    if plan.cost is not None:
+        known = sum(repair.price or 0.0 for repair in planned), sum(repair.hours or 0.0 for repair in planned)
+        assert (sum(plan.cost.prices.values()), plan.cost.hours) == known
+        assert plan.cost.repairs == len(planned)
     good = [each for each in green_sets(choice) if {key for move in each for key in move.treats} >= asked]
     assert choice.reached == bool(good) == rediagnosed(choice)
     assert {key for move in choice.chosen for key in move.treats} >= asked
