@@ -28,9 +28,9 @@ class GapBranch:
     def flow(self, drop: Any) -> Any:
         return gap_equations.restricted_flow(drop, self.conductance, self.bend)
 
-    def flow_and_slope(self, drop: Any) -> tuple[Any, Any]:
-        """Return the flow, and how steeply it rises [m³/(s Pa)]."""
-        return gap_equations.restricted_flow_and_slope(drop, self.conductance, self.bend)
+    def flow_and_slope(self, drop: Any, out: Any = None) -> tuple[Any, Any]:
+        """Return the flow, and how steeply it rises [m³/(s Pa)], written into a pair of arrays if given."""
+        return gap_equations.restricted_flow_and_slope(drop, self.conductance, self.bend, out)
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,9 @@ class Orifice:
     def flow(self, drop: Any) -> Any:
         return orifice_equations.orifice_flow(drop, self.coefficient, self.transition)
 
-    def slope(self, drop: Any) -> Any:
-        return orifice_equations.orifice_slope(drop, self.coefficient, self.transition)
+    def flow_and_slope(self, drop: Any) -> tuple[Any, Any]:
+        """Return the flow, and how steeply it rises [m³/(s Pa)]."""
+        return orifice_equations.orifice_flow_and_slope(drop, self.coefficient, self.transition)
 
 
 AnyRestriction = TypeVar("AnyRestriction", bound=Restriction, covariant=True)

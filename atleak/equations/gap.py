@@ -310,13 +310,17 @@ def restricted_flow(pressure_drop: ArrayLike, conductance: ArrayLike, bend: Arra
     return result(flow / root)
 
 
-def restricted_flow_and_slope(pressure_drop: ArrayLike, conductance: ArrayLike, bend: ArrayLike = 0.0) -> Any:
+def restricted_flow_and_slope(
+    pressure_drop: ArrayLike, conductance: ArrayLike, bend: ArrayLike = 0.0, out: Any = (None, None)
+) -> Any:
     """Compute `restricted_flow`, and how steeply it rises, ``dq/dΔp = G / √(1 + B |Δp|)``: they share a root.
 
     Parameters
     ----------
     pressure_drop, conductance, bend : float or array
         as those of `restricted_flow`.
+    out : tuple of ndarray, optional
+        Two arrays for the result, of its shape, as NumPy's functions take them.
 
     Returns
     -------
@@ -338,14 +342,16 @@ def restricted_flow_and_slope(pressure_drop: ArrayLike, conductance: ArrayLike, 
     (1.3333333333333334e-07, 1e-12)
     """
     p, g, b = _restriction(pressure_drop, conductance, bend)
-    root = b * np.abs(p)
+    root = np.abs(p, out=out[1])
+    root = np.multiply(b, root, out=out[1])
     root += 1.0
-    root = np.sqrt(root)
-    slope = g / root
+    root = np.sqrt(root, out=out[1])
     root += 1.0
-    flow = g * p
+    flow = np.multiply(g, p, out=out[0])
     flow *= 2.0
-    return result(flow / root), result(slope)
+    flow = np.divide(flow, root, out=out[0])
+    root -= 1.0
+    return result(flow), result(np.divide(g, root, out=out[1]))
 
 
 def _restriction(pressure_drop: ArrayLike, conductance: ArrayLike, bend: ArrayLike) -> tuple[Any, Any, Any]:

@@ -127,7 +127,8 @@ def orifice_flow(pressure_drop: ArrayLike, coefficient: ArrayLike, transition: A
     Notes
     -----
     Tends to ``K √Δp`` far above the transition and to the laminar ``K Δp / √Δp_cr`` far below it; at the transition
-    it is 16 % below either. It rises with the pressure drop everywhere, by `orifice_slope`.
+    it is 16 % below either. It rises with the pressure drop everywhere, as
+    `orifice_flow_and_slope` says.
 
     References
     ----------
@@ -149,8 +150,8 @@ def orifice_flow(pressure_drop: ArrayLike, coefficient: ArrayLike, transition: A
     return result(k * p / np.sqrt(np.sqrt(p * p + p_cr * p_cr)))
 
 
-def orifice_slope(pressure_drop: ArrayLike, coefficient: ArrayLike, transition: ArrayLike) -> Any:
-    """Compute how steeply the flow of `orifice_flow` rises, ``dQ/dΔp = K (Δp²/2 + Δp_cr²) / (Δp² + Δp_cr²)^(5/4)``.
+def orifice_flow_and_slope(pressure_drop: ArrayLike, coefficient: ArrayLike, transition: ArrayLike) -> Any:
+    """Compute `orifice_flow`, and how steeply it rises, ``dQ/dΔp = K (Δp²/2 + Δp_cr²) / (Δp² + Δp_cr²)^(5/4)``.
 
     Parameters
     ----------
@@ -163,8 +164,9 @@ def orifice_slope(pressure_drop: ArrayLike, coefficient: ArrayLike, transition: 
 
     Returns
     -------
-    float or ndarray
-        [m³/(s Pa)], positive wherever the orifice is open; the same for a drop and its negative.
+    tuple of float or ndarray
+        Volume flow [m³/s], and how steeply it rises [m³/(s Pa)]: positive wherever the orifice is open, the same for a
+        drop and its negative.
 
     Raises
     ------
@@ -173,21 +175,23 @@ def orifice_slope(pressure_drop: ArrayLike, coefficient: ArrayLike, transition: 
 
     References
     ----------
-    Derivative of MathWorks, Simscape Fluids, block Fixed Orifice, by the pressure drop.
+    as `orifice_flow`, and its derivative by the pressure drop.
 
     Examples
     --------
     Without pressure drop it is the laminar conductance ``K / √Δp_cr``:
 
-    >>> round(orifice_slope(0.0, 6e-9, 3600.0) * 1e9, 12)
-    0.1
+    >>> flow, slope = orifice_flow_and_slope(0.0, 6e-9, 3600.0)
+    >>> flow, round(slope * 1e9, 12)
+    (0.0, 0.1)
     """
     p = values(pressure_drop)
     k = not_negative("turbulent coefficient", coefficient, "m³/(s √Pa)")
     p_cr = positive("transition pressure", transition, "Pa")
     laminar = p_cr * p_cr
     both = p * p + laminar
-    return result(k * (0.5 * (p * p) + laminar) / (both * np.sqrt(np.sqrt(both))))
+    root = np.sqrt(np.sqrt(both))
+    return result(k * p / root), result(k * (0.5 * (both + laminar)) / (both * root))
 
 
 def laminar_leak(

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from atleak.catalogue.circuits import Following, Pressure, SetPressure
@@ -242,6 +242,38 @@ def test_arrays_of_any_shape_give_what_numbers_give_one_by_one(
                 whole = np.broadcast_to(getattr(stacked, kind)[at], shape)
                 assert whole[index] == pytest.approx(value, rel=0.0, abs=1e-8 * scale)
     assert np.all(stacked.converged)
+
+
+@given(seeds)
+@example(245)
+def test_many_columns_that_start_from_the_mean_of_a_few_give_what_numbers_give(
+    three_circuits: Controller, seed: int
+) -> None:
+    """However unlike the columns are, and whatever some of them lack."""
+    builder, sections = drawn(three_circuits, seed)
+    network, rng, name = builder.network(), np.random.default_rng(seed), builder.circuits[0].id
+    factors, falls = rng.uniform(0.01, 20.0, 700), rng.choice([0.0, 0.3, 1.0, math.nan], 700)
+    many = scaled(network, {name: factors}).balance({key: pressure * falls for key, pressure in sections.items()})
+    assert many.converged.tolist() == np.isfinite(falls).tolist()
+    for index in rng.choice(np.flatnonzero(np.isfinite(falls)), 5):
+        at = {key: pressure * float(falls[index]) for key, pressure in sections.items()}
+        one = scaled(network, {name: float(factors[index])}).balance(at)
+        for circuit, pressure in one.pressures.items():
+            held = np.broadcast_to(many.pressures[circuit], factors.shape)[index]
+            assert held == pytest.approx(pressure, rel=0.0, abs=1e-7 * max(sections.values()))  # 0.05 Pa of 500 kPa
+
+
+def test_gaps_between_the_same_pressures_leak_what_they_leak_together(
+    three_circuits: Controller, point: OperatingPoint
+) -> None:
+    """One that the fluid must pass quickly bends its flow, and so they are no single wider gap."""
+    builder = referee.Builder(three_circuits, point)
+    builder.circuit("c", ("p_g", 1.0e-3))
+    gaps = [referee.gap("c", DRAIN, 3e-12, 2e-5), referee.gap("c", DRAIN, 5e-12), referee.gap("c", DRAIN, 1e-12, 1e-3)]
+    builder.branches += gaps
+    held = builder.network().balance(LINE)
+    leaving = math.fsum(float(each.restriction.flow(held.pressures["c"])) for each in gaps)
+    assert held.feeds["c"] == pytest.approx(leaving, rel=1e-9, abs=0.0)
 
 
 @given(seeds)

@@ -41,7 +41,6 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (orifice.turbulent_coefficient, (5e-4, 0.62, 797.0)),
     (orifice.transition_pressure, (5e-4, 0.62, 6.2e-6, 797.0, 150.0)),
     (orifice.orifice_flow, (25e3, 6.1e-9, 3587.0)),
-    (orifice.orifice_slope, (25e3, 6.1e-9, 3587.0)),
     (orifice.laminar_leak, (2e5, 8e-7, 4e5, 5.6e-3, 8.5e-3)),
     (orifice.orifice_leak, (2e5, 5e-6, 4e5, 797.0, 783.0)),
     (orifice.fed_pressure_turbulent, (4.14e5, 6.1e-9, 1.3e-11)),
@@ -71,6 +70,7 @@ OTHERS = {
     proportions.newcombe_interval,
     gap.entry_loss_terms,
     gap.restricted_flow_and_slope,
+    orifice.orifice_flow_and_slope,
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,
 }
