@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -80,28 +81,28 @@ class DrawnUnit:
         with np.errstate(divide="ignore"):
             return np.divide(self.pump.per_revolution * point.engine_speed, self.demand)
 
-    def held(self, point: OperatingPoint, demand_at: np.ndarray) -> tuple[np.ndarray, Mapping[str, Any]]:
-        """Return the line pressure that holds, and all pressures with it [Pa].
+    def held(self, demand: DemandShape) -> tuple[np.ndarray, Mapping[str, Any]]:
+        """Return the line pressure that holds, and all pressures with it [Pa], at the condition of a demand.
 
-        ``demand_at`` is the part of the leakage at the required line pressure that is left at each fraction of `_GRID`:
-        how a demand falls with the pressure is taken from the unit as measured for every draw.
+        How a demand falls with the pressure is taken from the unit as measured for every draw.
         """
+        point = demand.point
         main = spread_over(self.pressures["p_g"], self.leakage.shape)
         converter = self.pressures["p_k"]
         if not self.network.solves:
             return main, self.balance.pressures
 
-        def lacking(fraction: Any) -> Any:
+        def lacking(fraction: Any, left: Any) -> Any:
             supply = self.pump.capacity(point.engine_speed, fraction * main, self.viscosity)
             before_line = consumed(self.network, fraction * main, main, after_line=False)
-            return self.leakage * np.interp(fraction, _GRID, demand_at) + before_line - supply
+            return self.leakage * left + before_line - supply
 
-        held, falls = main, lacking(np.ones_like(main)) > 0.0
+        held, falls = main, lacking(1.0, 1.0) > 0.0
         if falls.any():
             low, high = np.zeros_like(main), np.ones_like(main)
             for _ in range(_HALVINGS):
                 middle = 0.5 * (low + high)
-                over = lacking(middle) > 0.0
+                over = lacking(middle, np.interp(middle, _GRID, demand.left)) > 0.0
                 low, high = np.where(over, low, middle), np.where(over, middle, high)
             held = np.where(falls, low * main, main)
 
@@ -116,12 +117,21 @@ class DrawnUnit:
         return held, balance.pressures
 
 
-def demand_shape(model: LeakageModel, point: OperatingPoint) -> np.ndarray:
-    """Return the part of a unit's leakage that is left at each fraction of the required line pressure in `_GRID`."""
-    network = model.network(point)
-    sections = sections_held(model.controller, _GRID * point.main_pressure, point.converter_pressure)
-    drawn = np.broadcast_to(network.drawn_from_pump(network.balance(sections)), _GRID.shape)
-    return drawn / drawn[-1] if drawn[-1] > 0.0 else _GRID
+@dataclass(frozen=True)
+class DemandShape:
+    """How the leakage of a unit as measured falls with the line pressure at one condition."""
+
+    model: LeakageModel
+    point: OperatingPoint
+
+    @cached_property
+    def left(self) -> np.ndarray:
+        """Return the part of it that is left at each fraction of the required line pressure in `_GRID`."""
+        network = self.model.network(self.point)
+        pressures = _GRID * self.point.main_pressure, self.point.converter_pressure
+        balance = network.balance(sections_held(self.model.controller, *pressures))
+        drawn = np.broadcast_to(network.drawn_from_pump(balance), _GRID.shape)
+        return drawn / drawn[-1] if drawn[-1] > 0.0 else _GRID
 
 
 def pressure_spread(
@@ -146,9 +156,9 @@ def pressure_spread(
     reached: Sequence[Any] = [limit for _, limit in steps.under(when_unworn)] if steps else ()
     of_reserve = spread_of(reserve, reached, coverage, falling=True)
     limited: dict[tuple[RuleKind, str | None], DrawnSpread] = {(RuleKind.RESERVE, None): of_reserve}
-    shape = demand_shape(model, point)
-    main, pressures = now.held(point, shape)
-    _, pressures_unworn = unworn.held(point, shape)
+    demand = DemandShape(model, point)
+    main, pressures = now.held(demand)
+    _, pressures_unworn = unworn.held(demand)
     below = _below(projection, main, now.pressures["p_g"], limits, coverage)
     if below is not None:
         limited[RuleKind.PERMISSIBLE_PRESSURE, None] = below

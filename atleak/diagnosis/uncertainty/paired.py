@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atleak.diagnosis.uncertainty.assumptions import Assumptions
-from atleak.diagnosis.uncertainty.drawn_unit import Drawn, DrawnLands, demand_shape, leakiest
+from atleak.diagnosis.uncertainty.drawn_unit import DemandShape, Drawn, DrawnLands, leakiest
 from atleak.diagnosis.uncertainty.draws import (
     Beside,
     Cube,
@@ -159,7 +159,7 @@ def _held(
     for land in lands:
         counted.count(*land.now)
     unit = counted.unit()
-    main, pressures = unit.held(point, demand_shape(model, point))
+    main, pressures = unit.held(DemandShape(model, point))
     return {
         "leakage": counted.leakage,
         "share": counted.share,

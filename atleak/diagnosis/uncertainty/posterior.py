@@ -25,7 +25,7 @@ from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.repairs import LandKey
 from atleak.diagnosis.missing import PUMP_PART, Path, Split, split
 from atleak.diagnosis.uncertainty.assumptions import Assumptions
-from atleak.diagnosis.uncertainty.drawn_unit import Drawn, DrawnLands, demand_shape
+from atleak.diagnosis.uncertainty.drawn_unit import DemandShape, Drawn, DrawnLands
 from atleak.diagnosis.uncertainty.draws import (
     FLUID_STATE,
     Beside,
@@ -182,7 +182,7 @@ class PosteriorUnit:
         self._own = replace(assumptions, temperature=assumptions.gauged_temperature, main_pressure=1.0)
         self.conditions = {each.condition: each for each in projections}
         self._before: dict[int, tuple[_Drawn, dict[OperatingPoint, Mapping[str, Any]]]] = {}
-        self._shapes = {point: demand_shape(model, point) for point in self.conditions}
+        self._demands = {point: DemandShape(model, point) for point in self.conditions}
         controller = model.controller
         gears = {point.gear for point in self.conditions}
         leaking = {gap.key for gap in controller.gaps if not gears.isdisjoint(gap.gears)}
@@ -337,7 +337,7 @@ class PosteriorUnit:
     ) -> Mapping[str, Any]:
         given = counted.given
         unit = replace(counted.unit(self._pump(given, wear, new=pump_new)), leakage=leakage)
-        main, held = unit.held(given.point, self._shapes[given.point])
+        main, held = unit.held(self._demands[given.point])
         return {**held, LINE: main}
 
     def _pump(self, given: Drawn, wear: Mapping[Fault, Any], *, new: bool) -> PumpFlow:

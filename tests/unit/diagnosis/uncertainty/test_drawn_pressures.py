@@ -11,7 +11,7 @@ import pytest
 from atleak.catalogue.circuits import Consumer, Following, SetPressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
-from atleak.diagnosis.uncertainty.drawn_unit import DrawnUnit, demand_shape
+from atleak.diagnosis.uncertainty.drawn_unit import DemandShape, DrawnUnit
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import sections_held
 from atleak.engine.profile import WORKSHOP
@@ -32,7 +32,7 @@ def test_in_every_draw_the_line_falls_as_far_as_small_steps_say(three_circuits: 
     balance = network.balance(sections)
     leakage = 1e-3 * network.drawn_from_pump(balance)  # the pump keeps up what is required
     unit = DrawnUnit(network, balance, leakage, sections, model.pump, viscosity)
-    held, pressures = unit.held(point, demand_shape(model, point))
+    held, pressures = unit.held(DemandShape(model, point))
     fallen, falling = required, balance
     for _ in range(150):
         falling = network.balance(sections_held(controller, fallen, point.converter_pressure), falling)
@@ -58,7 +58,7 @@ def test_in_every_draw_consumers_take_what_the_pressure_lets_them(
     sections = controller.section_pressures(required, point.converter_pressure)
     balance = network.balance(sections)
     unit = DrawnUnit(network, balance, network.drawn_from_pump(balance), sections, model.pump, viscosity)
-    held, _ = unit.held(point, demand_shape(model, point))
+    held, _ = unit.held(DemandShape(model, point))
     alone = [project(model, replace(point, main_pressure=float(each))) for each in required]
     assert held == pytest.approx([each.main_pressure_held for each in alone], rel=1e-9, abs=1e-3)
     assert unit.reserve(point) == pytest.approx([each.reserve for each in alone], rel=1e-12, abs=0.0)
