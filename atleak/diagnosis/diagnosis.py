@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -417,7 +419,16 @@ class Diagnosis:
     @cached_property
     def consequences(self) -> Mapping[LandKey, Consequence]:
         """Return what the wear of every land does to the unit, by component and land."""
-        return consequences(self)
+        behind = (each.lands_behind(self._allowed(each)) for each in self.missing_flagged)
+        measured = {land.key for land in self.lands if land.state.judged}
+        return consequences(self, measured.intersection(itertools.chain(*behind)))
+
+    def _allowed(self, missing: Missing) -> float:
+        """Return how much of a pressure may be missing [Pa]."""
+        permissible = self.controller.permissible_at(missing.point.gear, missing.point.state)
+        if missing.tap == LINE and permissible is not None and permissible.low is not None:
+            return float(missing.split.new.mean()) - permissible.low
+        return self.limits.circuit_loss.levels[0][1] if self.limits.circuit_loss is not None else math.inf
 
     def can_wait(self, land: LandDiagnosis) -> bool:
         """Tell whether a land is past a limit of its own and its wear does nothing to the unit.

@@ -291,6 +291,16 @@ class Missing:
         rows = [values for (each, _), values in self.rows.items() if each is cause]
         return np.asarray(sum(rows, np.zeros_like(self.missing)))
 
+    def lands_behind(self, allowed: float) -> list[LandKey]:
+        """Return the fewest lands without whose wear no more than so much [Pa] is missing; none where that takes more."""
+        lands = [each for of_row in self.split.lands.values() for each in of_row.items()]
+        behind, left = [], float(np.mean(self.missing)) - allowed
+        for key, values in sorted(lands, key=lambda each: -float(np.mean(each[1]))):
+            if left > 0.0:
+                behind.append(key)
+                left -= float(np.mean(values))
+        return behind if left <= 0.0 else []
+
     def amount(self, of: Callable[[Missing], np.ndarray]) -> Amount:
         """Return a quantity: at its best estimate, or the mean of its draws, with its interval.
 

@@ -1,0 +1,160 @@
+"""Which part it is: what the answer takes, what it names, and that every split adds up."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from atleak.analysis.answer import answer_of
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_file import load_controller
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.limits import Limits
+from atleak.catalogue.repairs import LandKey
+from atleak.common.wording import wording
+from atleak.diagnosis.consequence import Consequence
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
+from atleak.diagnosis.missing import Cause
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import WORKSHOP
+from atleak.engine.projection import project
+from atleak.measurements.clearances import clearances
+from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, GaugeReading, PressureTable
+from atleak.measurements.readings import Readings
+from atleak.report.json.diagnosis import diagnosis_record
+from atleak.report.tables.answer import answer_lines
+from tests.unit.conftest import first_of, with_clearances
+
+UNITS = {"five_speed_2005": "forward_clutch", "zf_6hp26": "clutch_a", "ford_4r70w": "forward_clutch"}
+
+
+@pytest.fixture(scope="module")
+def table_of(hipol: Fluid) -> Callable[..., PressureTable]:
+    """Return what gauges would show on a new unit in drive, each less by a fraction."""
+
+    def table(
+        unit: Controller, line: float = 0.0, clutch: float = 0.0, tap: str = "", **speeds: float
+    ) -> PressureTable:
+        readings = []
+        for engine, state in ((Engine.SLOW_IDLE, "idle"), (Engine.STALL, "stall"), (Engine.FAST_IDLE, "idle")):
+            point = next((each for each in unit.operating_points if (each.gear, each.state) == (1, state)), None)
+            speed = speeds.get(engine.value)
+            if point is None or (engine is Engine.FAST_IDLE and speed is None):
+                continue
+            point = point if speed is None else replace(point, engine_speed=speed)
+            new = project(LeakageModel(unit, clearances(None, unit), hipol, WORKSHOP), point)
+            shown = {LINE_TAP: new.main_pressure_held * (1.0 - line)}
+            if tap:
+                shown[tap] = new.circuit(tap).pressure * (1.0 - line) * (1.0 - clutch)
+            cells = ((GaugeCell("D", engine, each), pressure) for each, pressure in shown.items())
+            readings += [GaugeReading(cell, pressure, engine_speed=speed) for cell, pressure in cells]
+        return PressureTable("gauges.csv", "0" * 64, None, ("kPa",), tuple(readings))
+
+    return table
+
+
+@pytest.fixture(scope="module")
+def judged(hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]) -> Callable[..., Diagnosis]:
+    def judge(unit: Controller, wide: dict[LandKey, float] | None = None, **more: Any) -> Diagnosis:
+        return diagnose(unit, hipol, limits, readings=with_clearances(unit, readings_of, wide or {}), **more)
+
+    return judge
+
+
+def splits_of(record: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return every split of a record."""
+    found = [each["missing"] for each in record["conditions"]]
+    found += [each["missing"] for condition in record["conditions"] for each in condition["circuits"]]
+    return [each for each in found if each is not None]
+
+
+@pytest.mark.parametrize("name", first_of(UNITS))
+def test_a_sound_unit_has_no_cause_and_nothing_to_do(judged, table_of, name: str) -> None:
+    unit = load_controller(name)
+    diagnosis = judged(unit, pressures=table_of(unit, tap=UNITS[name]))
+    assert answer_of(diagnosis).cause is Cause.NONE
+    lines = answer_lines(answer_of(diagnosis), wording("en"))
+    assert lines.wrong == "Nothing is past a limit."
+    assert lines.do == "Nothing has to be done."
+
+
+@pytest.mark.parametrize("name", first_of(UNITS))
+def test_a_worn_land_that_the_gauge_shows_is_named_with_what_it_costs(judged, table_of, name: str) -> None:
+    unit, clutch = load_controller(name), UNITS[name]
+    land = next(gap.key for gap in unit.gaps if gap.high.section == clutch and gap.into_sump and 1 in gap.gears)
+    worn = judged(unit, {land: 60e-6})
+    stall = next(each for each in worn.projections if (each.condition.gear, each.condition.state) == (1, "stall"))
+    lost = 1.0 - stall.circuit(clutch).pressure / worn.unworn_at(stall).circuit(clutch).pressure
+    diagnosis = judged(unit, {land: 60e-6}, pressures=table_of(unit, clutch=lost, tap=clutch))
+    answer = answer_of(diagnosis)
+    assert (answer.cause, answer.circuit, answer.land) == (Cause.LANDS, clutch, land)
+    assert answer.probability is not None
+    assert answer.probability > 0.9
+    assert diagnosis.consequences[land] is Consequence.NOW
+    record = diagnosis_record(diagnosis)
+    for each in splits_of(record):
+        rows = sum(row["kpa"] for row in each["explained"])
+        assert rows + each["unexplained_kpa"] == pytest.approx(each["missing_kpa"], abs=1e-6)
+        for row in each["explained"]:
+            if row["lands"]:
+                assert sum(of_land["kpa"] for of_land in row["lands"]) == pytest.approx(row["kpa"], abs=1e-6)
+        measured = each["measured_kpa"] is not None
+        assert (each["missing_low_kpa"] is not None) is measured
+        if measured:
+            assert each["missing_kpa"] == pytest.approx(each["expected_kpa"] - each["measured_kpa"])
+            assert all(row["low_kpa"] <= row["kpa"] <= row["high_kpa"] for row in each["explained"])
+    assert (record["answer"]["component"], record["answer"]["land"]) == land
+
+
+@pytest.mark.parametrize("name", first_of(UNITS))
+def test_a_line_that_no_measured_part_explains_is_said_to_be_unexplained(judged, table_of, name: str) -> None:
+    unit = load_controller(name)
+    answer = answer_of(judged(unit, pressures=table_of(unit, line=0.35)))
+    assert answer.cause is Cause.UNEXPLAINED
+    assert answer.missing is not None
+    bores = np.mean(answer.missing.of(Cause.LANDS) + answer.missing.of(Cause.LINE_SETTING))
+    assert abs(bores) < 0.1 * np.mean(answer.missing.missing)
+    assert answer.steps == ()
+    lines = answer_lines(answer, wording("en"))
+    assert "The measured bores explain" in lines.wrong
+    assert "fluid level and filter" in lines.do
+
+
+def test_what_one_speed_cannot_tell_from_a_worn_pump_is_named_beside_it(judged, table_of) -> None:
+    unit = load_controller("chrysler_41te")
+    table = table_of(unit, line=0.35)
+    idle = tuple(each for each in table.readings if each.cell.engine is Engine.SLOW_IDLE)
+    answer = answer_of(judged(unit, pressures=replace(table, readings=idle)))
+    assert (answer.cause, answer.also) == (Cause.UNEXPLAINED, (Cause.PUMP,))
+    assert {each.component for each in answer.next_measurements[:2]} == {"pump"}
+    assert "these readings cannot tell" in answer_lines(answer, wording("en")).wrong
+
+
+def test_where_no_pressure_is_lost_the_growth_of_what_leaks_is_split(worn: Diagnosis) -> None:
+    answer = answer_of(worn)
+    assert answer.by_flow
+    assert answer.cause is Cause.LANDS
+    total = np.mean(answer.total)
+    assert sum(np.mean(each) for each in answer.amounts.values()) == pytest.approx(total, rel=1e-9)
+    assert answer_lines(answer, wording("en")).wrong.startswith("No pressure is lost yet.")
+    assert all(not worn.can_wait(step.land) for step in answer.steps)
+
+
+def test_a_unit_that_nobody_measured_is_asked_to_be_measured(unmeasured: Diagnosis) -> None:
+    lines = answer_lines(answer_of(unmeasured), wording("en"))
+    assert (lines.wrong, lines.do) == ("Nothing was measured yet.", "Measure the lands first.")
+
+
+def test_the_same_probability_stands_in_the_answer_and_in_its_draws(judged, table_of) -> None:
+    unit = load_controller("five_speed_2005")
+    answer = answer_of(judged(unit, pressures=table_of(unit, line=0.3)))
+    assert answer.missing is not None
+    missing = answer.missing
+    explained = sum(missing.of(cause) for cause in (answer.cause, *answer.also))
+    assert answer.probability == np.mean(explained > 0.5 * missing.missing)
+    assert diagnosis_record(answer.diagnosis)["answer"]["cause_probability"] == answer.probability
