@@ -10,6 +10,7 @@ import streamlit as st
 
 from atleak.analysis.history.wear import WearHistory, totals_over_mileage, wear_over_mileage
 from atleak.analysis.rates import ENOUGH_UNITS, SHOWN_QUANTILES
+from atleak.analysis.record_doubts import components_of
 from atleak.common.errors import AtleakError
 from atleak.common.units import PERCENT, UM
 from atleak.common.verdicts import Verdict
@@ -30,7 +31,7 @@ from atleak.job_book.unit_history import (
 from atleak.measurements.job_card import RepairDecision, RepairState
 from atleak.report.charts import history_figures as figures
 from atleak.report.tables.history import soonest_first, total_table, wear_table
-from atleak.report.tables.names import land_number, land_words
+from atleak.report.tables.names import components_words, land_number, land_words
 from atleak.report.tables.table import VERDICT, Column, Table
 from pages.shared import reader, show
 from pages.shared.book import job_id, open_picked
@@ -143,14 +144,14 @@ def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
     """Say what was declined or deferred and not done since, with its reason, and list every decision in a fold."""
     say, undone = reader.say(), left_undone(visited)
     if undone:
-        said = (f"- {_decision(decision, say)} ({say.date(each.date)})" for each, decision in undone)
+        said = (f"- {_decision(each, decision, say)} ({say.date(each.date)})" for each, decision in undone)
         st.markdown("\n".join([f"**{say('unit.left_undone')}**", "", *said]))
     every = [(each, decision) for each in reversed(visited) for decision in each.decisions]
     if every:
         with st.expander(say("unit.every_repair", count=len(every))):
             columns = (
                 Column("date", of=lambda row: row[0].date.isoformat()),
-                Column("pair", of=lambda row: row[1].pair),
+                Column("pair", of=lambda row: _about(row[0], row[1], say)),
                 Column("repair_decision", of=lambda row: say.get("job_decisions", row[1].decision or "")),
                 Column("work", of=lambda row: row[1].work),
                 Column("reason", of=lambda row: row[1].reason),
@@ -158,10 +159,16 @@ def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
             show.table(Table("repairs", columns, every, say))
 
 
-def _decision(each: RepairDecision, say: Wording) -> str:
+def _about(visited: VisitedJob, each: RepairDecision, say: Wording) -> str:
+    controller = visited.controller
+    components = () if controller is None else components_of(each, controller)
+    return each.pair if controller is None or len(components) < 2 else components_words(controller, components, say)
+
+
+def _decision(visited: VisitedJob, each: RepairDecision, say: Wording) -> str:
     work = f", {show.plain(each.work)}" if each.work else ""
     reason = f": {show.plain(each.reason)}" if each.reason else f", {say('unit.no_reason')}"
-    return f"{show.plain(each.pair)}{work} **{say.get('job_decisions', each.decision or '')}**{reason}"
+    return f"{show.plain(_about(visited, each, say))}{work} **{say.get('job_decisions', each.decision or '')}**{reason}"
 
 
 # --- wear

@@ -168,6 +168,11 @@ OF_REPAIR = ("id", "kind", "name", "part_number", "price", "currency", "hours", 
 _AS_NEW = "as_new"  # the work on every pump
 
 
+def kit_components(repair: Repair | None) -> list[str] | None:
+    """Return the components that a kit mends; None of the repair of one."""
+    return list(repair.components) if repair is not None and len(repair.components) > 1 else None
+
+
 def pump_repair_record(repair: Repair) -> dict[str, Any]:
     """Return a repair of the pump as plain values: what it is, and what it costs."""
     return {"work": _AS_NEW, **named_record(repair, *OF_REPAIR, "evidence", "source")}

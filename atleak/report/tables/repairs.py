@@ -25,7 +25,7 @@ from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.operation import LINE
-from atleak.report.json.conditions import OF_REPAIR, named_record, of_land, scaled
+from atleak.report.json.conditions import OF_REPAIR, kit_components, named_record, of_land, scaled
 from atleak.report.tables.lands import CONDITION_WIDTH
 from atleak.report.tables.names import components_words, land_number
 from atleak.report.tables.sentences import consequence_words, land_in_words, replace_at, rule_reached
@@ -282,7 +282,7 @@ def option_record(option: Option, key: LandKey) -> dict[str, Any]:
     repair, land = option.repair, option.states[key].land
     return {
         **named_record(repair, *OF_REPAIR),
-        "components": list(repair.components) if len(repair.components) > 1 else None,
+        "components": kit_components(repair),
         "lands": [of_land(changed) for changed in option.lands],
         "nominal_diameter_mm": land.nominal_diameter * MM,
         "clearance_after_um": option.states[key].radial_clearance * UM,

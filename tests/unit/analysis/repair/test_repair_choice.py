@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from atleak.analysis.estimate import Estimate, decided_repairs, estimate, with_repairs
+from atleak.analysis.record_doubts import record_doubts
 from atleak.analysis.repair.choice import Basis, Choice, OfferedRepairs, choose, ticked
 from atleak.analysis.repair.options import Move, Prices, StatedPrice
 from atleak.analysis.repair.plan import plan_repairs
@@ -32,6 +33,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
 from atleak.measurements.job_card import EstimateTerms, Job
 from atleak.measurements.readings import Readings
+from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.tables.estimate import EstimateWords
 from atleak.report.tables.repairs import offered_words, option_record, step_in_words
 from tests.unit.conftest import first_of
@@ -357,3 +359,17 @@ def test_a_body_that_is_ticked_takes_the_single_repairs_out(body_and_sleeves: Ca
     assert decided_repairs(repairs, job) == {"body"}
     said = [offered_words(repairs.diagnosis, each, wording("en")) for each in repairs.all if each.key == "body"]
     assert "one repair of the whole valve body: remanufactured body" in said[0]
+
+
+def test_the_answer_and_a_needless_kit_name_every_component(
+    body_and_sleeves: Callable[..., Diagnosis], three_circuits: Controller, worn_unit: Callable[..., Diagnosis]
+) -> None:
+    record = diagnosis_record(body_and_sleeves(9, 90.0))
+    (step,) = record["answer"]["do"]
+    assert (step["components"], step["repair"], step["price"]) == (["1", "2", "3", "4"], "body", 650.0)
+    assert record["answer"]["cost"] == 650.0
+    two = kit(1, (("2", 1), ("3", 1)), 50.0)
+    sound = worn_unit(replace(three_circuits, repairs=(two,)), {("1", 1): 0.0})
+    job = Job(repair_decisions=[{"component": "2", "repair": two.id, "decision": "approved"}])
+    (doubt,) = record_doubts(job, sound)
+    assert str(doubt.text).startswith("valve of clutch C1, valve of clutch C2 (2/1, 3/1): work is decided here")
