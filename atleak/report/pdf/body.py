@@ -223,7 +223,7 @@ class Body(PrintedPart):
 
     def _all(self) -> Iterable[Block]:
         names = self.names
-        table = names.lands.without("pair", "share_largest", "decided_by", "decision")
+        table = names.lands.without("pair", "share_largest", "consequence", "decided_by", "decision")
         yield printed(replace(table, group=names.pair))
         at = names.say.condition(self.diagnosis.projection.condition)
         yield text(self.say("texts.all_at", condition=at), small=True)
