@@ -292,7 +292,7 @@ class Missing:
         return np.asarray(sum(rows, np.zeros_like(self.missing)))
 
     def lands_behind(self, allowed: float) -> list[LandKey]:
-        """Return the fewest lands without whose wear no more than so much [Pa] is missing; none where that takes more."""
+        """Return the fewest lands without whose wear only so much [Pa] is missing; none where that takes more."""
         lands = [each for of_row in self.split.lands.values() for each in of_row.items()]
         behind, left = [], float(np.mean(self.missing)) - allowed
         for key, values in sorted(lands, key=lambda each: -float(np.mean(each[1]))):

@@ -45,6 +45,7 @@ _DECIDING = {
     RuleKind.TOTAL_SHARE: "total",
     RuleKind.CIRCUIT_LOSS: "circuit",
     RuleKind.BELOW_LINE: "circuit",
+    RuleKind.BELOW_EXPECTED: "line",
 }  # what decided, where the rule's name differs
 
 
