@@ -458,12 +458,12 @@ class CustomerPage(PrintedPart):
             yield say("customer.do_look")
             return
         yield say("customer.do_repair", valves=self._named(due))
-        waiting = [each.component for each in self.valves if each.urgency is not each.verdict]
-        if waiting:
-            yield say("customer.do_wait", valves=self._named(waiting))
         yield from self._elsewhere()
         steps = {step.land.key[0] for step in self.names.plan.steps}
         yield from self._brings(due, alone=len(due) == 1 or len(steps) == 1)
+        waiting = [each.component for each in self.valves if each.urgency is not each.verdict]
+        if waiting:
+            yield say("customer.do_wait", valves=self._named(waiting))
 
     def _elsewhere(self) -> Iterator[str]:
         """Say what to look at for a complaint that no pressure explains, where pressures are solved."""
