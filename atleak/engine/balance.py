@@ -100,7 +100,8 @@ def balance(network: Circuits, sections: Mapping[str, Any], after: Balance | Non
                 pressures[number] = _flat(after.pressures[name], numbers.shape)
                 feeds[number] = _flat(after.feeds[name], numbers.shape)
         converged[:] = _flat(after.converged, numbers.shape)
-        changed = np.flatnonzero(numbers.changed_from(after))
+        moved, before = numbers.moved_from(after)
+        changed = np.flatnonzero(moved)
         parts = [changed[start : start + block] for start in range(0, len(changed), block)]
     few = slice(0, size, max(size // _FEW, 1))
     if after is None and network.solved and size >= _MANY:
@@ -108,7 +109,9 @@ def balance(network: Circuits, sections: Mapping[str, Any], after: Balance | Non
     mean: np.ndarray | None = None  # what the circuits of a few columns hold, over the highest pressure
     for part in parts:
         columns = numbers.columns(part, room)
-        near = pressures[:, part] if after is not None else None if mean is None else mean * columns.top
+        near = None if mean is None else mean * columns.top
+        if after is not None:  # as the sections rise or fall, the circuits do
+            near = pressures[:, part] * (columns.top / np.where(before[part] > 0.0, before[part], np.inf))
         converged[part], feeds[:, part], relief[:, part] = _solved(columns, near)
         pressures[:, part] = columns.pressures[:count]
         sound = converged[part] & (columns.top > 0.0)
@@ -312,13 +315,15 @@ class _Numbers:
         columns.start_from_above()
         return columns
 
-    def changed_from(self, other: Balance) -> np.ndarray:
-        """Return in which columns any section has another pressure than in a balance."""
-        changed = np.zeros(self.size, bool)
+    def moved_from(self, other: Balance) -> tuple[np.ndarray, np.ndarray]:
+        """Return which columns have another pressure of any section than in a balance, and their highest one there."""
+        changed, highest = np.zeros(self.size, bool), np.zeros(self.size)
         for name, row in self.structure.rows.items():
             if row in self.sections and name is not None:
-                changed |= self.sections[row] != np.maximum(_flat(other.pressures[name], self.shape), 0.0)
-        return changed
+                pressure = np.maximum(_flat(other.pressures[name], self.shape), 0.0)
+                changed |= self.sections[row] != pressure
+                np.maximum(highest, pressure, out=highest)
+        return changed, highest
 
 
 def _flat(value: Any, shape: tuple[int, ...]) -> np.ndarray:

@@ -30,6 +30,7 @@ from atleak.equations import fluid as fluid_equations
 from atleak.equations import orifice as orifice_equations
 
 SHARP = 1e-3  # [Pa] down to which a leak through a hole is turbulent: no pressure drop that matters is smaller
+_LARGE = 1_000  # numbers: so many are computed gap by gap as quickly as all gaps at once, in less memory
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ class Network:
         return sum([*self._through(gaps, balance.pressures), *leaks]) + sum(balance.relief.values())
 
     def _through(self, gaps: Sequence[Branch[GapBranch]], pressures: Mapping[str, Any]) -> Iterable[Any]:
-        """Return the flow of each gap [m³/s], of all at once where they are alike in shape."""
+        """Return the flow of each gap [m³/s], of all at once where they are alike in shape and not large."""
         drops = [branch.drop(pressures) for branch in gaps]
         drops = [
             drop if leaks_both_ways(branch, self.solved) else np.maximum(drop, 0.0)
@@ -127,7 +128,8 @@ class Network:
         ]
         restrictions = [branch.restriction for branch in gaps]
         columns = ([each.conductance for each in restrictions], [each.bend for each in restrictions], drops)
-        if not gaps or any(len({getattr(value, "shape", ()) for value in column}) != 1 for column in columns):
+        unlike = any(len({getattr(value, "shape", ()) for value in column}) != 1 for column in columns)
+        if not gaps or unlike or np.size(drops[0]) > _LARGE:
             return [branch.restriction.flow(drop) for branch, drop in zip(gaps, drops, strict=True)]
         stacked = [np.array(column, float) for column in columns]
         deepest = max(column.ndim for column in stacked)

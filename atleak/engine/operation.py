@@ -173,15 +173,22 @@ def held_pressure(
     lacks = lacking(required, first)
     main = np.full(np.shape(lacks), float(required)) if np.ndim(lacks) else float(required)
     if np.any(lacks > 0.0):
-        main = _where_balanced(lambda main: lacking(main, at(main, first)), main, lacks)
-        balance = at(main, first)
+
+        def lacking_at(main: Any) -> Any:
+            nonlocal balance  # each is near to the one before it, and the same where the search has ended
+            balance = at(main, balance)
+            return lacking(main, balance)
+
+        at_zero = lacking(0.0 * main, at(0.0 * main, first))
+        main = _where_balanced(lacking_at, main, lacks, at_zero)
+        balance = at(main, balance)
     converged: Any = True
     if controller.line is not None and controller.line.following is not None:
         main, balance, converged = fall_to_set_pressure(controller.line, point, main, balance, at)
     return Held(main, required, balance, converged & np.asarray(balance.converged))
 
 
-def _where_balanced(lacking: Callable[[Any], Any], main: Any, at_main: Any) -> Any:
+def _where_balanced(lacking: Callable[[Any], Any], main: Any, at_main: Any, at_zero: Any) -> Any:
     """Return the pressure at which nothing is lacking [Pa], by false position with Illinois' halving.
 
     What is lacking rises with the pressure (Dowell & Jarratt, BIT 11, 1971). Where nothing is lacking at the highest
@@ -193,7 +200,7 @@ def _where_balanced(lacking: Callable[[Any], Any], main: Any, at_main: Any) -> A
     def at(pressure: np.ndarray) -> np.ndarray:
         return np.broadcast_to(lacking(pressure if np.ndim(main) else pressure.item()), pressure.shape)
 
-    f_low = at(low).copy()
+    f_low = np.broadcast_to(at_zero, high.shape).copy()
     root = np.where(f_high <= 0.0, high, low)
     exact = _EXACT * (f_high - f_low)
     open_, side = (f_high > 0.0) & (f_low < 0.0), np.zeros_like(high)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import pytest
@@ -19,9 +19,11 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.engine.flows import FlowKind, FlowPlace, flows_at
 from atleak.engine.leakage import LeakageModel
+from atleak.engine.network import Network
 from atleak.engine.operation import Held, Operation, held_pressure, sections_held, with_new
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import project
+from atleak.engine.restrictions import GapBranch
 from atleak.measurements.clearances import LandClearance, clearances
 from tests.unit.conftest import first_of
 from tests.unit.engine.test_flows import ENDS, into
@@ -219,6 +221,30 @@ def test_shipped_units_with_half_the_pump_sag_and_balance(name: str, hipol: Flui
             opened = math.sqrt(held.main_pressure / point.main_pressure)
             assert taken == pytest.approx(stated * opened, rel=1e-9, abs=0.0)
     assert sagged
+
+
+def test_sets_of_draws_hold_what_each_holds_on_its_own(three_circuits: Controller, hipol: Fluid) -> None:
+    """Of which some fall and some do not."""
+    point = three_circuits.operating_points[0]
+    model = unit(three_circuits, hipol, 60e-6)
+    pump, viscosity = model.pump, model.dynamic_viscosity(point.temperature)
+    factors = np.random.default_rng(1).uniform(0.1, 8.0, (3, 300))
+
+    def times(factor: Any) -> Network:
+        network = model.network(point)
+        gaps = ((land, land.restriction) for land in network.lands)
+        lands = (land.with_restriction(GapBranch(each.conductance * factor, each.bend)) for land, each in gaps)
+        return replace(network, lands=tuple(lands))
+
+    held = held_pressure(times(factors), point, pump, viscosity)
+    assert 0.1 < np.mean(held.falls) < 0.9
+    assert np.all(held.converged)
+    for at in [(0, 0), (0, 299), (1, 17), (2, 150), np.unravel_index(factors.argmax(), factors.shape)]:
+        alone = held_pressure(times(float(factors[at])), point, pump, viscosity)
+        for name, pressure in alone.balance.pressures.items():
+            assert np.broadcast_to(held.balance.pressures[name], factors.shape)[at] == pytest.approx(
+                pressure, rel=1e-8, abs=1e-2
+            )
 
 
 @given(widths, points)
