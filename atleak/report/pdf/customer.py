@@ -449,8 +449,9 @@ class CustomerPage(PrintedPart):
                 return
         watched = [each.component for each in self.valves if not each.urgency.calls_for_repair]
         if not self.verdict.calls_for_repair:
-            key = "do_watch" if watched or planned else "do_look"
-            yield say(f"customer.{key}", valves=self._named(watched or planned))
+            before = list(dict.fromkeys(land.key[0] for land in self._before_service))
+            key = "do_before" if before else "do_watch" if watched or planned else "do_look"
+            yield say(f"customer.{key}", valves=self._named(before or watched or planned), mileage=self._service)
             yield from self._elsewhere()
             return
         due = self._due

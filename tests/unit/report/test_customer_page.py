@@ -398,7 +398,8 @@ def test_a_valve_that_fails_before_the_next_service_says_at_which_mileage_and_th
     first = pages_of(write_pdf(found, units=units))[0]
     amount, unit = mileage.rsplit(" ", 1)
     assert say("customer.urgent_before_service", mileage=amount) in first
-    assert f"by {amount} {unit} (service assumed)" in first
+    assert f"matters by {amount} {unit} (service assumed)" in first
+    assert f"Nothing has to be repaired now, but before {amount} {unit}: manual valve." in first
     assert "How often it is serviced is assumed." in first
     assert say("customer.urgent_replace") not in first
 
