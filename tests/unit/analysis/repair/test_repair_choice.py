@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from atleak.analysis.estimate import Estimate, decided_repairs, estimate, with_repairs
 from atleak.analysis.record_doubts import record_doubts
 from atleak.analysis.repair.choice import Basis, Choice, OfferedRepairs, choose, ticked
-from atleak.analysis.repair.options import Move, Prices, StatedPrice
+from atleak.analysis.repair.options import Move, Moves, Options, Prices, StatedPrice, together
 from atleak.analysis.repair.plan import plan_repairs
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
@@ -305,14 +305,15 @@ def test_a_body_is_chosen_where_it_costs_less_than_the_sleeves_that_it_saves(
 
 
 def test_a_body_without_a_price_takes_the_place_of_no_sleeve_that_has_one(
-    body_and_sleeves: Callable[..., Diagnosis],
+    three_circuits: Controller, worn_unit: Callable[..., Diagnosis]
 ) -> None:
-    diagnosis = body_and_sleeves(2, 38.0)
-    body, *sleeves = diagnosis.controller.repairs
-    file = replace(body, price=None), *sleeves[:2]  # of no other land the file names anything else
-    unpriced = replace(diagnosis, controller=replace(diagnosis.controller, repairs=file))
-    choice = choose(unpriced)
-    assert (choice.basis, keys(choice)) == (Basis.CHEAPEST, {"option_0", "option_1"})
+    """The third land is within its limits and only the body makes it tighter: nothing asks for that."""
+    growth = {("1", 1): 2.0, ("1", 2): 2.0, ("2", 1): 0.05}
+    sleeves = option(1, "1", (1,), 38.0, 1.0), option(2, "1", (2,), 38.0, 1.0)
+    diagnosis = worn_unit(replace(three_circuits, repairs=(kit(3, tuple(growth), None), *sleeves)), growth)
+    assert {land.key for land in diagnosis.flagged} == {("1", 1), ("1", 2)}
+    choice = choose(diagnosis)
+    assert (choice.basis, keys(choice)) == (Basis.CHEAPEST, {"option_1", "option_2"})
 
 
 def test_a_land_that_two_kits_cover_is_in_one_state_and_none_that_one_mends_is_as_new(
@@ -324,8 +325,14 @@ def test_a_land_that_two_kits_cover_is_in_one_state_and_none_that_one_mends_is_a
     choice = choose(diagnosis)
     assert keys(choice) in ({"option_1", ("4", 1)}, {"option_2", ("1", 1)})
     assert sorted(key for _, lands in choice.lands for key in lands) == sorted(choice.states)
-    mended = {key for move in choice.chosen if move.option is not None for key in move.option.mending}
-    assert not mended & keys(choice)
+    lands = [land for land in diagnosis.lands if land.state.judged]
+    moves = Moves(Options(diagnosis), lands, Prices(), as_new=True).all
+    new = [move for move in moves if move.option is None]
+    for move in moves:
+        beside = {each.key for each in new if each is not move and move.goes_with(each)}
+        mended = set() if move.option is None else move.option.mending
+        assert beside == {each.key for each in new if each is not move} - mended
+    assert [move.key for move in together(moves)] == ["option_1", ("4", 1)]
 
 
 def test_what_was_decided_for_one_component_of_a_kit_is_decided_for_all_and_costs_once(
