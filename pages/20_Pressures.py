@@ -2,14 +2,21 @@
 
 import streamlit as st
 
-from atleak.report.tables.gauges import pattern_text
-from pages.shared import panel, pressure_form, reader, show
+from atleak.report.tables.gauges import card_notes, card_table, pattern_text
+from pages.shared import fields, panel, pressure_form, reader, show
+from pages.shared.state import session
 
 case, diagnosis = panel.shown()
 controller, check, say = diagnosis.controller, diagnosis.pressures, reader.say()
 st.title(say("gauge_page.title"))
 st.write(say("gauge_page.what"))
 pressure_form.draw(case, controller)
+card = fields.fold(say("gauge_card.on_page"), key=f"gauge-card-{session().generation}")
+if card.open:
+    with card:
+        show.table(card_table(diagnosis, say))
+        for note in card_notes(diagnosis, say):
+            st.caption(show.plain(note))
 if check is None:
     st.info(say("gauge_page.none"))
     st.stop()

@@ -160,12 +160,13 @@ def input_files(options: argparse.Namespace) -> tuple[str | None, ...]:
     return (*given, *(getattr(options, name) for name in SLOTS))
 
 
-def chosen_job(options: argparse.Namespace) -> tuple[Case, Job | None]:
+def chosen_job(options: argparse.Namespace, *, may_be_new: bool = False) -> tuple[Case, Job | None]:
     """Return the files and choices that the command line names, and the record; what it says counts where they do not.
 
-    Without a sheet, a log and gauge readings the command ends with a word on its usage.
+    Without a sheet, a log and gauge readings the command ends with a word on its usage, unless it ``may_be_new``: a
+    unit of which nothing was measured.
     """
-    if options.readings is None and options.road_test is None and options.pressures is None:
+    if not may_be_new and options.readings is None and options.road_test is None and options.pressures is None:
         problem = "there is nothing to diagnose: neither a measuring sheet nor a road test nor gauge readings are given"
         options.refuse(f"{problem}; expected READINGS, --road-test LOG or --pressures FILE")
     case = chosen_case(options)

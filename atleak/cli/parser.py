@@ -22,6 +22,7 @@ COMMANDS = {
     "import-log": ("import_log", "what is understood of a road-test log"),
     "report": ("report", "the reports of job files"),
     "template": ("template", "a measuring sheet to fill in"),
+    "gauge-card": ("template", "what gauges should show at every tap, as a card to fill in"),
     "controller": ("controller", "describe a valve body: in a workbook, and as the TOML file that every command takes"),
     "gauge-study": ("studies", "repeatability and reproducibility of a gauge, by ANOVA"),
     **{

@@ -1,4 +1,4 @@
-"""Write a measuring sheet to fill in: ``atleak template``."""
+"""Write forms to fill in: a measuring sheet, ``atleak template``, and the gauge card, ``atleak gauge-card``."""
 
 from __future__ import annotations
 
@@ -6,8 +6,18 @@ import argparse
 from typing import Any
 
 from atleak.catalogue.written_numbers import MILEAGE
+from atleak.cli.job_options import add_job_options, chosen_job, input_files
 from atleak.cli.parser import add_command
-from atleak.cli.shared import Outputs, add_controller, add_force, chosen_controller, number_of_argument
+from atleak.cli.shared import (
+    Outputs,
+    add_controller,
+    add_force,
+    add_print,
+    chosen_controller,
+    number_of_argument,
+    print_font,
+    print_options,
+)
 from atleak.common.translations import languages
 from atleak.common.units import SYSTEMS
 from atleak.job.zip_file import load_job
@@ -25,12 +35,17 @@ _TEXTS = {
 
 
 def add_parser(commands: Any, name: str) -> None:
-    """Add the command."""
+    """Add one of the commands."""
+    add = _add_template if name == "template" else _add_gauge_card
+    add(commands, name)
+
+
+def _add_template(commands: Any, name: str) -> None:
     examples = (
         "template -o sheet.xlsx",
         "template --controller five_speed_2005 --number 2026-0417 --mileage 212000 -o sheet.xlsx",
     )
-    parser = add_command(commands, name, run, examples=examples)
+    parser = add_command(commands, name, _template, examples=examples)
     add_controller(parser)
     parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True, help="the sheet")
     parser.add_argument(
@@ -46,11 +61,37 @@ def add_parser(commands: Any, name: str) -> None:
     head.add_argument("--mileage", metavar="KM", type=number_of_argument(MILEAGE), help=asked)
 
 
-def run(options: argparse.Namespace) -> int:
+def _template(options: argparse.Namespace) -> int:
     """Write the sheet."""
     outputs = Outputs(options, [options.controller, options.job], "measuring sheet")
     known = {"fields": _fields(options), "language": options.language, "units": options.units}
     outputs.write(output=lambda: write_template(chosen_controller(options), **known))
+    outputs.say_written()
+    return 0
+
+
+def _add_gauge_card(commands: Any, name: str) -> None:
+    examples = (
+        "gauge-card --controller five_speed_2005 -o card.pdf",
+        "gauge-card sheet.xlsx --controller five_speed_2005 --job job.toml --units us --paper letter -o card.pdf",
+    )
+    usage = "atleak gauge-card [READINGS] [--controller ID|FILE] [options] -o FILE.pdf"
+    parser = add_command(commands, name, _gauge_card, examples=examples, usage=usage)
+    add_job_options(parser)
+    written = parser.add_argument_group("what is written, and how it is printed")
+    written.add_argument("-o", "--output", metavar="FILE.pdf", required=True, help="the card")
+    add_print(written)
+    add_force(written)
+
+
+def _gauge_card(options: argparse.Namespace) -> int:
+    """Write what gauges should show on the unit new and, with a measuring sheet, as measured."""
+    outputs = Outputs(options, input_files(options), "PDF")
+    case, job = chosen_job(options, may_be_new=True)
+    printed, font = print_options(options, ["pdf"]), print_font(options, ["pdf"])
+    from atleak.report.pdf.gauge_card import write_gauge_card
+
+    outputs.write(output=lambda: write_gauge_card(case.diagnose(), job, **printed, font=font))
     outputs.say_written()
     return 0
 

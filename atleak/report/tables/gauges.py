@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 from atleak.catalogue.circuits import PermissiblePressure
@@ -9,9 +11,10 @@ from atleak.catalogue.controller import Controller
 from atleak.common.units import KPA, PERCENT, RPM
 from atleak.common.wording import Wording, wording
 from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.gauge_card import USUAL_FAST_IDLE, CardRow
 from atleak.diagnosis.gauge_check import CheckedReading, PressureCheck
 from atleak.diagnosis.gauge_patterns import Pattern
-from atleak.measurements.gauge_readings import LINE_TAP, GaugeCell, tap_name
+from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, tap_name
 from atleak.report.json.conditions import finite, scaled, unit_rule_record
 from atleak.report.tables.names import land_words
 from atleak.report.tables.table import VERDICT, Column, Table
@@ -207,6 +210,56 @@ def _between(each: CheckedReading, say: Wording) -> str | None:
         return None
     low, high = (say.value(max(end, 0.0) * KPA, "pressure", 0) for end in each.loss_interval)
     return say("permissible.low_and_high", low=low, high=high)
+
+
+def card_table(diagnosis: Diagnosis, say: Wording) -> Table:
+    """Return what gauges should show on a unit, a row for every tap, range and state of the engine."""
+    card = diagnosis.gauge_card
+
+    def shows(name: str) -> Column:
+        def end(row: CardRow, number: int) -> float | str | None:
+            if row.expected is None:
+                return None if number else say("gauge_card.not_computed")
+            return float(getattr(row.expected, name)[number]) * KPA
+
+        keys = (f"card_{name}{which}" for which in ("", "_low", "_high"))
+        parts = tuple(Column(key, "pressure", 0, of=partial(end, number=number)) for number, key in enumerate(keys))
+
+        def said(row: CardRow) -> str:
+            value, low, high = (each.text(row, say) for each in parts)
+            return value if row.expected is None else f"{value} ({low}–{high})"
+
+        return Column(f"card_{name}", words_of="pressure", of=said, parts=parts)
+
+    columns = (
+        Column("tap", of=lambda row: tap_text(diagnosis.controller, row.tap, say)),
+        Column("range", width=95, of=lambda row: ", ".join(row.ranges)),
+        Column("engine_state", width=95, of=lambda row: say.sentence(row.engine.label)),
+        shows("new"),
+        *([shows("now")] if card.measured else []),
+        Column("temperature", "temperature", 0, of=lambda row: row.point and row.point.temperature),
+        Column("engine_speed", "engine_speed", of=lambda row: row.point and row.point.engine_speed, times=RPM),
+    )
+    return Table("gauge_card", columns, list(card.rows(_stated_fast_idle(diagnosis) or USUAL_FAST_IDLE)), say)
+
+
+def card_notes(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
+    """Yield what a reader of the card must know."""
+    file = diagnosis.readings.file if diagnosis.readings else ""
+    if diagnosis.gauge_card.measured:
+        yield say("gauge_card.now", file=file) if file else say("gauge_card.now_pump")
+    yield say("gauge_card.interval")
+    if _stated_fast_idle(diagnosis) is None:
+        yield say("gauge_card.fast_idle", speed=say.value(USUAL_FAST_IDLE * RPM, "engine_speed", 0))
+    if any(row.point is None for row in diagnosis.gauge_card.rows()):
+        yield say("gauge_card.no_point")
+
+
+def _stated_fast_idle(diagnosis: Diagnosis) -> float | None:
+    """Return the speed of a fast idle that the gauge readings state [1/s]; None where they do not."""
+    taken = diagnosis.pressures.table.readings if diagnosis.pressures else ()
+    speeds = (each.engine_speed for each in taken if each.cell.engine is Engine.FAST_IDLE)
+    return next(filter(None, speeds), None)
 
 
 def pattern_sentences(check: PressureCheck, controller: Controller, say: Wording) -> list[str]:

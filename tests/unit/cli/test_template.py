@@ -82,3 +82,15 @@ def test_what_is_known_of_the_job_stands_in_the_head_the_options_before_the_reco
         "2026-0418", "YV1SW61", "212000 km", "=1+1", "K. Weber",
     ]  # fmt: skip
     assert page["C6"].data_type == "s"
+
+
+def test_a_gauge_card_needs_no_readings_and_takes_a_sheet(run: Run, tmp_path: Path) -> None:
+    card = tmp_path / "card.pdf"
+    status, out, err = run("gauge-card", "--controller", "five_speed_2005", "-o", card)
+    assert (status, err) == (0, "")
+    assert "written:" in out
+    assert card.read_bytes().startswith(b"%PDF")
+    assert run("gauge-card", "nowhere.xlsx", "-o", card)[0] == 2
+    status, _, err = run("gauge-card", "-o", tmp_path / "card.xlsx")
+    assert status == 2
+    assert ".pdf" in err

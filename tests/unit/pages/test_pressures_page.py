@@ -14,7 +14,7 @@ from atleak.job.zip_file import write_job_file
 from atleak.measurements.gauge_readings import RANGES, Engine, GaugeCell
 from atleak.readers.gauges.typed_gauges import TYPED_GAUGES_FILE, TypedGauges, typed_gauges
 from pages.shared.pressure_form import UNITS
-from tests.unit.pages.conftest import choice, go, texts, uploader
+from tests.unit.pages.conftest import choice, go, texts, unfold, uploader
 
 PAGE = "20_Pressures"
 pytestmark = pytest.mark.page(PAGE)
@@ -71,6 +71,18 @@ def test_a_unit_and_further_cells_are_kept_with_what_was_typed_before(page: AppT
     assert readings.count(";85;") == 2
     field(page, "Fast idle [rpm]").set_value("2000").run()
     assert "Expected [kPa]" in shown(page)[0]
+
+
+def test_a_fold_shows_what_the_gauges_should_show(page: AppTest) -> None:
+    field(page, "D, slow idle [kPa]").set_value("480").run()
+    assert len(page.main.dataframe) == 1
+    unfold(page, "gauge-card")
+    assert not page.exception
+    expected, readings = (each.value.to_dict("records") for each in page.main.dataframe[:2])
+    row = next(each for each in expected if (each["Range"], each["State"]) == ("D, 3, 2, 1", "slow idle"))
+    assert re.fullmatch(r"500 \(\d+–\d+\)", row["New [kPa]"])
+    assert {each["New [kPa]"] for each in expected if each["Range"] == "R"} == {"not computed"}
+    assert readings[0]["Reads"] == "as new"
 
 
 def said_wrong(app: AppTest, label: str) -> list[str]:
