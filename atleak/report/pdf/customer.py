@@ -12,6 +12,7 @@ from functools import cached_property
 from itertools import chain, starmap
 from typing import Any
 
+from atleak.analysis.answer import answer_of
 from atleak.analysis.estimate import Line
 from atleak.analysis.pressures import lowest_first, pressures_at
 from atleak.analysis.record_doubts import components_of, needless_work
@@ -21,6 +22,7 @@ from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import begun, isolated
 from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.land import LandDiagnosis
+from atleak.diagnosis.missing import Cause
 from atleak.engine.operation import LINE
 from atleak.measurements.job_card import RepairDecision
 from atleak.report.charts.drawing import controller_svg, shortened
@@ -155,9 +157,18 @@ class CustomerPage(PrintedPart):
             return "ok_complaint" if self._complaint else ""
         if not verdict.calls_for_repair:
             return "past_watch" if verdict.flagged and not diagnosis.flagged else ""
+        if self._not_the_valves:
+            return "past_unexplained"
         if any(diagnosis.urgency_of(land).calls_for_repair for land in diagnosis.flagged):
             return ""
         return "past_together" if self._planned else "past_unexplained"
+
+    @cached_property
+    def _not_the_valves(self) -> bool:
+        """Tell whether a pressure is missing that no valve explains."""
+        answer = answer_of(self.diagnosis)
+        missing = answer.missing is not None and not answer.by_flow
+        return missing and answer.cause not in (Cause.LANDS, Cause.LINE_SETTING)
 
     @property
     def _urgency(self) -> str:
@@ -447,6 +458,8 @@ class CustomerPage(PrintedPart):
             if not self._due:
                 yield say("customer.do_pump")
                 return
+        if self._not_the_valves and self.names.plan.pump is None:
+            yield say("customer.do_find")
         watched = [each.component for each in self.valves if not each.urgency.calls_for_repair]
         if not self.verdict.calls_for_repair:
             before = list(dict.fromkeys(land.key[0] for land in self._before_service))
@@ -456,7 +469,8 @@ class CustomerPage(PrintedPart):
             return
         due = self._due
         if not due:
-            yield say("customer.do_look")
+            if not self._not_the_valves:
+                yield say("customer.do_look")
             return
         yield say("customer.do_repair", valves=self._named(due))
         yield from self._elsewhere()

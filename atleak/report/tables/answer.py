@@ -187,6 +187,8 @@ class _Words:
         else:
             others = ", ".join(say(f"answer.or_{each}") for each in answer.also)
             key = "answer.probability_with" if others else "answer.probability"
+            if answer.cause is Cause.UNEXPLAINED and not answer.also:
+                key = "answer.probability_of_none"
             surely = say("answer.more_than", percent=say.percent(_SURELY, 0))
             percent = surely if answer.probability > _SURELY else say.percent(answer.probability, 0)
             yield say(key, percent=percent, others=others)
