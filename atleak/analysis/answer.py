@@ -185,7 +185,10 @@ def _answer(diagnosis: Diagnosis) -> Answer:
         return Answer(diagnosis, Cause.UNEXPLAINED)
     if not diagnosis.verdict.flagged:
         return Answer(diagnosis, Cause.NONE)
-    measured = max(diagnosis.missing_flagged, key=lambda each: _beyond_the_line(diagnosis, each), default=None)
+    flagged = sorted(diagnosis.missing_flagged, key=lambda each: (each.doubted, -_beyond_the_line(diagnosis, each)))
+    measured = flagged[0] if flagged else None
+    if measured is not None and measured.doubted:
+        return Answer(diagnosis, Cause.UNEXPLAINED, missing=measured)
     if measured is not None and _mean(measured) > 0.0:
         return _of_pressure(diagnosis, measured)
     computed = max(_computed(diagnosis), key=_mean, default=None)

@@ -27,7 +27,7 @@ from atleak.diagnosis.road import RoadFindings
 from atleak.diagnosis.rules import Rule, permissible_steps
 from atleak.diagnosis.uncertainty import Assumptions, RuleDecision
 from atleak.diagnosis.uncertainty.decision import decide_normal, decide_rule
-from atleak.diagnosis.uncertainty.posterior import MOST_RISE, Fault, Lost, PosteriorUnit, Shown, losses
+from atleak.diagnosis.uncertainty.posterior import MOST_RISE, SURELY, Fault, Lost, PosteriorUnit, Shown, losses
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import LINE as LINE_SECTION
 from atleak.engine.projection import Projection, project
@@ -52,7 +52,6 @@ from atleak.measurements.gauge_readings import (
 _SHOWN = 8  # cells named in a message
 _LOG = "the log's sensor"  # a gauge by its own name
 _STEP = 5.0  # [K] to which a stated temperature is rounded where losses are drawn
-_SURELY = 4.0  # standard uncertainties by which a gauge shows more than there can be: choice of this project
 _MOVED = 3.0  # of two readings, by which the line moved between them: choice of this project
 
 _NOTHING_PERMITTED = Sentence("the valve body's file says nothing that they must reach")
@@ -331,7 +330,14 @@ class _Checker:
     def of_log(self, losses: dict[OperatingPoint, Lost]) -> tuple[Missing, ...]:
         """Return what is missing of main pressure where a log shows it."""
         return tuple(
-            Missing(point, LINE_SECTION, losses[point].split, shown.pressure, shown.seconds)
+            Missing(
+                point,
+                LINE_SECTION,
+                losses[point].split,
+                shown.pressure,
+                shown.seconds,
+                error=self.uncertainty * shown.pressure,
+            )
             for point, shown in self._in_log
         )
 
@@ -357,7 +363,7 @@ class _Checker:
         if beside.pressure <= 0.0:
             return _NO_LINE
         most = point.main_pressure * (1.0 + MOST_RISE * self.assumptions.line_rise)
-        return _TOO_HIGH if beside.pressure * (1.0 - _SURELY * self.uncertainty) > most else None
+        return _TOO_HIGH if beside.pressure * (1.0 - SURELY * self.uncertainty) > most else None
 
     def _at_the_lines_best(self, reading: GaugeReading) -> float | None:
         """Return what a gauge showed [Pa], had it been read while the line was at its highest in that cell.
@@ -375,13 +381,20 @@ class _Checker:
         follows = circuit is not None and circuit.set_pressure is None and beside is not None and beside.pressure > 0.0
         return reading.pressure * highest / beside.pressure if follows and beside else reading.pressure
 
+    def _doubted(self, section: str, point: OperatingPoint, losses: dict[tuple[str, OperatingPoint], Lost]) -> bool:
+        """Return whether gauges contradict one another on a section, or on what was read of it with another one."""
+        here = losses[section, point].contradicted
+        return bool(here) or any((section, point) in each.contradicted for each in losses.values())
+
     def with_missing(self, checked: CheckedReading, losses: dict[tuple[str, OperatingPoint], Lost]) -> CheckedReading:
         """Return a reading with what is missing of its pressure."""
         section, point = _section(checked.cell.tap), self._drawn_at(checked.reading)
         lost = None if point is None else losses.get((section, point))
         if lost is None or point is None:
             return checked
-        return replace(checked, missing=Missing(point, section, lost.split, checked.reading.pressure))
+        showed, doubted = checked.reading.pressure, self._doubted(section, point, losses)
+        missing = Missing(point, section, lost.split, showed, error=self.uncertainty * showed, doubted=doubted)
+        return replace(checked, missing=missing)
 
     def with_loss(self, checked: CheckedReading, losses: dict[tuple[str, OperatingPoint], Lost]) -> CheckedReading:
         """Return a reading with what its circuit or the line lost, judged; one that is judged already as it is."""
@@ -394,9 +407,11 @@ class _Checker:
             return self._by_the_line(checked, steps) if point is None else checked
         reason = None if tap == LINE_TAP else self._not_comparable(reading)
         showed = self._at_the_lines_best(reading)
-        surely = (showed or 0.0) * (1.0 - _SURELY * self.uncertainty)
-        if surely > lost.quantile(0.975, lost.expected):
-            reason = reason or (_TOO_HIGH if surely > lost.highest else _CONTRADICT)
+        surely = (showed or 0.0) * (1.0 - SURELY * self.uncertainty)
+        if surely > lost.highest:
+            reason = reason or _TOO_HIGH
+        elif checked.missing is not None and checked.missing.doubted:
+            reason = reason or _CONTRADICT
         if reason is not None:
             return replace(checked, unjudged=reason)
         kind = RuleKind.BELOW_EXPECTED if tap == LINE_TAP else RuleKind.CIRCUIT_LOSS

@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +26,7 @@ from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.repairs import LandKey
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import LandStates, Operation
+from atleak.equations.statistics import normal_quantile
 
 
 class Cause(StrEnum):
@@ -231,6 +232,12 @@ def _alike(now: Any, new: Any) -> bool:
     return bool(now.radial_clearance == new.radial_clearance and now.form_moments == new.form_moments)
 
 
+@cache
+def _spread_evenly(draws: int) -> np.ndarray:
+    """Return standard deviates at even steps of probability, in an order that nothing else follows."""
+    return np.asarray(normal_quantile((np.random.default_rng(draws).permutation(draws) + 0.5) / draws))
+
+
 class Amount(NamedTuple):
     """A number with its 95 % interval, which is open where nobody measured the pressure."""
 
@@ -249,17 +256,22 @@ class Missing:
     measured: float | None = None  # [Pa]; None where nobody measured it: what it holds by the clearances is taken
     seconds: float | None = None  # for which a log showed it; None of a gauge
     best: Split | None = None  # at its best estimate, beside draws of what nobody measured
+    error: float = 0.0  # [Pa] standard uncertainty of what was measured
+    doubted: bool = False  # other gauges contradict what was measured: it tells of no part
 
     @cached_property
     def missing(self) -> np.ndarray:
-        """Return what is missing in each draw [Pa]."""
-        return np.asarray(self.split.new - (self.split.now if self.measured is None else self.measured))
+        """Return what is missing in each draw [Pa]; the gauge errs in each by itself."""
+        if self.measured is None:
+            return np.asarray(self.split.new - self.split.now)
+        errs = self.error * _spread_evenly(len(self.split.new)) if self.error else 0.0
+        return np.asarray(self.split.new - self.measured - errs)
 
     @cached_property
     def rows(self) -> Mapping[Row, np.ndarray]:
         """Return what each row explains [Pa], the largest first; a seal only where it is surely worn."""
         rows = dict(self.split.rows)
-        if self.split.seal_worn >= SURE_OF_A_SEAL:
+        if self.split.seal_worn >= SURE_OF_A_SEAL and not self.doubted:
             rows[Cause.CLUTCH_SEAL, self.tap] = np.asarray(self.split.seal)
         flows = self.split.flows
 

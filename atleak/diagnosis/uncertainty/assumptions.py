@@ -53,7 +53,7 @@ class Assumptions:
     worn_seals: float = _percent(0.1)  # of clutches and bands
     seal_wear: float = _percent(0.3)  # leak over what the circuit's feeds can pass, exponential
     worn_pumps: float = _percent(0.2)
-    pump_wear: float = _percent(1.0)  # growth of the slip, exponential
+    pump_wear: float = _percent(5.0)  # growth of the slip, exponential
     sticking_regulators: float = _percent(0.05)  # of the line
     regulator_fall: float = _percent(0.1)  # of line pressure, exponential
     line_setting: float = _percent(0.01)  # relative, of what the line is set to

@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -51,6 +51,7 @@ from atleak.equations.statistics import normal_cdf
 
 _DRAWS = 8_192  # of units before any gauge is read, and half as many at a time around what was found
 ENOUGH = 200  # effective draws
+SURELY = 4.0  # standard uncertainties by which a gauge shows more than there can be: choice of this project
 _ROUNDS = 4  # of drawing around what was found
 _PRIOR_COUNTS = 20.0  # effective draws that the prior stands for while a proposal is fitted
 _NARROWEST = 0.2  # standard deviation of a proposal, over that of the prior
@@ -63,6 +64,8 @@ OF_A_SPLIT = 256  # draws
 _BORES = ("bore", "new_bore", "unworn_bore")
 MOST_RISE = 5.0  # of a line that is set high, over the mean rise
 _SEALS = _SEAL, _HOLE
+_LEAST_WEAR = 0.1e-6  # [m]
+_COUNTS = 1e-6  # of the largest weight, from which on a draw is looked at again
 
 Fault = tuple[Any, ...]  # (what, which): ("land", key), ("seal", circuit), ("pump",), ("line",)
 
@@ -87,6 +90,7 @@ class Lost:
     effective: float  # number of draws that the weights are worth
     highest: float  # [Pa] that it holds in 999 of 1000 units, before any gauge is read
     split: Split  # of all that it lost with the line, by draws of equal weight
+    contradicted: frozenset[tuple[str, OperatingPoint]] = frozenset()  # taps that showed what none of the draws expects
 
     @property
     def standard_uncertainty(self) -> float:
@@ -218,20 +222,14 @@ class PosteriorUnit:
             ((_SET,), u.high_lines, u.line_rise, MOST_RISE * u.line_rise),
         ]
         if self.model.uses_slip and not self.model.controller.pump.counted.any_known:
-            gone.append(((_PUMP,), u.worn_pumps, u.pump_wear, 10.0 * u.pump_wear))
+            gone.append(((_PUMP,), u.worn_pumps, u.pump_wear, 6.0 * u.pump_wear))
         return gone
 
-    def before(
-        self, draws: int, points: Iterable[OperatingPoint]
-    ) -> tuple[_Drawn, Mapping[OperatingPoint, Mapping[str, Any]]]:
-        """Return draws of the unit before any gauge is read, the same each time, and what they hold at some points."""
+    def before(self, draws: int) -> tuple[_Drawn, dict[OperatingPoint, Mapping[str, Any]]]:
+        """Return draws of the unit before any gauge is read, the same each time, and where to keep what they hold."""
         if draws not in self._before:
             self._before[draws] = self.draw(self.prior, draws, 0), {}
-        first, held = self._before[draws]
-        for point in points:
-            if point not in held:
-                held[point] = self.pressures(first, point)
-        return first, held
+        return self._before[draws]
 
     def draw(self, proposal: _Proposal, draws: int, seed: int) -> _Drawn:
         """Draw units; ``draws`` is a power of two."""
@@ -246,8 +244,11 @@ class PosteriorUnit:
             wear,
             {land.key: self._new(deviates, land) for land in self._open},
             {
-                land.key: land_draws(
-                    own.draws(SEED, 14, seed, number), land, common, fraction, self.assumptions, positions.of(land)
+                land.key: self._with_unworn(
+                    land_draws(
+                        own.draws(SEED, 14, seed, number), land, common, fraction, self.assumptions, positions.of(land)
+                    ),
+                    *stream_of(SEED, 15, seed, number).random((2, draws)),
                 )
                 for number, land in enumerate(measured)
             },
@@ -260,6 +261,23 @@ class PosteriorUnit:
         if low < high:
             return np.asarray(low + (high - low) * normal_cdf(deviate))
         return np.maximum(low + land.u_mounting * deviate, 0.0)
+
+    def _with_unworn(self, drawn: LandDraws, first: np.ndarray, second: np.ndarray) -> LandDraws:
+        """Return a measured land with what it was when new, given what it is: as wide, or worn from a narrower one.
+
+        ``first`` and ``second`` are two numbers from 0 … 1 in each draw. New pairs are alike likely anywhere in their
+        range; a land is worn as one that nobody measured would be.
+        """
+        u, now, (low, high) = self.assumptions, drawn.bore, drawn.land.state.land.mounting_range
+        new, worn = drawn.new_bore.clearance, now.clearance > drawn.new_bore.clearance
+        if low < high:
+            mean = max(u.land_wear, _LEAST_WEAR)
+            ways = np.clip(now.clearance, low, high) - low  # from where it may have worn
+            by_wear = -u.worn_lands * np.expm1(-ways / mean)
+            worn = (now.clearance > high) | (first * (by_wear + 1.0 - u.worn_lands) < by_wear)
+            new = low + mean * np.log1p(second * np.expm1(ways / mean))
+        both = zip((new, 0.0, 0.0), vars(now).values(), strict=True)
+        return replace(drawn, unworn_bore=Bore(*(np.where(worn, each, as_is) for each, as_is in both)))
 
     def pressures(self, drawn: _Drawn, point: OperatingPoint, *, new: bool = False) -> Mapping[str, Any]:
         """Return what the line, as p_g, and every circuit hold in each draw [Pa], or held when new."""
@@ -400,10 +418,10 @@ class PosteriorUnit:
         return self.split(self.as_measured, point, tap)
 
     def _leak(self, what: str, name: str, point: OperatingPoint, viscosity: Any, gone: Any) -> Restriction:
-        """Return a leak that takes ``gone`` times what the circuit's feeds pass at line pressure without any."""
-        network = self._networks[point.gear]
-        pressure, nominal = network.point.main_pressure, self.model.dynamic_viscosity(network.point.temperature)
-        through = gone * sum(each.restriction.flow(pressure) for each in network.feeds if each.into == name)
+        """Return a leak that takes ``gone`` times what the circuit's feeds pass at the highest line pressure."""
+        highest, feeds = max(self.conditions, key=lambda each: each.main_pressure), self._networks[point.gear].feeds
+        pressure, nominal = highest.main_pressure, self.model.dynamic_viscosity(highest.temperature)
+        through = gone * sum(each.restriction.flow(pressure) for each in feeds if each.into == name)
         if what == _HOLE:
             return Orifice(through / math.sqrt(pressure), SHARP)
         return GapBranch(through / pressure * nominal / viscosity)
@@ -449,50 +467,66 @@ def losses(
     asked: dict[str, list[OperatingPoint]] = {}
     for circuit, point in wanted:
         asked.setdefault(circuit, []).append(point)
-    lost = {}
-    for circuit, points in asked.items():
-        draws_of = _WeighedDraws(unit, circuit, shown)
-        at = dict.fromkeys([*(each.point for each in draws_of.evidence), *points])
-        draws_of.add(unit.prior, *unit.before(draws, at))
-        while draws_of.effective < ENOUGH and len(draws_of.parts) <= _ROUNDS:
-            draws_of.add_around(points)
-        lost.update({(circuit, point): draws_of.lost(point) for point in points})
+    lost: dict[tuple[str, OperatingPoint], Lost] = {}
+    rounds = [_Round(unit.prior, *unit.before(draws))]
+    for circuit in sorted(asked, key=lambda each: each != LINE):  # what the line tells serves every circuit
+        draws_of = _WeighedDraws(unit, circuit, asked[circuit], shown)
+        draws_of.add(*rounds)
+        for _ in range(_ROUNDS):
+            if draws_of.effective < ENOUGH:
+                draws_of.add_around()
+        rounds = draws_of.rounds if circuit == LINE else rounds
+        lost |= {(circuit, point): draws_of.lost(point) for point in asked[circuit]}
     return lost
+
+
+class _Round(NamedTuple):
+    """Draws of units from one proposal, with what they hold where that was asked for."""
+
+    proposal: _Proposal
+    drawn: _Drawn
+    held: dict[OperatingPoint, Mapping[str, Any]]
+
+    @property
+    def draws(self) -> int:
+        return int(self.drawn.wear.shape[1])
 
 
 class _WeighedDraws:
     """Draws of a unit from one proposal after the other, weighed by what gauges showed that tells of one circuit."""
 
-    def __init__(self, unit: PosteriorUnit, circuit: str, shown: Sequence[Shown]) -> None:
+    def __init__(
+        self, unit: PosteriorUnit, circuit: str, points: Sequence[OperatingPoint], shown: Sequence[Shown]
+    ) -> None:
         self.unit, self.circuit, self.near = unit, circuit, unit.near(circuit)
         feeds = zip(unit.quantities, self.near[0], strict=True)
         taps = {circuit, LINE, *(each[1] for each, acts in feeds if acts and each[0] == "feed")}
         self.evidence = [each for each in shown if each.tap in taps]
         self._likely = _likelihood(self.evidence, unit.assumptions.main_pressure)
-        self.parts: list[tuple[_Drawn, Mapping[OperatingPoint, Mapping[str, Any]]]] = []
-        self._proposals: list[_Proposal] = []
-        self._log_likely: list[np.ndarray] = []
+        self._points = dict.fromkeys([*(each.point for each in self.evidence), *points])
+        self.rounds: list[_Round] = []
+        self._expected = np.empty((len(self.evidence), 0))
 
-    def add(self, proposal: _Proposal, drawn: _Drawn, held: Mapping[OperatingPoint, Mapping[str, Any]]) -> None:
-        """Add draws from a proposal, the prior first, with the pressures that they hold, and weigh all anew."""
-        self.parts.append((drawn, held))
-        self._proposals.append(proposal)
-        size = drawn.wear.shape[1]
-        expected = [np.broadcast_to(held[each.point][each.tap], size) for each in self.evidence]
-        self._log_likely.append(self._likely(np.array(expected)))
-        self._deviates = np.concatenate([each.deviates for each, _ in self.parts], axis=1)
-        self._wear = np.concatenate([each.wear for each, _ in self.parts], axis=1)
-        sizes = np.array([each.wear.shape[1] for each, _ in self.parts])
-        logs = np.array([each.log_density(self._deviates, self._wear) for each in self._proposals])
+    def add(self, *rounds: _Round) -> None:
+        """Add rounds of draws, that from the prior first, and weigh all anew."""
+        for each in rounds:
+            for point in self._points:
+                if point not in each.held:
+                    each.held[point] = self.unit.pressures(each.drawn, point)
+            expected = [np.broadcast_to(each.held[one.point][one.tap], each.draws) for one in self.evidence]
+            self._expected = np.concatenate([self._expected, np.reshape(expected, (-1, each.draws))], axis=1)
+        self.rounds += rounds
+        self._deviates = np.concatenate([each.drawn.deviates for each in self.rounds], axis=1)
+        self._wear = np.concatenate([each.drawn.wear for each in self.rounds], axis=1)
+        sizes = np.array([each.draws for each in self.rounds])
+        logs = np.array([each.proposal.log_density(self._deviates, self._wear) for each in self.rounds])
         mixture = np.logaddexp.reduce(logs + np.log(sizes / sum(sizes))[:, None], axis=0)
-        self._log_weight = np.concatenate(self._log_likely) + logs[0] - mixture
+        self._log_weight = self._likely(self._expected) + logs[0] - mixture
 
-    def add_around(self, points: Iterable[OperatingPoint]) -> None:
+    def add_around(self) -> None:
         """Add half as many draws as there were at first, around those that carry the weight."""
         around = self.unit.prior.around(self._deviates, self._wear, _flattened(self._log_weight), self.near)
-        again = self.unit.draw(around, self.parts[0][0].wear.shape[1] // 2, len(self.parts))
-        at = dict.fromkeys([*(each.point for each in self.evidence), *points])
-        self.add(around, again, {point: self.unit.pressures(again, point) for point in at})
+        self.add(_Round(around, self.unit.draw(around, self.rounds[0].draws // 2, len(self.rounds)), {}))
 
     @property
     def effective(self) -> float:
@@ -500,20 +534,30 @@ class _WeighedDraws:
         weights = _normed(self._log_weight)
         return 1.0 / float(np.sum(weights * weights))
 
-    def _of_all(self, values: Iterable[Any]) -> np.ndarray:
-        """Return what each part gives as one array over all draws."""
-        parts = zip(values, self.parts, strict=True)
-        return np.concatenate([np.broadcast_to(each, drawn.wear.shape[1]) for each, (drawn, _) in parts])
+    @property
+    def contradicted(self) -> frozenset[tuple[str, OperatingPoint]]:
+        """Return where a gauge showed surely more, or less, than the units do that agree best with all gauges."""
+        weights, errs = _flattened(self._log_weight), _errs(self.evidence, self.unit.assumptions.main_pressure)
+        found = set()
+        for each, expected, err in zip(self.evidence, self._expected, errs, strict=True):
+            order = np.argsort(expected)
+            ends = np.searchsorted(np.cumsum(weights[order]), (0.025, 0.975)).clip(0, len(order) - 1)
+            low, high = expected[order][ends]
+            if not low - SURELY * err <= each.pressure <= high + SURELY * err:
+                found.add((each.tap, each.point))
+        return frozenset(found)
 
     def equally_likely(self) -> _Drawn:
         """Return draws of equal weight out of all of them."""
         chosen = np.searchsorted(np.cumsum(_flattened(self._log_weight)), (np.arange(OF_A_SPLIT) + 0.5) / OF_A_SPLIT)
-        parts = [each for each, _ in self.parts]
+        return self._chosen(np.minimum(chosen, self._wear.shape[1] - 1))
+
+    def _chosen(self, chosen: np.ndarray) -> _Drawn:
+        """Return some of all draws, by their places."""
+        parts = [each.drawn for each in self.rounds]
 
         def taken(values: Sequence[Any]) -> Any:
-            if not all(np.ndim(each) for each in values):
-                return values[0]
-            return np.concatenate(values, axis=-1)[..., np.minimum(chosen, self._wear.shape[1] - 1)]
+            return np.concatenate(values, axis=-1)[..., chosen] if all(np.ndim(each) for each in values) else values[0]
 
         def bore(each: Sequence[Bore]) -> Bore:
             return Bore(*(taken(values) for values in zip(*(vars(one).values() for one in each), strict=True)))
@@ -536,15 +580,15 @@ class _WeighedDraws:
 
     def lost(self, point: OperatingPoint) -> Lost:
         """Return what the circuit has lost against new at an operating point."""
-        circuit, drawn = self.circuit, [each for each, _ in self.parts]
-        weights = _flattened(self._log_weight)
-        kept = weights > 1e-9 * weights.max()
-        new_units = [replace(each, wear=0.0 * each.wear) for each in drawn] if circuit == LINE else drawn
-        now = self._of_all(held[point][circuit] for _, held in self.parts)
-        new = self._of_all(self.unit.pressures(each, point, new=True)[circuit] for each in new_units)
-        highest = float(np.quantile(self.parts[0][1][point][circuit], 0.999))
+        circuit, weights = self.circuit, _flattened(self._log_weight)
+        kept = np.flatnonzero(weights > _COUNTS * weights.max())
+        weights, drawn = weights[kept] / weights[kept].sum(), self._chosen(kept)
+        sound = replace(drawn, wear=np.zeros_like(drawn.wear)) if circuit == LINE else drawn
+        now = np.concatenate([np.broadcast_to(each.held[point][circuit], each.draws) for each in self.rounds])[kept]
+        new = np.broadcast_to(self.unit.pressures(sound, point, new=True)[circuit], kept.shape)
+        highest = float(np.quantile(self.rounds[0].held[point][circuit], 0.999))
         by_cause = self.unit.split(self.equally_likely(), point, circuit)
-        return Lost((new - now)[kept], now[kept], weights[kept], self.effective, highest, by_cause)
+        return Lost(new - now, now, weights, self.effective, highest, by_cause, self.contradicted)
 
 
 def _stacked(now: LandInState, new: LandInState, made_new: Sequence[bool]) -> LandInState:
@@ -576,9 +620,7 @@ def _likelihood(shown: Sequence[Shown], relative: float) -> Callable[[np.ndarray
     A gauge that is named errs alike in all that it showed, but for what is read off it. Of others nobody knows which
     was where: part of their variance is shared by the readings of one tap.
     """
-    showed = np.array([each.pressure for each in shown])
-    errs = relative * np.maximum(showed, _LEAST * showed.max(initial=0.0))
-    errs = np.maximum(errs, _FINEST)
+    showed, errs = np.array([each.pressure for each in shown]), _errs(shown, relative)
     own = np.array([_READ_OFF if each.gauge else _UNNAMED for each in shown])
     alike = np.array([[_one_gauge(a, b) for b in shown] for a in shown])
     covariance = np.outer(errs, errs) * (np.diag(own) + alike * np.sqrt(np.outer(1.0 - own, 1.0 - own)))
@@ -588,6 +630,12 @@ def _likelihood(shown: Sequence[Shown], relative: float) -> Callable[[np.ndarray
         return np.asarray(-0.5 * np.sum((whiten @ (showed[:, None] - expected)) ** 2, axis=0))
 
     return log_likelihood
+
+
+def _errs(shown: Sequence[Shown], relative: float) -> np.ndarray:
+    """Return the standard uncertainty of every reading [Pa]."""
+    showed = np.array([each.pressure for each in shown])
+    return np.maximum(relative * np.maximum(showed, _LEAST * showed.max(initial=0.0)), _FINEST)
 
 
 def _one_gauge(a: Shown, b: Shown) -> bool:
