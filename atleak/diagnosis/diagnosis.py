@@ -134,7 +134,7 @@ class Diagnosis:
     log: RoadFindings | None
     gauge_card: GaugeCard = field(repr=False)
     pressures: PressureCheck | None
-    logged: tuple[Missing, ...]
+    logged: tuple[Missing, ...] = field(compare=False)
     uncertainty: UnitUncertainty | None
     total_rules: tuple[Rule, ...]
     pressure_rules: tuple[Rule, ...]

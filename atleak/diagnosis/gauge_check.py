@@ -84,7 +84,8 @@ class CheckedReading:
     line: float | None  # [Pa] that the circuit should reach, from the line's gauge beside it; None where it need not
     decisions: tuple[RuleDecision, ...] = ()  # of every rule that judges it
     lost: Lost | None = None  # by its circuit, or the line, against new; None where that is not judged
-    missing: Missing | None = None  # against new, and what explains it; None where nothing can be computed there
+    #: against new, and what explains it; None where nothing can be computed there
+    missing: Missing | None = field(default=None, compare=False)
     unjudged: Sentence | None = None  # why no rule judges it
     shown: Expected | None = None  # what gauges would show there; None where nothing can be computed
 
@@ -160,7 +161,8 @@ class PressureCheck:
     readings: tuple[CheckedReading, ...]  # in the order of the unit's ranges
     patterns: tuple[Pattern, ...]
     messages: tuple[Message, ...]
-    logged: tuple[Missing, ...] = ()  # what is missing of main pressure where a log shows it
+    #: what is missing of main pressure where a log shows it
+    logged: tuple[Missing, ...] = field(default=(), compare=False)
 
     @cached_property
     def decisions(self) -> tuple[RuleDecision, ...]:

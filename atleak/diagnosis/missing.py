@@ -121,7 +121,7 @@ def _supply(controller: Controller, tap: str) -> list[str]:
     return found
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Split:
     """What each row costs a pressure, and adds to the demand on the pump, in each draw; arrays of shape (draws,)."""
 
@@ -246,7 +246,7 @@ class Amount(NamedTuple):
     high: float | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Missing:
     """What is missing of one pressure at one condition, and what explains it."""
 

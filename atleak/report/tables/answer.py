@@ -14,7 +14,7 @@ from atleak.catalogue.repairs import LandKey
 from atleak.common.units import DM3_MIN, KPA
 from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.missing import Cause, Missing, Row
+from atleak.diagnosis.missing import PUMP_ROW, Cause, Missing, Row
 from atleak.engine.operation import LINE
 from atleak.report.tables.first_sentence import impossible_part
 from atleak.report.tables.repairs import price_and_hours, repair_name, step_in_words
@@ -106,7 +106,12 @@ class _Words:
         )
 
     def _where(self, missing: Missing) -> str:
-        return self.say.condition(missing.point)
+        say, point = self.say, missing.point
+        filed = next((each for each in self.diagnosis.controller.operating_points if each.name == point.name), point)
+        if missing.seconds is None:
+            return say.condition(filed)
+        temperature = say.quantity(point.temperature, "temperature", 0)
+        return say("answer.in_log", condition=say.condition(filed), temperature=temperature)
 
     def _circuit(self, id_: str) -> str:
         return self.say.name(next(each.name for each in self.diagnosis.controller.circuits if each.id == id_))
@@ -116,8 +121,10 @@ class _Words:
         answer, row = self.answer, self.answer.row
         assert row is not None
         lands = answer.lands_in(missing, row)
-        named = [lands[key] for key in self._named(row)]
-        return np.asarray(sum(named, np.zeros_like(missing.missing))) if named else answer.amounts_in(missing)[row]
+        named = [lands[key] for key in self._named(row) if key in lands]
+        if row == PUMP_ROW:
+            return answer.amounts_in(missing).get(row, np.zeros_like(missing.missing))
+        return np.asarray(sum(named, np.zeros_like(missing.missing)))
 
     def _named(self, row: Row) -> tuple[LandKey, ...]:
         """Return the lands of a row that are named, those that explain most; none of the pump's."""
