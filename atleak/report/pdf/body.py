@@ -20,8 +20,9 @@ from atleak.common.sentences import Sentence
 from atleak.common.style import look_of
 from atleak.common.units import G_CM3, MM2_S, PERCENT, UM
 from atleak.common.verdicts import VERDICTS, Verdict
-from atleak.common.wording import Wording, isolated
+from atleak.common.wording import Wording, begun, isolated
 from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.gauge_check import CheckedReading
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.profile import UNKNOWN
 from atleak.measurements.job_card import RepairDecision, Scratch
@@ -45,7 +46,7 @@ from atleak.report.pdf.blocks import (
 from atleak.report.pdf.conditions import Conditions, Pressures, RoadTestSection
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.estimate import open_words
-from atleak.report.tables.gauges import gauge_table, pattern_sentences
+from atleak.report.tables.gauges import gauge_table, pattern_sentences, tap_text
 from atleak.report.tables.names import components_words
 from atleak.report.tables.road_test import RoadSeries
 from atleak.report.tables.sentences import fluid_in_state, measuring_temperature, option_words, profile_words
@@ -92,7 +93,16 @@ def gauge_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
     if check is None:
         return
     yield named_facts("facts", say, pressures=joined((check.table.file, check.table.sheet or "")))
-    yield printed(gauge_table(check, say).without("lost_between", "past_limit"))
+    table = gauge_table(check, say)
+    verdict, *others = table.without("range", "engine_state", "tap", "lost_between", "past_limit").columns
+
+    def where(each: CheckedReading) -> str:
+        return say("gauge_page.cell", range=each.cell.range, engine=say.sentence(each.cell.engine.label))
+
+    def tap(each: CheckedReading) -> str:
+        return begun(tap_text(diagnosis.controller, each.cell.tap, say))
+
+    yield printed(replace(table, columns=(verdict, Column("range", width=110, of=where), *others), group=tap))
     sources = dict.fromkeys(each.permissible.source for each in check.readings if each.permissible)
     if sources:
         yield text(say("texts.permissible_from", sources=joined(map(say.name, sources), "; ")), small=True)
