@@ -21,8 +21,8 @@ from atleak.report.tables.repairs import price_and_hours, repair_name, step_in_w
 from atleak.report.tables.sentences import land_in_words
 from atleak.report.tables.table import Facts
 
-_NAMED, _WORTH = 3, 0.1  # lands that the answer names, and what each explains of the whole at least
-_STEPS = 3  # of the plan that the answer names
+_NAMED, _WORTH = 2, 0.1  # lands that the answer names, and what each explains of the whole at least
+_STEPS = 2  # of the plan that the answer names
 _SURELY = 0.99  # probability above which no more is said than that
 
 
