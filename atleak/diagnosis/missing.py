@@ -267,6 +267,11 @@ class Missing:
         errs = self.error * _spread_evenly(len(self.split.new)) if self.error else 0.0
         return np.asarray(self.split.new - self.measured - errs)
 
+    @property
+    def expected(self) -> float:
+        """Return what is held with every cause new [Pa]."""
+        return self.amount(lambda each: each.split.new).value
+
     @cached_property
     def rows(self) -> Mapping[Row, np.ndarray]:
         """Return what each row explains [Pa], the largest first; a seal only where it is surely worn."""

@@ -30,7 +30,7 @@ from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.measurements.gauge_readings import LINE_TAP
 from atleak.measurements.readings import LENGTHS_MEASURED, REPAIR_FITTED
-from atleak.report.tables.answer import answer_facts
+from atleak.report.tables.answer import answer_facts, missing_table
 from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
 from atleak.report.tables.first_sentence import impossible_part, may_parts, pump_sentence, shown_verdict, worn_pump
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
@@ -119,6 +119,8 @@ def _diagnosis(diagnosis: Diagnosis, say: Wording) -> Iterator[str | RenderableT
     yield from _gauges(diagnosis, say)
     if diagnosis.log is not None:
         yield from _log(diagnosis, diagnosis.log, say)
+    if diagnosis.missing_flagged:
+        yield laid_out(missing_table(diagnosis, say))
     yield from (f"! {say.sentence(message.text)}" for message in diagnosis.messages if message.level == "warning")
 
 

@@ -33,7 +33,7 @@ from atleak.diagnosis.road import NO_LEAKAGE
 from atleak.report.charts.drawing import on_dark
 from atleak.report.charts.figure import Figure
 from atleak.report.charts.screen import drawn
-from atleak.report.tables.answer import answer_facts
+from atleak.report.tables.answer import answer_facts, missing_table
 from atleak.report.tables.first_sentence import first_sentence as first_sentence_of
 from atleak.report.tables.first_sentence import shown_verdict
 from atleak.report.tables.gauges import gauge_table
@@ -441,6 +441,13 @@ def answer(diagnosis: Diagnosis) -> None:
     with st.container(border=True):
         for name, said in answer_facts(diagnosis, reader.say()).rows:
             st.markdown(f"**{plain(name)}:** {plain(said)}")
+
+
+def missing(diagnosis: Diagnosis) -> None:
+    """Show what is missing of every measured pressure past a limit, split by cause."""
+    if diagnosis.missing_flagged:
+        st.subheader(reader.say()("answer.split"))
+        table(missing_table(diagnosis, reader.say()))
 
 
 def first_sentence(diagnosis: Diagnosis) -> None:

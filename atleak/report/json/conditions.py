@@ -201,7 +201,7 @@ def missing_record(missing: Missing) -> dict[str, Any]:
     """Return what is missing of one pressure, and what explains it."""
     return {
         "measured_kpa": scaled(missing.measured, KPA),
-        "expected_kpa": missing.amount(lambda each: each.split.new).value * KPA,
+        "expected_kpa": missing.expected * KPA,
         **_amount(missing.amount(lambda each: each.missing), "missing_"),
         "explained": explained_record(missing),
         **unexplained_record(missing),

@@ -45,6 +45,7 @@ from atleak.report.pdf.blocks import (
 )
 from atleak.report.pdf.conditions import Conditions, Pressures, RoadTestSection
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
+from atleak.report.tables.answer import missing_table
 from atleak.report.tables.estimate import open_words
 from atleak.report.tables.gauges import gauge_table, pattern_sentences, tap_text
 from atleak.report.tables.names import components_words
@@ -112,6 +113,8 @@ def gauge_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
     if items:
         yield text(say("texts.patterns"))
         yield bullets(items)
+    if diagnosis.missing_flagged:
+        yield printed(missing_table(diagnosis, say))
 
 
 # those that say what was measured of lands, and what follows from it

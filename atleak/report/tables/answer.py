@@ -19,7 +19,7 @@ from atleak.engine.operation import LINE
 from atleak.report.tables.first_sentence import impossible_part
 from atleak.report.tables.repairs import price_and_hours, repair_name, step_in_words
 from atleak.report.tables.sentences import land_in_words
-from atleak.report.tables.table import Facts
+from atleak.report.tables.table import Column, Facts, Table
 
 _NAMED, _WORTH = 2, 0.1  # lands that the answer names, and what each explains of the whole at least
 _STEPS = 2  # of the plan that the answer names
@@ -46,6 +46,43 @@ def answer_facts(diagnosis: Diagnosis, say: Wording) -> Facts:
     return Facts([(say(f"answer.{name}"), said) for name, said in lines.items()])
 
 
+def missing_table(diagnosis: Diagnosis, say: Wording) -> Table:
+    """Return a row for every measured pressure past a limit: what is missing of it, and what each cause explains."""
+    words = _Words(answer_of(diagnosis), say)
+
+    def amount(of: Callable[[Missing], Any]) -> Callable[[Missing], str | None]:
+        def said(missing: Missing) -> str | None:
+            ends = [say.value(each * KPA, "pressure", 0) for each in missing.amount(of) if each is not None]
+            if {end.lstrip("-−") for end in ends} <= {"0"}:
+                return None
+            return ends[0] if len(ends) == 1 else say("answer.between", value=ends[0], low=ends[1], high=ends[2])
+
+        return said
+
+    def tap(missing: Missing) -> str:
+        return say("answer.line") if missing.tap == LINE else words.circuit(missing.tap)
+
+    columns = (
+        Column("condition", words=begun(say("printed.condition")), width=200, of=words.where),
+        Column("tap", width=130, of=tap),
+        Column("measured", "pressure", 0, words=say("answer.measured"), times=KPA),
+        Column(
+            "as_new", "pressure", 0, words=say("answer.as_new_held"), of=lambda each: each.split.new.mean(), times=KPA
+        ),
+        Column("missing", words=say("answer.missing"), words_of="pressure", of=amount(lambda each: each.missing)),
+        *(
+            Column(f"of_{cause}", words=say(f"answer.by_{cause}"), words_of="pressure", of=amount(partial(_of, cause)))
+            for cause in Cause
+            if cause is not Cause.NONE
+        ),
+    )
+    return Table("missing", columns, diagnosis.missing_flagged, say, title=say("answer.split")).filled
+
+
+def _of(cause: Cause, missing: Missing) -> np.ndarray:
+    return missing.of(cause)
+
+
 class _Words:
     def __init__(self, answer: Answer, say: Wording) -> None:
         self.answer, self.say, self.diagnosis = answer, say, answer.diagnosis
@@ -67,8 +104,8 @@ class _Words:
         answer, say = self.answer, self.say
         words = {
             "total": self._amount(lambda each: each.missing, ends=False),
-            "tap": say("answer.line") if missing.tap == LINE else self._circuit(missing.tap),
-            "where": self._where(missing),
+            "tap": say("answer.line") if missing.tap == LINE else self.circuit(missing.tap),
+            "where": self.where(missing),
         }
         if answer.cause is not Cause.UNEXPLAINED:
             assert answer.row is not None
@@ -102,10 +139,10 @@ class _Words:
             what=self._what(answer.row),
             amount=self._amount(self._of_named),
             total=self._amount(answer.total_in, ends=False),
-            where=self._where(answer.missing),
+            where=self.where(answer.missing),
         )
 
-    def _where(self, missing: Missing) -> str:
+    def where(self, missing: Missing) -> str:
         say, point = self.say, missing.point
         filed = next((each for each in self.diagnosis.controller.operating_points if each.name == point.name), point)
         if missing.seconds is None:
@@ -113,7 +150,7 @@ class _Words:
         temperature = say.quantity(point.temperature, "temperature", 0)
         return say("answer.in_log", condition=say.condition(filed), temperature=temperature)
 
-    def _circuit(self, id_: str) -> str:
+    def circuit(self, id_: str) -> str:
         return self.say.name(next(each.name for each in self.diagnosis.controller.circuits if each.id == id_))
 
     def _of_named(self, missing: Missing) -> np.ndarray:
@@ -138,7 +175,7 @@ class _Words:
             seen = self.diagnosis.controller.pump.measured.any_known
             return say("answer.pump" if seen else "answer.pump_or_feed")
         lands = ", ".join(land_in_words(self.diagnosis, key, say) for key in self._named(row))
-        name = "" if circuit is None else self._circuit(circuit)
+        name = "" if circuit is None else self.circuit(circuit)
         return say(f"answer.{cause}", lands=lands, circuit=name)
 
     def _amount(self, of: Callable[[Missing], Any], *, ends: bool = True) -> str:
@@ -164,7 +201,7 @@ class _Words:
             if any(step.chosen for step in answer.steps):
                 yield self._steps()
         elif answer.cause is Cause.CLUTCH_SEAL:
-            yield say("answer.air_check", circuit=self._circuit(answer.circuit or ""))
+            yield say("answer.air_check", circuit=self.circuit(answer.circuit or ""))
         elif answer.cause is Cause.UNEXPLAINED:
             yield say("answer.measure_pump" if Cause.PUMP in answer.also else "answer.look_for")
         else:

@@ -14,6 +14,7 @@ from atleak.common.units import UnitOf, gear_name
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_leakage import RoadLeakage
+from atleak.report.tables.answer import missing_table
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.road_test import instant_table, place_table, road_series
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
@@ -141,6 +142,8 @@ def write_gauges(book: ReportBook, sheet: Worksheet, diagnosis: Diagnosis) -> No
     if check is None:
         return
     free = book.table(sheet, 0, gauge_table(check, book.say).without("lost_between"))
+    if diagnosis.missing_flagged:
+        free = book.table(sheet, free + 1, missing_table(diagnosis, book.say))
     notes = [(Sentence("file"), check.table.file), (Sentence("sheet"), check.table.sheet or "")]
     notes += [(Sentence("permitted by"), text) for text in dict.fromkeys(_sources(diagnosis))]
     notes += [(Sentence("pattern"), each) for each in pattern_sentences(check, diagnosis.controller, say)]
