@@ -233,8 +233,8 @@ def card_table(diagnosis: Diagnosis, say: Wording) -> Table:
 
     columns = (
         Column("tap", of=lambda row: tap_text(diagnosis.controller, row.tap, say)),
-        Column("range", width=95, of=lambda row: ", ".join(row.ranges)),
-        Column("engine_state", width=95, of=lambda row: say.sentence(row.engine.label)),
+        Column("range", width=100, of=lambda row: ", ".join(row.ranges)),
+        Column("engine_state", width=100, of=lambda row: say.sentence(row.engine.label)),
         shows("new"),
         *([shows("now")] if card.measured else []),
         Column("temperature", "temperature", 0, of=lambda row: row.point and row.point.temperature),
