@@ -238,9 +238,14 @@ def _of_pressure(diagnosis: Diagnosis, missing: Missing) -> Answer:
     answer = Answer(diagnosis, cause, missing=missing)
     pump_open = diagnosis.model.uses_slip and not diagnosis.controller.pump.measured.any_known
     hidden = missing.measured is not None and pump_open and cause in (Cause.PUMP, Cause.UNEXPLAINED)
+    open_ = {land.key for land in diagnosis.lands if not land.state.judged and not land.state.land.seal}
+    alike: list[Cause] = []
     if hidden and not diagnosis.told_by_speed(missing):  # a worn pump, its filter and a stuck regulator look alike
-        return Answer(diagnosis, Cause.UNEXPLAINED, (Cause.PUMP,), missing)
-    also: list[Cause] = []
+        cause, alike = Cause.UNEXPLAINED, [Cause.PUMP]
+    if missing.measured is not None and open_.intersection(missing.split.path.nearest):  # nor are such lands told apart
+        seal = Cause.CLUTCH_SEAL if missing.split.seal_worn else Cause.UNEXPLAINED
+        alike.append(seal if cause is Cause.LANDS else Cause.LANDS)
+    also = [each for each in alike if each is not cause]
     for other in sorted(score, key=lambda each: -score[each]):
         if _more_than_half(answer, (cause, *also)) >= SURE:
             break

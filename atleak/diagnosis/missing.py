@@ -93,6 +93,11 @@ class Path:
         kept = {name: lands for name, lands in parts.items() if lands or (name == PUMP_PART and pump)}
         return replace(self, parts=kept)
 
+    @property
+    def nearest(self) -> tuple[LandKey, ...]:
+        """Return the lands of the circuit itself; of the line those on it, and of what it follows."""
+        return self.parts.get(_OWN) or (*self.parts.get(_LINE, ()), *self.parts.get(_SETTING, ()))
+
     def row(self, part: str, land: LandKey | None = None) -> Row:
         """Return the row that a part, or one of its lands, counts in."""
         if part == PUMP_PART:

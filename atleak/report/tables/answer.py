@@ -107,12 +107,18 @@ class _Words:
             "tap": say("answer.line") if missing.tap == LINE else self.circuit(missing.tap),
             "where": self.where(missing),
         }
+        if missing.doubted:
+            yield say("answer.lead_doubted", **words)
+            return
         if answer.cause is not Cause.UNEXPLAINED:
             assert answer.row is not None
             of_row = partial(Missing.of_row, row=answer.row)
             explained, total = missing.amount(of_row).value, missing.amount(lambda each: each.missing).value
             key = "answer.lead_all" if explained >= total else "answer.lead"
-            yield say(key, what=self._what(answer.row), amount=self._amount(of_row), **words)
+            what = self._what(answer.row)
+            if answer.also:
+                what = say("answer.or", what=what, others=self._others())
+            yield say(key, what=what, amount=self._amount(of_row), **words)
         elif Cause.PUMP in answer.also:
             yield say("answer.lead_open", **words)
         else:
@@ -189,6 +195,9 @@ class _Words:
         both = (say.value(end * factor, kind, digits) for end in (low, high))
         return say("answer.between", value=shown, low=next(both), high=next(both))
 
+    def _others(self) -> str:
+        return self.say("answer.either").join(self.say(f"answer.or_{each}") for each in self.answer.also)
+
     def do(self) -> Iterator[str]:
         answer, say = self.answer, self.say
         if self.diagnosis.impossible:
@@ -202,6 +211,8 @@ class _Words:
                 yield self._steps()
         elif answer.cause is Cause.CLUTCH_SEAL:
             yield say("answer.air_check", circuit=self.circuit(answer.circuit or ""))
+        elif answer.missing is not None and answer.missing.doubted:
+            yield say("answer.read_again")
         elif answer.cause is Cause.UNEXPLAINED:
             yield say("answer.measure_pump" if Cause.PUMP in answer.also else "answer.look_for")
         else:
@@ -229,10 +240,10 @@ class _Words:
         elif answer.probability is None:
             yield say("answer.best_estimate")
         else:
-            others = ", ".join(say(f"answer.or_{each}") for each in answer.also)
+            others = self._others()
             key = "answer.probability_with" if others else "answer.probability"
-            if answer.cause is Cause.UNEXPLAINED and not answer.also:
-                key = "answer.probability_of_none"
+            if answer.cause is Cause.UNEXPLAINED:
+                key = "answer.probability_of_these" if Cause.PUMP in answer.also else "answer.probability_of_none"
             surely = say("answer.more_than", percent=say.percent(_SURELY, 0))
             percent = surely if answer.probability > _SURELY else say.percent(answer.probability, 0)
             yield say(key, percent=percent, others=others)
@@ -245,4 +256,4 @@ class _Words:
         if Cause.PUMP in answer.also:
             yield say("answer.read_fast")
         if parts:
-            yield say("answer.next", parts=", ".join(parts))
+            yield say("answer.or_next" if Cause.PUMP in answer.also else "answer.next", parts=", ".join(parts))
