@@ -134,7 +134,7 @@ class Answer:
     @cached_property
     def next_measurements(self) -> tuple[NextMeasurement, ...]:
         """Return what would make it surer: the pump's clearances, lands that nobody measured."""
-        if self.cause is Cause.NONE or self.missing is None:
+        if self.cause is Cause.NONE or self.missing is None or self.missing.doubted:
             return ()
         found = []
         pump = self.diagnosis.controller.pump

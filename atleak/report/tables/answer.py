@@ -235,7 +235,7 @@ class _Words:
 
     def sure(self) -> Iterator[str]:
         answer, say = self.answer, self.say
-        if answer.missing is None:
+        if answer.missing is None or answer.missing.doubted:
             yield say("answer.not_computed" if answer.cause is Cause.UNEXPLAINED else "answer.as_the_verdict")
         elif answer.probability is None:
             yield say("answer.best_estimate")
