@@ -141,7 +141,7 @@ def blamed(job: Job, answer: Answer) -> bool:
         return faults.slip == 1.0
     if answer.cause is Cause.CLUTCH_SEAL:
         return answer.circuit not in faults.seals
-    return answer.cause in (Cause.LANDS, Cause.LINE_SETTING) and answer.land not in faults.wear
+    return answer.land is not None and answer.land not in faults.wear
 
 
 def compared(job: Job, diagnosis: Diagnosis) -> Iterator[tuple[str, Amount, float]]:

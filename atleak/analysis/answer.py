@@ -22,6 +22,7 @@ from atleak.engine.projection import Projection
 SURE = 0.9  # probability from which on no further cause is named: choice of this project
 _WORTH_NAMING = 0.15  # of what is missing that a further cause explains at least
 _LEAST = 0.05  # of what is missing that a land explains, to be repaired for it
+_RISK = 0.025  # that a flow has not grown, and lands are named for it
 _MOST_NEXT = 3  # lands that are named to be measured next
 
 
@@ -77,8 +78,10 @@ class Answer:
 
     @cached_property
     def row(self) -> Row | None:
-        """Return the row of the cause that explains most."""
-        return next((row for row in self.amounts if row[0] is self.cause), None)
+        """Return the row of the cause that explains most; of flows only where they have surely grown."""
+        of_cause = ((row, values) for row, values in self.amounts.items() if row[0] is self.cause)
+        surely = ((row, values) for row, values in of_cause if not self.by_flow or np.quantile(values, _RISK) > 0.0)
+        return next((row for row, _ in surely), None)
 
     @property
     def circuit(self) -> str | None:

@@ -35,6 +35,7 @@ FOLLOWING = tuple(unit for unit in UNITS if unit != "chrysler_41te")  # whose li
 GAUGE, SHEET, PLAY = 0.01, 1.5e-6, 5e-6  # one standard deviation of a gauge, of a clearance [m], of the pump's [m]
 FAST = 1500.0 / 60.0  # [1/s] of a fast idle
 WORN, LEAKING = (10e-6, 70e-6), (0.2e-5, 6e-5)  # [m] of a worn land, [m³/s] at 900 kPa out of a seal
+MISREAD = (0.5, 0.85), (1.2, 1.5)  # of what a gauge should show
 ENOUGH, TRIES = 100e3, 12  # [Pa] that the cause is to cost; other units are taken as they come
 
 
@@ -50,7 +51,7 @@ class Case:
     described: bool = False  # and measured: the pump's side clearance
     fast: bool = False  # gauges at a fast idle too
     one_speed: bool = False  # gauges at slow idle only
-    misread: float = 1.0  # factor on one reading, which contradicts the others
+    misread: bool = False  # one reading, which contradicts the others
 
 
 def _slip(rng: np.random.Generator, controller: Controller) -> Faults:
@@ -95,7 +96,7 @@ CASES = (
     Case("seal", Cause.CLUTCH_SEAL, _seal, 90.0),
     Case("regulator", None, _regulator, 90.0),
     Case("filter", None, _filter, 90.0),
-    Case("misread", None, _sound, 90.0, misread=0.6),
+    Case("misread", None, _sound, 90.0, misread=True),
     Case("sound", None, _sound, 90.0),
 )
 
@@ -224,11 +225,14 @@ def _table(rng: np.random.Generator, case: Case, controller: Controller, true: T
         if idle and case.fast:
             faster = replace(point, engine_speed=FAST)
             taken.append((replace(cell, engine=Engine.FAST_IDLE), faster, FAST))
-    wrong = int(rng.integers(len(taken))) if case.misread != 1.0 else None
+    taps = [cell.tap for cell, _, _ in taken]
+    others = [number for number, tap in enumerate(taps) if tap == LINE_TAP or taps.count(tap) > 1]  # that contradict it
+    wrong = rng.choice(others) if case.misread else None
+    factor = rng.uniform(*MISREAD[int(rng.integers(2))]) if case.misread else 1.0
     readings = tuple(
         GaugeReading(
             cell,
-            true.held(point, cell.tap) * (1.0 + GAUGE * rng.normal()) * (case.misread if number == wrong else 1.0),
+            true.held(point, cell.tap) * (1.0 + GAUGE * rng.normal()) * (factor if number == wrong else 1.0),
             engine_speed=speed,
         )
         for number, (cell, point, speed) in enumerate(taken)

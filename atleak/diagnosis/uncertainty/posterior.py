@@ -231,27 +231,31 @@ class PosteriorUnit:
             self._before[draws] = self.draw(self.prior, draws, 0), {}
         return self._before[draws]
 
-    def draw(self, proposal: _Proposal, draws: int, seed: int) -> _Drawn:
-        """Draw units; ``draws`` is a power of two."""
+    def draw(self, proposal: _Proposal, draws: int, seed: int, *, as_judged: bool = False) -> _Drawn:
+        """Draw units; ``draws`` is a power of two.
+
+        A measured land was new anywhere in its range; ``as_judged`` as wide as it may have been, as rules take it.
+        """
         deviates, wear = proposal.draw(stream_of(SEED, 11, seed), draws)
         shared = Draws(Cube(draws, SEED, 12, seed))
         measured = [land for land in self.sources if land.state.measured]
         common, fraction = common_errors(shared, measured), one_sided_fraction(shared, self.model, self.assumptions)
         own = Beside(Cube(draws, SEED, 13, seed), fraction)
         positions = Positions(self.model, own, SEED + seed)
+        found = {
+            land.key: land_draws(
+                own.draws(SEED, 14, seed, number), land, common, fraction, self.assumptions, positions.of(land)
+            )
+            for number, land in enumerate(measured)
+        }
+        if not as_judged:
+            chances = stream_of(SEED, 15, seed)
+            found = {key: self._with_unworn(each, *chances.random((2, draws))) for key, each in found.items()}
         return _Drawn(
             deviates,
             wear,
             {land.key: self._new(deviates, land) for land in self._open},
-            {
-                land.key: self._with_unworn(
-                    land_draws(
-                        own.draws(SEED, 14, seed, number), land, common, fraction, self.assumptions, positions.of(land)
-                    ),
-                    *stream_of(SEED, 15, seed, number).random((2, draws)),
-                )
-                for number, land in enumerate(measured)
-            },
+            found,
             {land.key[0]: positions.of(land) for land in self._open},
         )
 
@@ -410,7 +414,7 @@ class PosteriorUnit:
     @cached_property
     def as_measured(self) -> _Drawn:
         """Return draws of the unit by what was measured alone: no fault that nobody saw is drawn."""
-        drawn = self.draw(self.prior, OF_A_SPLIT, 0)
+        drawn = self.draw(self.prior, OF_A_SPLIT, 0, as_judged=True)
         return replace(drawn, wear=np.zeros_like(drawn.wear))
 
     def split_as_measured(self, point: OperatingPoint, tap: str) -> Split:

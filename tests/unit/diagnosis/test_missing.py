@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -129,6 +130,33 @@ def test_every_probability_of_an_answer_is_that_of_its_draws(
             past = float(np.sum(each.lost.weights[each.lost.draws >= level.limit]))
             assert level.probability_over == pytest.approx(past, abs=1e-12)
         assert each.over_limit == each.lost.probability_over(each.deciding.limit)
+
+
+@pytest.mark.parametrize(("number", "factor"), [(0, 0.6), (3, 0.5), (1, 1.4)])
+def test_a_gauge_that_the_others_contradict_blames_no_part(
+    hipol: Fluid, limits: Limits, pressed: Callable[..., PressureTable], number: int, factor: float
+) -> None:
+    """Line or clutch once misread: the clutch, fed by the line, is fine in the other state, and beside the line."""
+    controller = load_controller("zf_6hp26")
+    table = pressed(controller, hipol, "clutch_a", 0.0)
+    readings = list(table.readings)
+    readings[number] = replace(readings[number], pressure=factor * readings[number].pressure)
+    diagnosis = diagnose(controller, hipol, limits, pressures=replace(table, readings=tuple(readings)))
+    assert answer_of(diagnosis).cause in (Cause.UNEXPLAINED, Cause.NONE)
+    assert diagnosis.pressures is not None
+    missing = [
+        each.missing for each in diagnosis.pressures.readings if each.missing is not None and each.missing.doubted
+    ]
+    assert missing
+    assert all(row[0] is not Cause.CLUTCH_SEAL for each in missing for row in each.rows)
+
+
+def test_what_is_missing_is_as_uncertain_as_its_gauge() -> None:
+    even = Split(Path("clutch", {}, {}), np.full(256, 500e3), np.full(256, 400e3), {}, {}, {}, {}, np.zeros(256))
+    point = load_controller("zf_6hp26").operating_points[0]
+    value, low, high = Missing(point, "clutch", even, 380e3, error=5e3).amount(lambda each: each.missing)
+    assert value == pytest.approx(120e3, abs=1.0)
+    assert (low, high) == pytest.approx((120e3 - 1.96 * 5e3, 120e3 + 1.96 * 5e3), abs=200.0)
 
 
 @pytest.fixture

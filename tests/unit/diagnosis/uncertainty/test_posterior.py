@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -18,17 +19,24 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project
 from atleak.measurements.clearances import clearances
+from atleak.measurements.readings import Readings
 
 DRAWS = 2048
 CLUTCH = "clutch_a"
 
 
-def unit_of(fluid: Fluid, assumptions: Assumptions = DEFAULTS, name: str = "zf_6hp26") -> PosteriorUnit:
+def unit_of(
+    fluid: Fluid,
+    assumptions: Assumptions = DEFAULTS,
+    name: str = "zf_6hp26",
+    gears: tuple[int, ...] = (1,),
+    readings: Readings | None = None,
+) -> PosteriorUnit:
     controller = load_controller(name)
-    states = clearances(None, controller)
+    states = clearances(readings, controller)
     model = LeakageModel(controller, states, fluid, WORKSHOP)
-    sources, _ = find_sources(states, None, controller, load_instruments(), assumptions)
-    points = [each for each in controller.operating_points if each.gear == 1]
+    sources, _ = find_sources(states, readings, controller, load_instruments(), assumptions)
+    points = [each for each in controller.operating_points if each.gear in gears]
     return PosteriorUnit(model, sources, assumptions, [project(model, each) for each in points])
 
 
@@ -93,3 +101,30 @@ def test_a_split_adds_up_in_every_draw_and_names_lands_of_its_circuits(unit: Pos
         assert sum(lands.values()) == pytest.approx(split.rows[row], abs=1e-6)
     of_circuit = {gap.key for gap in unit.model.controller.gaps if CLUTCH in (gap.high.section, gap.low.section)}
     assert set(split.lands[Cause.LANDS, CLUTCH]) <= of_circuit
+
+
+def test_a_worn_seal_leaks_by_one_law_in_every_gear(hipol: Fluid) -> None:
+    unit = unit_of(hipol, gears=(1, -1))
+    points = [each for each in unit.conditions if each.state == "idle"]
+    leaks = [unit._leak("seal", "brake_d", each, 5e-3, 0.5).flow(500e3) for each in points]
+    assert len({each.gear for each in points}) == 2
+    assert leaks[0] == pytest.approx(leaks[1], rel=1e-12, abs=0.0)
+
+
+def test_a_measured_land_was_new_in_its_range_and_never_wider_than_it_is(
+    hipol: Fluid, readings_of: Callable[..., Readings]
+) -> None:
+    controller = load_controller("zf_6hp26")
+    narrow, wide = controller.lands[:2]
+    sizes = {land.key: radial for land, radial in ((narrow, 12e-6), (wide, 45e-6))}
+    diameters = {key: (0.012, 0.012 + 2.0 * radial) for key, radial in sizes.items()}
+    unit = unit_of(hipol, readings=readings_of(controller, diameters))
+    drawn = unit.draw(unit.prior, DRAWS, 0).measured
+    for land in (narrow, wide):
+        now, new = drawn[land.key].bore.clearance, drawn[land.key].unworn_bore.clearance
+        assert np.all(new <= now)
+    low, high = wide.mounting_range
+    assert np.all((low <= new) & (new <= high))
+    unworn = drawn[narrow.key].unworn_bore.clearance == drawn[narrow.key].bore.clearance
+    chance = 0.2 * -np.expm1(-(12e-6 - narrow.mounting_range[0]) / 12e-6)
+    assert np.mean(~unworn) == pytest.approx(chance / (chance + 0.8), abs=0.03)
