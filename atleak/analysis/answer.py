@@ -146,12 +146,14 @@ class Answer:
             value = None if of_pump is None or self.by_flow else float(np.mean(of_pump))
             found = [NextMeasurement("pump", None, part, value) for part in ("side", "tip")]
         open_ = {land.key for land in self.diagnosis.lands if not land.state.judged and not land.state.land.seal}
-        of_lands = {key: values for row in self.missing.split.lands for key, values in self.lands_of(row).items()}
-        worth = [(key, float(np.mean(values))) for key, values in of_lands.items() if key in open_]
-        if not worth:
-            worth = [(key, 0.0) for key in self._on_its_way if key in open_]
-        ranked = sorted(worth, key=lambda each: -each[1])[:_MOST_NEXT]
-        return (*found, *(NextMeasurement(*key, "spool and sleeve", value or None) for key, value in ranked))
+        if self.missing.measured is None:  # as new, whatever they are
+            ranked: list[tuple[LandKey, float | None]] = [(key, None) for key in self._on_its_way if key in open_]
+        else:
+            least, split = _LEAST * float(np.mean(self.total)), self.missing.split
+            worth = [(key, float(np.mean(each))) for row in split.lands.values() for key, each in row.items()]
+            worth = [each for each in worth if each[0] in open_ and each[1] >= least]
+            ranked = [*sorted(worth, key=lambda each: -each[1])]
+        return (*found, *(NextMeasurement(*key, "spool and sleeve", value) for key, value in ranked[:_MOST_NEXT]))
 
     @property
     def _on_its_way(self) -> Iterable[LandKey]:
@@ -239,8 +241,7 @@ def _of_pressure(diagnosis: Diagnosis, missing: Missing) -> Answer:
     score = {cause: missing.amount(partial(Missing.of, cause=cause)).value for cause in named}
     cause = max(score, key=lambda each: score[each])
     answer = Answer(diagnosis, cause, missing=missing)
-    pump_open = diagnosis.model.uses_slip and not diagnosis.controller.pump.measured.any_known
-    hidden = missing.measured is not None and pump_open and cause in (Cause.PUMP, Cause.UNEXPLAINED)
+    hidden = missing.measured is not None and diagnosis.pump_open and cause in (Cause.PUMP, Cause.UNEXPLAINED)
     open_ = {land.key for land in diagnosis.lands if not land.state.judged and not land.state.land.seal}
     alike: list[Cause] = []
     if hidden and not diagnosis.told_by_speed(missing):  # a worn pump, its filter and a stuck regulator look alike
@@ -252,7 +253,7 @@ def _of_pressure(diagnosis: Diagnosis, missing: Missing) -> Answer:
     for other in sorted(score, key=lambda each: -score[each]):
         if _more_than_half(answer, (cause, *also)) >= SURE:
             break
-        if other is not cause and score[other] >= _WORTH_NAMING * _mean(missing):
+        if other not in (cause, *also) and score[other] >= _WORTH_NAMING * _mean(missing):
             also.append(other)
     return Answer(diagnosis, cause, tuple(also), missing)
 

@@ -14,7 +14,7 @@ from atleak.catalogue.repairs import LandKey
 from atleak.common.units import DM3_MIN, KPA
 from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.missing import PUMP_ROW, Cause, Missing, Row
+from atleak.diagnosis.missing import Cause, Missing, Row
 from atleak.engine.operation import LINE
 from atleak.report.tables.first_sentence import impossible_part
 from atleak.report.tables.repairs import price_and_hours, repair_name, step_in_words
@@ -22,6 +22,7 @@ from atleak.report.tables.sentences import land_in_words
 from atleak.report.tables.table import Column, Facts, Table
 
 _NAMED, _WORTH = 2, 0.1  # lands that the answer names, and what each explains of the whole at least
+_ALL = 0.99  # of what is missing, from which on all of it counts as explained
 _STEPS = 2  # of the plan that the answer names
 _SURELY = 0.99  # probability above which no more is said than that
 
@@ -112,13 +113,12 @@ class _Words:
             return
         if answer.cause is not Cause.UNEXPLAINED:
             assert answer.row is not None
-            of_row = partial(Missing.of_row, row=answer.row)
-            explained, total = missing.amount(of_row).value, missing.amount(lambda each: each.missing).value
-            key = "answer.lead_all" if explained >= total else "answer.lead"
+            explained, total = (missing.amount(of).value for of in (self._of_named, answer.total_in))
+            key = "answer.lead_all" if explained >= _ALL * total else "answer.lead"
             what = self._what(answer.row)
             if answer.also:
                 what = say("answer.or", what=what, others=self._others())
-            yield say(key, what=what, amount=self._amount(of_row), **words)
+            yield say(key, what=begun(what), amount=self._amount(self._of_named), **words)
         elif Cause.PUMP in answer.also:
             yield say("answer.lead_open", **words)
         else:
@@ -139,10 +139,11 @@ class _Words:
             yield say("answer.no_growth", lands=names)
             return
         explained, total = (answer.missing.amount(of).value for of in (self._of_named, answer.total_in))
-        yield say("answer.no_pressure_lost")
+        solved = self.diagnosis.profile.circuits == "on"
+        yield say("answer.no_pressure_lost" if solved else "answer.pressures_given")
         yield say(
-            "answer.growth_all" if explained >= total else "answer.growth",
-            what=self._what(answer.row),
+            "answer.growth_all" if explained >= _ALL * total else "answer.growth",
+            what=begun(self._what(answer.row)),
             amount=self._amount(self._of_named),
             total=self._amount(answer.total_in, ends=False),
             where=self.where(answer.missing),
@@ -160,14 +161,18 @@ class _Words:
         return self.say.name(next(each.name for each in self.diagnosis.controller.circuits if each.id == id_))
 
     def _of_named(self, missing: Missing) -> np.ndarray:
-        """Return what the lands that are named explain together; of the pump its row."""
+        """Return what the lands that are named explain together; of a cause that is no lands its row."""
         answer, row = self.answer, self.answer.row
         assert row is not None
+        if not self._names_lands(row):
+            return answer.amounts_in(missing).get(row, np.zeros_like(missing.missing))
         lands = answer.lands_in(missing, row)
         named = [lands[key] for key in self._named(row) if key in lands]
-        if row == PUMP_ROW:
-            return answer.amounts_in(missing).get(row, np.zeros_like(missing.missing))
         return np.asarray(sum(named, np.zeros_like(missing.missing)))
+
+    def _names_lands(self, row: Row) -> bool:
+        """Tell whether it is lands that are named; what a line is set to has not fallen where no pressure is lost."""
+        return row[0] is Cause.LANDS or (self.answer.by_flow and row[0] is Cause.LINE_SETTING)
 
     def _named(self, row: Row) -> tuple[LandKey, ...]:
         """Return the lands of a row that are named, those that explain most; none of the pump's."""
@@ -182,7 +187,7 @@ class _Words:
             return say("answer.pump" if seen else "answer.pump_or_feed")
         lands = ", ".join(land_in_words(self.diagnosis, key, say) for key in self._named(row))
         name = "" if circuit is None else self.circuit(circuit)
-        return say(f"answer.{cause}", lands=lands, circuit=name)
+        return say("answer.lands" if self._names_lands(row) else f"answer.{cause}", lands=lands, circuit=name)
 
     def _amount(self, of: Callable[[Missing], Any], *, ends: bool = True) -> str:
         say, by_flow, missing = self.say, self.answer.by_flow, self.answer.missing
@@ -196,7 +201,11 @@ class _Words:
         return say("answer.between", value=shown, low=next(both), high=next(both))
 
     def _others(self) -> str:
-        return self.say("answer.either").join(self.say(f"answer.or_{each}") for each in self.answer.also)
+        return self.say("answer.either").join(map(self._in_words, self.answer.also))
+
+    def _in_words(self, cause: Cause) -> str:
+        lands = self._names_lands((cause, None))
+        return self.say("answer.or_lands" if lands else f"answer.or_{cause}")
 
     def do(self) -> Iterator[str]:
         answer, say = self.answer, self.say
@@ -240,13 +249,15 @@ class _Words:
         elif answer.probability is None:
             yield say("answer.best_estimate")
         else:
-            others = self._others()
-            key = "answer.probability_with" if others else "answer.probability"
-            if answer.cause is Cause.UNEXPLAINED:
-                key = "answer.probability_of_these" if Cause.PUMP in answer.also else "answer.probability_of_none"
+            keys = {(): "answer.probability_of_none", (Cause.PUMP,): "answer.probability_of_these"}
+            unexplained = answer.cause is Cause.UNEXPLAINED
+            key = keys.get(answer.also, "answer.probability") if unexplained else "answer.probability"
+            causes = ", ".join(map(self._in_words, (answer.cause, *answer.also)))
             surely = say("answer.more_than", percent=say.percent(_SURELY, 0))
             percent = surely if answer.probability > _SURELY else say.percent(answer.probability, 0)
-            yield say(key, percent=percent, others=others)
+            yield say(key, percent=percent, causes=causes)
+            if answer.missing.measured is None and (self.diagnosis.unmeasured or self.diagnosis.pump_open):
+                yield say("answer.others_new")
         parts = [
             say(f"answer.{each.part}")
             if each.land is None
