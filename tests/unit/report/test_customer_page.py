@@ -278,7 +278,7 @@ def test_a_limit_that_gauges_alone_show_passed_calls_no_valve_body_worn(hipol, l
     first, say = pages_of(write_pdf(found, sections=SIGNED))[0], wording("en")
     assert say("customer.past_unexplained") in first
     assert say(f"customer.urgent_past_{verdict}") in first
-    assert say("customer.do_look") in first
+    assert say("customer.do_find") in first
     assert say(f"customer.{verdict}") not in first
 
 
