@@ -114,6 +114,7 @@ def gauge_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
         yield text(say("texts.patterns"))
         yield bullets(items)
     if diagnosis.missing_flagged:
+        yield text(say("answer.split"))
         yield printed(missing_table(diagnosis, say))
 
 
