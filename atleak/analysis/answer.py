@@ -188,7 +188,7 @@ def answer_of(diagnosis: Diagnosis) -> Answer:
 def _answer(diagnosis: Diagnosis) -> Answer:
     if diagnosis.impossible:
         return Answer(diagnosis, Cause.UNEXPLAINED)
-    if not diagnosis.verdict.flagged:
+    if diagnosis.decided_by is None:
         return Answer(diagnosis, Cause.NONE)
     flagged = sorted(diagnosis.missing_flagged, key=lambda each: (each.doubted, -_beyond_the_line(diagnosis, each)))
     measured = flagged[0] if flagged else None

@@ -12,6 +12,7 @@ from atleak.analysis.answer import Answer, answer_of
 from atleak.analysis.repair.plan import PumpStep, RepairStep
 from atleak.catalogue.repairs import LandKey
 from atleak.common.units import DM3_MIN, KPA
+from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.missing import Cause, Missing, Row
@@ -89,16 +90,24 @@ class _Words:
         self.answer, self.say, self.diagnosis = answer, say, answer.diagnosis
 
     @property
-    def _judged(self) -> bool:
-        return bool(self.diagnosis.judged) or self.diagnosis.without_sheet
+    def _within(self) -> str:
+        """Return the name of what is said where no limit is passed."""
+        diagnosis = self.diagnosis
+        if diagnosis.too_tight:
+            return "tight"
+        if diagnosis.verdict is Verdict.NOT_MEASURED:
+            return "not_measured"
+        return "passed" if diagnosis.passed and not diagnosis.without_sheet else "so_far"
 
     def wrong(self) -> Iterator[str]:
         answer, say = self.answer, self.say
         if self.diagnosis.impossible:
             yield f"{begun(impossible_part(self.diagnosis, say))}."
         elif answer.cause is Cause.NONE:
-            yield say("answer.nothing" if self._judged else "answer.not_measured")
-        elif answer.missing is not None:
+            yield say(f"answer.wrong_{self._within}")
+        elif answer.missing is None:
+            yield say("answer.not_split")
+        else:
             yield from self._by_flow() if answer.by_flow else self._by_pressure(answer.missing)
 
     def _by_pressure(self, missing: Missing) -> Iterator[str]:
@@ -212,7 +221,7 @@ class _Words:
         if self.diagnosis.impossible:
             yield say("answer.describe")
         elif answer.cause is Cause.NONE:
-            yield say("answer.nothing_to_do" if self._judged else "answer.measure")
+            yield say(f"answer.do_{self._within}")
         elif answer.cause is Cause.PUMP:
             measured = self.diagnosis.controller.pump.measured.any_known
             yield say("answer.pump_first") if measured else say("answer.measure_pump")

@@ -148,7 +148,7 @@ def test_where_no_pressure_is_lost_the_growth_of_what_leaks_is_split(worn: Diagn
 
 def test_a_unit_that_nobody_measured_is_asked_to_be_measured(unmeasured: Diagnosis) -> None:
     lines = answer_lines(answer_of(unmeasured), wording("en"))
-    assert (lines.wrong, lines.do) == ("Nothing was measured yet.", "Measure the lands first.")
+    assert (lines.wrong, lines.do) == ("Nothing can be judged yet.", "Measure the lands first.")
 
 
 def test_the_same_probability_stands_in_the_answer_and_in_its_draws(judged, table_of) -> None:
@@ -214,3 +214,34 @@ def test_a_cause_is_named_beside_another_once_and_counts_in_the_probability(hipo
     assert answer.also
     assert len({answer.cause, *answer.also}) == 1 + len(answer.also)
     assert "Cause of more than half of it" in answer_lines(answer, wording("en")).sure
+
+
+@pytest.mark.parametrize(
+    ("clearances", "part", "wrong", "do"),
+    [
+        ({}, "", "Nothing that was measured is past a limit.", "No repair is due by what was measured."),
+        ({}, "spool", "Nothing can be judged yet.", "Measure the lands first."),
+        (2e-6, "", "Pairs measure tighter than new ones", "Measure these pairs again"),
+    ],
+)
+def test_a_unit_within_its_limits_is_called_so_as_far_as_it_was_measured(
+    judged, hipol, limits, readings_of, clearances: Any, part: str, wrong: str, do: str
+) -> None:
+    unit = load_controller("five_speed_2005")
+    wide = dict.fromkeys((land.key for land in unit.lands), clearances) if clearances else {}
+    readings = with_clearances(unit, readings_of, wide)
+    kept = [each for each in readings.readings if each.part == part] if part else readings.readings
+    if not clearances and not part:
+        kept = [each for each in kept if each.component != unit.lands[0].component]
+    diagnosis = diagnose(unit, hipol, limits, readings=replace(readings, readings=tuple(kept)))
+    lines = answer_lines(answer_of(diagnosis), wording("en"))
+    assert lines.wrong.startswith(wrong)
+    assert lines.do.startswith(do)
+
+
+def test_a_pressure_that_cannot_be_split_is_still_said_to_be_missing(hipol: Fluid, limits: Limits, table_of) -> None:
+    unit = load_controller("five_speed_2005")
+    diagnosis = diagnose(unit, hipol, limits, profile=PAPER, pressures=table_of(unit, line=0.6))
+    lines = answer_lines(answer_of(diagnosis), wording("en"))
+    assert diagnosis.verdict.flagged
+    assert lines.wrong
