@@ -241,7 +241,7 @@ def _of_pressure(diagnosis: Diagnosis, missing: Missing) -> Answer:
     score = {cause: missing.amount(partial(Missing.of, cause=cause)).value for cause in named}
     cause = max(score, key=lambda each: score[each])
     answer = Answer(diagnosis, cause, missing=missing)
-    hidden = missing.measured is not None and diagnosis.pump_open and cause in (Cause.PUMP, Cause.UNEXPLAINED)
+    hidden = missing.measured is not None and diagnosis.model.pump_open and cause in (Cause.PUMP, Cause.UNEXPLAINED)
     open_ = {land.key for land in diagnosis.lands if not land.state.judged and not land.state.land.seal}
     alike: list[Cause] = []
     if hidden and not diagnosis.told_by_speed(missing):  # a worn pump, its filter and a stuck regulator look alike

@@ -304,11 +304,6 @@ class Diagnosis:
         low = permissible.low if permissible else None
         return low is not None and logged.measured is not None and logged.measured < low
 
-    @property
-    def pump_open(self) -> bool:
-        """Tell whether the pump may have worn, as nobody measured it: its slip counts, and its clearances are open."""
-        return self.model.uses_slip and not self.controller.pump.measured.any_known
-
     def told_by_speed(self, missing: Missing) -> bool:
         """Tell whether main pressure was measured at two engine speeds, or as warm and as cold: a pump shows there.
 

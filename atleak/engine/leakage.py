@@ -521,6 +521,11 @@ class LeakageModel:
         return self.pump.slip(main_pressure, self._viscosity_for_slip(temperature))
 
     @property
+    def pump_open(self) -> bool:
+        """Tell whether the pump may slip more than when new and no clearance that counts says how much."""
+        return self.uses_slip and not self.controller.pump.counted.any_known
+
+    @property
     def uses_slip(self) -> bool:
         """Return whether the pump's efficiency follows from slip rather than from a constant."""
         return self.pump.with_slip

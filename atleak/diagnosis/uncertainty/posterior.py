@@ -221,7 +221,7 @@ class PosteriorUnit:
             ((_LINE,), u.sticking_regulators, u.regulator_fall, 0.9),
             ((_SET,), u.high_lines, u.line_rise, MOST_RISE * u.line_rise),
         ]
-        if self.model.uses_slip and not self.model.controller.pump.counted.any_known:
+        if self.model.pump_open:
             gone.append(((_PUMP,), u.worn_pumps, u.pump_wear, 6.0 * u.pump_wear))
         return gone
 

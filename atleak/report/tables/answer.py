@@ -143,13 +143,15 @@ class _Words:
     def _by_flow(self) -> Iterator[str]:
         answer, say = self.answer, self.say
         assert answer.missing is not None
-        if answer.row is None or float(np.mean(answer.total)) <= 0.0:
-            names = ", ".join(land_in_words(self.diagnosis, each.key, say) for each in self.diagnosis.flagged[:_NAMED])
-            yield say("answer.no_growth", lands=names)
-            return
-        explained, total = (answer.missing.amount(of).value for of in (self._of_named, answer.total_in))
         solved = self.diagnosis.profile.circuits == "on"
         yield say("answer.no_pressure_lost" if solved else "answer.pressures_given")
+        if answer.row is None or float(np.mean(answer.total)) <= 0.0:
+            yield say("answer.no_growth")
+            names = ", ".join(land_in_words(self.diagnosis, each.key, say) for each in self.diagnosis.flagged[:_NAMED])
+            if names:
+                yield say("answer.by_wear", lands=begun(names))
+            return
+        explained, total = (answer.missing.amount(of).value for of in (self._of_named, answer.total_in))
         yield say(
             "answer.growth_all" if explained >= _ALL * total else "answer.growth",
             what=begun(self._what(answer.row)),
@@ -192,8 +194,7 @@ class _Words:
     def _what(self, row: Row) -> str:
         say, (cause, circuit) = self.say, row
         if cause is Cause.PUMP:
-            seen = self.diagnosis.controller.pump.measured.any_known
-            return say("answer.pump" if seen else "answer.pump_or_feed")
+            return say("answer.pump_or_feed" if self.diagnosis.model.pump_open else "answer.pump")
         lands = ", ".join(land_in_words(self.diagnosis, key, say) for key in self._named(row))
         name = "" if circuit is None else self.circuit(circuit)
         return say("answer.lands" if self._names_lands(row) else f"answer.{cause}", lands=lands, circuit=name)
@@ -223,8 +224,7 @@ class _Words:
         elif answer.cause is Cause.NONE:
             yield say(f"answer.do_{self._within}")
         elif answer.cause is Cause.PUMP:
-            measured = self.diagnosis.controller.pump.measured.any_known
-            yield say("answer.pump_first") if measured else say("answer.measure_pump")
+            yield self._open_pump() if self.diagnosis.model.pump_open else say("answer.pump_first")
             if any(step.chosen for step in answer.steps):
                 yield self._steps()
         elif answer.cause is Cause.CLUTCH_SEAL:
@@ -232,9 +232,14 @@ class _Words:
         elif answer.missing is not None and answer.missing.doubted:
             yield say("answer.read_again")
         elif answer.cause is Cause.UNEXPLAINED:
-            yield say("answer.measure_pump" if Cause.PUMP in answer.also else "answer.look_for")
+            yield self._open_pump() if Cause.PUMP in answer.also else say("answer.look_for")
         else:
             yield self._steps() if answer.steps else say("answer.can_wait")
+
+    def _open_pump(self) -> str:
+        """Say what to do about a pump whose clearances were not measured, or count for nothing in the file."""
+        measured = self.diagnosis.controller.pump.measured.any_known
+        return self.say("answer.look_for" if measured else "answer.measure_pump")
 
     def _steps(self) -> str:
         every, cost = self.answer.steps, price_and_hours(self.answer.cost, self.say)
@@ -265,7 +270,7 @@ class _Words:
             surely = say("answer.more_than", percent=say.percent(_SURELY, 0))
             percent = surely if answer.probability > _SURELY else say.percent(answer.probability, 0)
             yield say(key, percent=percent, causes=causes)
-            if answer.missing.measured is None and (self.diagnosis.unmeasured or self.diagnosis.pump_open):
+            if answer.missing.measured is None and (self.diagnosis.unmeasured or self.diagnosis.model.pump_open):
                 yield say("answer.others_new")
         parts = [
             say(f"answer.{each.part}")

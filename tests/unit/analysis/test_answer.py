@@ -14,6 +14,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
+from atleak.catalogue.pump import PumpClearances
 from atleak.catalogue.repairs import LandKey
 from atleak.common.wording import wording
 from atleak.diagnosis.consequence import Consequence
@@ -142,7 +143,7 @@ def test_where_no_pressure_is_lost_the_growth_of_what_leaks_is_split(worn: Diagn
     assert answer.cause is Cause.LANDS
     total = np.mean(answer.total)
     assert sum(np.mean(each) for each in answer.amounts.values()) == pytest.approx(total, rel=1e-9, abs=0.0)
-    assert answer_lines(answer, wording("en")).wrong.startswith("No pressure is lost yet.")
+    assert answer_lines(answer, wording("en")).wrong.startswith("No pressure is lost beyond a limit.")
     assert all(not worn.can_wait(step.land) for step in answer.steps)
 
 
@@ -245,3 +246,16 @@ def test_a_pressure_that_cannot_be_split_is_still_said_to_be_missing(hipol: Flui
     lines = answer_lines(answer_of(diagnosis), wording("en"))
     assert diagnosis.verdict.flagged
     assert lines.wrong
+
+
+def test_a_pump_whose_clearance_counts_for_nothing_is_not_to_be_repaired(
+    hipol: Fluid, limits: Limits, table_of
+) -> None:
+    unit = load_controller("five_speed_2005")
+    unit = replace(unit, pump=unit.pump.with_measured(PumpClearances(30e-6, None)))
+    assert not unit.pump.counted.any_known
+    diagnosis = diagnose(unit, hipol, limits, pressures=table_of(unit, line=0.5))
+    answer = Answer(diagnosis, Cause.PUMP, missing=diagnosis.missing_flagged[0])
+    lines = answer_lines(answer, wording("en"))
+    assert "filter" in lines.wrong
+    assert lines.do.startswith("Check fluid level and filter")
