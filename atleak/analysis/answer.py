@@ -145,21 +145,14 @@ class Answer:
             of_pump = self.amounts.get(PUMP_ROW)
             value = None if of_pump is None or self.by_flow else float(np.mean(of_pump))
             found = [NextMeasurement("pump", None, part, value) for part in ("side", "tip")]
-        open_ = {land.key for land in self.diagnosis.lands if not land.state.judged and not land.state.land.seal}
-        if self.missing.measured is None:  # as new, whatever they are
-            ranked: list[tuple[LandKey, float | None]] = [(key, None) for key in self._on_its_way if key in open_]
-        else:
-            least, split = _LEAST * float(np.mean(self.total)), self.missing.split
-            worth = [(key, float(np.mean(each))) for row in split.lands.values() for key, each in row.items()]
-            worth = [each for each in worth if each[0] in open_ and each[1] >= least]
-            ranked = [*sorted(worth, key=lambda each: -each[1])]
+        open_, split, least = self.diagnosis.open_lands, self.missing.split, _LEAST * float(np.mean(self.total))
+        worth = [(key, float(np.mean(each))) for row in split.lands.values() for key, each in row.items()]
+        ranked: list[tuple[LandKey, float | None]] = [
+            *sorted((each for each in worth if each[0] in open_ and each[1] > least), key=lambda each: -each[1])
+        ]
+        if not ranked and (self.missing.measured is None or Cause.LANDS in (self.cause, *self.also)):
+            ranked = [(key, None) for part in split.path.parts.values() for key in part if key in open_]
         return (*found, *(NextMeasurement(*key, "spool and sleeve", value) for key, value in ranked[:_MOST_NEXT]))
-
-    @property
-    def _on_its_way(self) -> Iterable[LandKey]:
-        """Return the lands on the way of the pressure, its own circuit's first."""
-        assert self.missing is not None
-        return [key for lands in self.missing.split.path.parts.values() for key in lands]
 
 
 def _more_than_half(answer: Answer, causes: Iterable[Cause]) -> float:
@@ -242,11 +235,11 @@ def _of_pressure(diagnosis: Diagnosis, missing: Missing) -> Answer:
     cause = max(score, key=lambda each: score[each])
     answer = Answer(diagnosis, cause, missing=missing)
     hidden = missing.measured is not None and diagnosis.model.pump_open and cause in (Cause.PUMP, Cause.UNEXPLAINED)
-    open_ = {land.key for land in diagnosis.lands if not land.state.judged and not land.state.land.seal}
     alike: list[Cause] = []
     if hidden and not diagnosis.told_by_speed(missing):  # a worn pump, its filter and a stuck regulator look alike
         cause, alike = Cause.UNEXPLAINED, [Cause.PUMP]
-    if missing.measured is not None and open_.intersection(missing.split.path.nearest):  # nor are such lands told apart
+    near = diagnosis.open_lands.intersection(missing.split.path.nearest)
+    if missing.measured is not None and near:  # nor are such lands told apart
         seal = Cause.CLUTCH_SEAL if missing.split.seal_worn else Cause.UNEXPLAINED
         alike.append(seal if cause is Cause.LANDS else Cause.LANDS)
     also = [each for each in alike if each is not cause]

@@ -675,6 +675,11 @@ class Diagnosis:
         """Return the lands of which a part was not measured, but for those that a ring seals."""
         return tuple(land for land in self.lands if land.state.land.seal is None and land.state.status != "measured")
 
+    @cached_property
+    def open_lands(self) -> frozenset[LandKey]:
+        """Return the lands of which no part was measured, but for those that a ring seals, by component and land."""
+        return frozenset(land.key for land in self.lands if not (land.state.judged or land.state.land.seal))
+
     @property
     def in_doubt(self) -> tuple[LandDiagnosis, ...]:
         """Return the lands whose readings contradict themselves."""
