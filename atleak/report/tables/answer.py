@@ -191,11 +191,14 @@ class _Words:
         lands = self.answer.lands_of(row)
         return tuple(key for key, each in lands.items() if float(np.mean(each)) >= least)[:_NAMED] or (*lands,)[:1]
 
+    def _lands(self, row: Row) -> str:
+        return ", ".join(land_in_words(self.diagnosis, key, self.say) for key in self._named(row))
+
     def _what(self, row: Row) -> str:
         say, (cause, circuit) = self.say, row
         if cause is Cause.PUMP:
             return say("answer.pump_or_feed" if self.diagnosis.model.pump_open else "answer.pump")
-        lands = ", ".join(land_in_words(self.diagnosis, key, say) for key in self._named(row))
+        lands = self._lands(row)
         name = "" if circuit is None else self.circuit(circuit)
         return say("answer.lands" if self._names_lands(row) else f"answer.{cause}", lands=lands, circuit=name)
 
@@ -234,7 +237,15 @@ class _Words:
         elif answer.cause is Cause.UNEXPLAINED:
             yield self._open_pump() if Cause.PUMP in answer.also else say("answer.look_for")
         else:
-            yield self._steps() if answer.steps else say("answer.can_wait")
+            yield self._steps() if answer.steps else say("answer.can_wait") if answer.by_flow else self._unplanned()
+
+    def _unplanned(self) -> str:
+        """Say what to do about lands that no plan repairs: by a gauge alone they cost pressure."""
+        assert self.answer.row is not None
+        lands = self._lands(self.answer.row)
+        if self.diagnosis.open_lands.intersection(self._named(self.answer.row)):
+            return self.say("answer.measure_lands", lands=lands)
+        return f"{begun(self.say('answer.repair', what=lands, repair=self.say('answer.as_new')))}."
 
     def _open_pump(self) -> str:
         """Say what to do about a pump whose clearances were not measured, or count for nothing in the file."""

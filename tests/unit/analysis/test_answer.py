@@ -260,3 +260,16 @@ def test_a_pump_whose_clearance_counts_for_nothing_is_not_to_be_repaired(
     lines = answer_lines(answer, wording("en"))
     assert "filter" in lines.wrong
     assert lines.do.startswith("Check fluid level and filter")
+
+
+@pytest.mark.parametrize("measured", [False, True])
+def test_lands_that_no_plan_repairs_do_not_wait_where_a_gauge_misses_pressure(
+    judged, hipol: Fluid, limits: Limits, table_of, measured: bool
+) -> None:
+    unit = load_controller("five_speed_2005")
+    table = table_of(unit, clutch=0.3, tap="forward_clutch")
+    diagnosis = judged(unit, pressures=table) if measured else diagnose(unit, hipol, limits, pressures=table)
+    answer = Answer(diagnosis, Cause.LANDS, missing=diagnosis.missing_flagged[0])
+    assert not answer.steps
+    do = answer_lines(answer, wording("en")).do
+    assert do.endswith(": make as new.") if measured else do.startswith("Measure ")
