@@ -235,7 +235,7 @@ class _Words:
         elif answer.missing is not None and answer.missing.doubted:
             yield say("answer.read_again")
         elif answer.cause is Cause.UNEXPLAINED:
-            yield self._open_pump() if Cause.PUMP in answer.also else say("answer.look_for")
+            yield self._open_pump() if Cause.PUMP in answer.also else self._look_for()
         else:
             yield self._steps() if answer.steps else say("answer.can_wait") if answer.by_flow else self._unplanned()
 
@@ -246,6 +246,17 @@ class _Words:
         if self.diagnosis.open_lands.intersection(self._named(self.answer.row)):
             return self.say("answer.measure_lands", lands=lands)
         return f"{begun(self.say('answer.repair', what=lands, repair=self.say('answer.as_new')))}."
+
+    def _look_for(self) -> str:
+        """Say where to look for what no part explains: in the circuit itself where the line beside it was read."""
+        missing, measured = self.answer.missing, self.diagnosis.missing_measured
+        if (
+            missing is None
+            or missing.tap == LINE
+            or (missing.point, LINE) not in {(at.point, at.tap) for at in measured}
+        ):
+            return self.say("answer.look_for")
+        return self.say("answer.look_in_circuit", circuit=self.circuit(missing.tap))
 
     def _open_pump(self) -> str:
         """Say what to do about a pump whose clearances were not measured, or count for nothing in the file."""

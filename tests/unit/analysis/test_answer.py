@@ -273,3 +273,15 @@ def test_lands_that_no_plan_repairs_do_not_wait_where_a_gauge_misses_pressure(
     assert not answer.steps
     do = answer_lines(answer, wording("en")).do
     assert do.endswith(": make as new.") if measured else do.startswith("Measure ")
+
+
+def test_a_circuit_that_lacks_pressure_beside_a_sound_line_is_not_blamed_on_filter_or_level(
+    hipol: Fluid, limits: Limits, table_of
+) -> None:
+    unit = load_controller("five_speed_2005")
+    diagnosis = diagnose(unit, hipol, limits, pressures=table_of(unit, clutch=0.2, tap="forward_clutch"))
+    missing = next(each for each in diagnosis.missing_flagged if each.tap == "forward_clutch")
+    lines = answer_lines(Answer(diagnosis, Cause.UNEXPLAINED, missing=missing), wording("en"))
+    assert lines.do.startswith("Check forward clutch itself")
+    line = replace(missing, tap=LINE)
+    assert "filter" in answer_lines(Answer(diagnosis, Cause.UNEXPLAINED, missing=line), wording("en")).do
