@@ -52,29 +52,26 @@ class Answer:
 
         Pressure [Pa], or flow [m³/s] where no pressure is missing.
         """
-        return {} if self.missing is None else self.amounts_in(self.missing)
-
-    def amounts_in(self, missing: Missing) -> dict[Row, np.ndarray]:
-        """Return the same of one pressure."""
-        rows = missing.split.flows if self.by_flow else missing.rows
+        if self.missing is None:
+            return {}
+        rows = self.missing.split.flows if self.by_flow else self.missing.rows
         return dict(sorted(rows.items(), key=lambda each: -float(np.mean(each[1]))))
 
-    def total_in(self, missing: Missing) -> np.ndarray:
-        """Return what is to be explained, in each draw, in the same unit."""
-        return missing.split.growth if self.by_flow else missing.missing
-
-    def lands_in(self, missing: Missing, row: Row) -> dict[LandKey, np.ndarray]:
-        """Return what each land of a row explains, in each draw, the most first."""
-        lands = (missing.split.flows_of_lands if self.by_flow else missing.split.lands).get(row, {})
+    def lands_of(self, row: Row) -> dict[LandKey, np.ndarray]:
+        """Return what each land of a row explains, likewise."""
+        if self.missing is None:
+            return {}
+        split = self.missing.split
+        lands = (split.flows_of_lands if self.by_flow else split.lands).get(row, {})
         return dict(sorted(lands.items(), key=lambda each: -float(np.mean(each[1]))))
+
+    def total_in(self, missing: Missing) -> np.ndarray:
+        """Return what is to be explained of a pressure, in each draw, in the same unit."""
+        return missing.split.growth if self.by_flow else missing.missing
 
     @property
     def total(self) -> np.ndarray:
         return np.zeros(1) if self.missing is None else self.total_in(self.missing)
-
-    def lands_of(self, row: Row) -> dict[LandKey, np.ndarray]:
-        """Return what each land of a row explains, in each draw, the most first."""
-        return {} if self.missing is None else self.lands_in(self.missing, row)
 
     @cached_property
     def row(self) -> Row | None:

@@ -173,13 +173,10 @@ class _Words:
 
     def _of_named(self, missing: Missing) -> np.ndarray:
         """Return what the lands that are named explain together; of a cause that is no lands its row."""
-        answer, row = self.answer, self.answer.row
+        row, of = self.answer.row, Missing.flow_of if self.answer.by_flow else Missing.of_row
         assert row is not None
-        if not self._names_lands(row):
-            return answer.amounts_in(missing).get(row, np.zeros_like(missing.missing))
-        lands = answer.lands_in(missing, row)
-        named = [lands[key] for key in self._named(row) if key in lands]
-        return np.asarray(sum(named, np.zeros_like(missing.missing)))
+        parts = self._named(row) if self._names_lands(row) else (None,)
+        return np.asarray(sum((of(missing, row, part) for part in parts), np.zeros_like(missing.missing)))
 
     def _names_lands(self, row: Row) -> bool:
         """Tell whether it is lands that are named; what a line is set to has not fallen where no pressure is lost."""
