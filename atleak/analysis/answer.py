@@ -13,6 +13,7 @@ from atleak.analysis.repair.options import Cost, cost_of
 from atleak.analysis.repair.plan import PumpStep, RepairPlan, RepairStep, plan_repairs
 from atleak.catalogue.repairs import LandKey
 from atleak.common.memory import kept_with
+from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.missing import PUMP_ROW, Cause, Missing, Row
 from atleak.diagnosis.uncertainty.posterior import PosteriorUnit
@@ -118,8 +119,11 @@ class Answer:
             key for row in explain for key, values in self.lands_of(row).items() if float(np.mean(values)) >= least
         }
         pump = [] if self.plan.pump is None else [self.plan.pump]
-        due = [each for each in self.plan.steps if not self.by_flow or not self.diagnosis.can_wait(each.land)]
-        return (*pump, *(each for each in due if {each.land.key, *(one.key for one in each.together)} & lands))
+        waiting = {each.key for each in self.diagnosis.lands if self.by_flow and self.diagnosis.can_wait(each)}
+        now = {key for key, each in self.diagnosis.consequences.items() if each is Consequence.NOW}
+        named = (lands - waiting) | now
+        steps = self.plan.steps
+        return (*pump, *(each for each in steps if {each.land.key, *(one.key for one in each.together)} & named))
 
     @property
     def cost(self) -> Cost | None:
@@ -210,7 +214,9 @@ def _computed(diagnosis: Diagnosis) -> Iterator[Missing]:
     for rule in diagnosis.pressure_rules:
         tap = rule.circuit.id if rule.circuit else LINE
         if rule.verdict.flagged and rule.condition is not None and (rule.condition.name, tap) not in fine:
-            yield diagnosis.missing_at(diagnosis.at(rule.condition), tap)
+            projection = diagnosis.at(rule.condition)
+            if not (projection.pressure_falls and (rule.condition.name, LINE) in fine):  # the line holds by its gauge
+                yield diagnosis.missing_at(projection, tap)
 
 
 def _drawn(diagnosis: Diagnosis, projection: Projection, tap: str) -> Missing:

@@ -231,7 +231,8 @@ class CustomerPage(PrintedPart):
         if finding is not None:
             yield finding
         yield from self._lost()
-        yield from self._explained()
+        if not self._not_the_valves:
+            yield from self._explained()
         yield from self._held()
         for said in may_parts(diagnosis, say):
             yield f"{begun(said)}."
@@ -458,7 +459,7 @@ class CustomerPage(PrintedPart):
             if not self._due:
                 yield say("customer.do_pump")
                 return
-        if self._not_the_valves and self.names.plan.pump is None:
+        if self._not_the_valves and self.names.plan.pump is None and Cause.LANDS not in answer_of(self.diagnosis).also:
             yield say("customer.do_find")
         watched = [each.component for each in self.valves if not each.urgency.calls_for_repair]
         if not self.verdict.calls_for_repair:

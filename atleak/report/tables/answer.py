@@ -17,7 +17,7 @@ from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.missing import Cause, Missing, Row
 from atleak.engine.operation import LINE
-from atleak.report.tables.first_sentence import impossible_part
+from atleak.report.tables.first_sentence import impossible_part, worn_pump
 from atleak.report.tables.repairs import price_and_hours, repair_name, step_in_words
 from atleak.report.tables.sentences import land_in_words
 from atleak.report.tables.table import Column, Facts, Table
@@ -25,6 +25,7 @@ from atleak.report.tables.table import Column, Facts, Table
 _NAMED, _WORTH = 2, 0.1  # lands that the answer names, and what each explains of the whole at least
 _ALL = 0.99  # of what is missing, from which on all of it counts as explained
 _STEPS = 2  # of the plan that the answer names
+_NOTHING = 1.0  # [kPa] that nobody reads off a gauge
 _SURELY = 0.99  # probability above which no more is said than that
 
 
@@ -134,17 +135,29 @@ class _Words:
             amount = self._amount(lambda each: each.unexplained)
             yield say("answer.lead_unexplained", amount=amount, **words)
         if answer.cause not in (Cause.LANDS, Cause.LINE_SETTING) and self.diagnosis.judged:
-            bores = self._amount(lambda each: each.of(Cause.LANDS) + each.of(Cause.LINE_SETTING))
-            yield say("answer.bores", amount=bores)
+            yield say("answer.bores", amount=self._amount(self._of_measured))
         left = missing.amount(lambda each: -each.unexplained)
         if missing.measured is not None and left.low is not None and left.low > 0.0:
             yield say("answer.against", amount=self._amount(lambda each: -each.unexplained))
 
+    def _of_measured(self, missing: Missing) -> np.ndarray:
+        """Return what the lands that were measured explain."""
+        judged = {land.key for land in self.diagnosis.lands if land.state.judged}
+        lands = (each for of_row in missing.split.lands.values() for each in of_row.items())
+        return np.asarray(sum((values for key, values in lands if key in judged), np.zeros_like(missing.missing)))
+
     def _by_flow(self) -> Iterator[str]:
         answer, say = self.answer, self.say
         assert answer.missing is not None
-        solved = self.diagnosis.profile.circuits == "on"
-        yield say("answer.no_pressure_lost" if solved else "answer.pressures_given")
+        pump = worn_pump(self.diagnosis, say)
+        if pump is not None and answer.cause is not Cause.PUMP:
+            yield pump
+            return
+        if self.diagnosis.profile.circuits != "on":
+            yield say("answer.pressures_given")
+        else:
+            lost = answer.missing.amount(lambda each: each.missing).value * KPA
+            yield say("answer.no_pressure_lost" if lost < _NOTHING else "answer.no_limit_passed")
         if answer.row is None or float(np.mean(answer.total)) <= 0.0:
             yield say("answer.no_growth")
             names = ", ".join(land_in_words(self.diagnosis, each.key, say) for each in self.diagnosis.flagged[:_NAMED])
@@ -228,7 +241,8 @@ class _Words:
             if any(step.chosen for step in answer.steps):
                 yield self._steps()
         elif answer.cause is Cause.CLUTCH_SEAL:
-            yield say("answer.air_check", circuit=self.circuit(answer.circuit or ""))
+            key = "answer.air_check_measure" if Cause.LANDS in answer.also else "answer.air_check"
+            yield say(key, circuit=self.circuit(answer.circuit or ""))
         elif answer.missing is not None and answer.missing.doubted:
             yield say("answer.read_again")
         elif answer.cause is Cause.UNEXPLAINED:
@@ -266,7 +280,9 @@ class _Words:
         if more > 0:
             steps = self.say("diagnosis.and_more", named=steps, count=more)
         steps = begun(steps)
-        return f"{steps}. {self.say('answer.cost', cost=cost)}" if cost else f"{steps}."
+        open_ = self.answer.cost is not None and (self.answer.cost.without_price or self.answer.cost.without_option)
+        key = "answer.cost_so_far" if open_ else "answer.cost"
+        return f"{steps}. {self.say(key, cost=cost)}" if cost else f"{steps}."
 
     def _step(self, step: PumpStep | RepairStep) -> str:
         say = self.say
