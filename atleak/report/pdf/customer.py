@@ -459,7 +459,7 @@ class CustomerPage(PrintedPart):
             if not self._due:
                 yield say("customer.do_pump")
                 return
-        if self._not_the_valves and self.names.plan.pump is None and Cause.LANDS not in answer_of(self.diagnosis).also:
+        if self._not_the_valves and self.names.plan.pump is None:
             yield say("customer.do_find")
         watched = [each.component for each in self.valves if not each.urgency.calls_for_repair]
         if not self.verdict.calls_for_repair:
