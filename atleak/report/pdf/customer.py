@@ -59,7 +59,7 @@ _LENGTHS = (
         _Length,
         ((8, 700, 10), (6, 480, 8), (5, 320, 6), (4, 240, 5), (4, 180, 4), (3, 150, 3), (2, 120, 3), (2, 100, 2)),
     ),
-    *starmap(_Length, ((2, 100, 2, 3), (1, 100, 1, 3), (1, 60, 1, 2), (0, 60, 1, 2), (0, 60, 0, 2), (0, 60, 0, 1))),
+    *starmap(_Length, ((2, 100, 2, 3), (1, 100, 1, 3), (1, 60, 1, 2), (0, 60, 1, 1), (0, 60, 1, 0), (0, 60, 0, 1))),
 )
 
 
@@ -97,7 +97,7 @@ class CustomerPage(PrintedPart):
             "key": self.verdict,
             "headline": say(f"customer.{self._case or self._told_as}"),
             "urgency": [say("customer.urgency"), say(f"customer.urgent_{self._urgency}", mileage=self._service)],
-            "answer": [list(row) for row in answer_facts(diagnosis, say).rows],
+            "answer": [self._answer(whole=each.sentences > len(found)) for each in _LENGTHS],
             "caveats": [say(f"customer.{name}") for name in ("provisional", "upper_bound") if getattr(diagnosis, name)],
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in _LENGTHS]},
             "found": {"title": say("customer.found"), "texts": [found[: each.sentences] for each in _LENGTHS]},
@@ -110,6 +110,10 @@ class CustomerPage(PrintedPart):
             "annex_follows": say("customer.annex_follows"),
             "lengths": len(_LENGTHS),
         }
+
+    def _answer(self, *, whole: bool) -> list[list[str]]:
+        """Return the three lines of the answer; where there is no room for all of them, the first sentence of each."""
+        return [list(row) for row in answer_facts(self.diagnosis, self.say, whole=whole).rows]
 
     @cached_property
     def _planned(self) -> list[str]:

@@ -37,15 +37,16 @@ class AnswerLines(NamedTuple):
     sure: str
 
 
-def answer_lines(answer: Answer, say: Wording) -> AnswerLines:
-    """Return an answer as three lines."""
+def answer_lines(answer: Answer, say: Wording, *, whole: bool = True) -> AnswerLines:
+    """Return an answer as three lines, or the first sentence of each."""
     words = _Words(answer, say)
-    return AnswerLines(*(" ".join(part) for part in (words.wrong(), words.do(), words.sure())))
+    last = None if whole else 1
+    return AnswerLines(*(" ".join([*part][:last]) for part in (words.wrong(), words.do(), words.sure())))
 
 
-def answer_facts(diagnosis: Diagnosis, say: Wording) -> Facts:
+def answer_facts(diagnosis: Diagnosis, say: Wording, *, whole: bool = True) -> Facts:
     """Return the three lines with what each says before it."""
-    lines = answer_lines(answer_of(diagnosis), say)._asdict()
+    lines = answer_lines(answer_of(diagnosis), say, whole=whole)._asdict()
     return Facts([(say(f"answer.{name}"), said) for name, said in lines.items()])
 
 

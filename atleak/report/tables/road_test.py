@@ -64,7 +64,7 @@ def place_table(permitted: RoadPressure, say: Wording) -> Table:
         return None if place.worst is None else of(place.worst)
 
     columns = (
-        Column("place_gear", of=lambda place: str(gear_shown(place.gear))),
+        Column("place_gear", of=lambda place: gear_shown(place.gear)),
         Column("place_state", of=lambda place: say(f"states.{place.state}"), width=100),
         Column("place_judged", "time", 2, of="judged"),
         Column("place_lowest", "pressure", 0, of=lambda place: worst(place, lambda at: at.pressure), times=KPA),
