@@ -155,24 +155,25 @@ class _Words:
             yield pump
             return
         if self.diagnosis.profile.circuits != "on":
-            yield say("answer.pressures_given")
+            held = say("answer.pressures_given")
         else:
             lost = answer.missing.amount(lambda each: each.missing).value * KPA
-            yield say("answer.no_pressure_lost" if lost < _NOTHING else "answer.no_limit_passed")
+            held = say("answer.no_pressure_lost" if lost < _NOTHING else "answer.no_limit_passed")
         if answer.row is None or float(np.mean(answer.total)) <= 0.0:
-            yield say("answer.no_growth")
+            yield f"{held} {say('answer.no_growth')}"
             names = ", ".join(land_in_words(self.diagnosis, each.key, say) for each in self.diagnosis.flagged[:_NAMED])
             if names:
                 yield say("answer.by_wear", lands=begun(names))
             return
         explained, total = (answer.missing.amount(of).value for of in (self._of_named, answer.total_in))
-        yield say(
+        grown = say(
             "answer.growth_all" if explained >= _ALL * total else "answer.growth",
             what=begun(self._what(answer.row)),
             amount=self._amount(self._of_named),
             total=self._amount(answer.total_in, ends=False),
             where=self.where(answer.missing),
         )
+        yield f"{held} {grown}"
 
     def where(self, missing: Missing) -> str:
         say, point = self.say, missing.point

@@ -12,7 +12,9 @@ from atleak.common.style import find_paper
 from atleak.common.translations import languages
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import wording
+from atleak.engine.road_pressure import PlaceFinding, RoadPressure
 from atleak.report.pdf.blocks import printed
+from atleak.report.tables.road_test import place_table
 from atleak.report.tables.table import Column, Judged, Table
 from atleak.report.terminal import print_table
 from atleak.report.xlsx.book import ReportBook
@@ -121,3 +123,9 @@ def test_a_sheet_has_numbers_as_exact_as_they_are_in_the_readers_unit() -> None:
     assert first == ["■ ersetzen", "8/1 <b>", 25.46, 3.25]
     assert second == [None, "9/2", None, None]
     assert sheet["C2"].number_format == "0.0"
+
+
+def test_a_reverse_gear_stands_beside_numbers() -> None:
+    places = tuple(PlaceFinding(gear, "idle", 3.0, 0.0, 0.0, None) for gear in (-1, 1))
+    content = place_table(RoadPressure(places, None, None), wording("en"))
+    assert content.frame(rounded=True)["Gear"].tolist() == ["R", 1]
