@@ -178,8 +178,8 @@ def table(content: Table, *, empty: bool = False, pinned: str = "", **options: A
         config[heading] = st.column_config.Column(help=column.help(say), width=column.width)
         if column.is_number:
             written[heading] = partial(column.written, say=say)
-        else:  # gears are numbers and R
-            frame[heading] = [str(value) if isinstance(value, int) else value for value in frame[heading]]
+        elif any(isinstance(value, int) for value in frame[heading]):  # gears are numbers and R
+            frame[heading] = frame[heading].map(str)
         levels = [column.judged(item).level for item in content.rows]
         if column.kind == VERDICT:
             signs = zip(levels, frame[heading], strict=True)
