@@ -210,10 +210,15 @@ STANDING = {"five_speed_2005": "forward_clutch", "zf_6hp26": "clutch_a", "chrysl
 
 
 def standing(name: str, tap_by: float, line_by: float = 0.0, **more) -> tuple[Controller, list[GaugeReading]]:
-    """Return a shipped unit and gauges in drive, so many kPa off what a new one holds at stall, at idle less."""
+    """Return a shipped unit and gauges in drive, so many kPa off what a new one holds at stall, at idle less.
+
+    One whose line is as high at idle loses as much there.
+    """
     unit, readings = load_controller(name), []
-    for engine, state, part in ((SLOW, "idle", 0.4), (STALL, "stall", 1.0)):
-        point = next(each for each in unit.operating_points if (each.gear, each.state) == (1, state))
+    points = {each.state: each for each in reversed(unit.operating_points) if each.gear == 1}
+    at_idle = 0.4 if points["stall"].main_pressure > 1.2 * points["idle"].main_pressure else 1.0
+    for engine, state, part in ((SLOW, "idle", at_idle), (STALL, "stall", 1.0)):
+        point = points[state]
         new = project(LeakageModel(unit, clearances(None, unit), load_fluid("hipol_atf_iid"), WORKSHOP), point)
         held = new.circuit(STANDING[name]).pressure
         readings.append(at("D", engine, new.main_pressure_held / 1e3 + line_by * part, **more))
