@@ -280,7 +280,7 @@ class Diagnosis:
         """
         gauges = [each for each in self.missing_measured if each.seconds is None and each.tap == tap]
         here = [each for each in gauges if each.point.name == projection.condition.name]
-        return max(here, key=lambda each: float(each.missing.mean()), default=self.missing_at(projection, tap))
+        return max(here, key=lambda each: float(each.missing.mean())) if here else self.missing_at(projection, tap)
 
     @cached_property
     def _missing(self) -> dict[tuple[OperatingPoint, str], Missing]:
