@@ -1,0 +1,105 @@
+"""Hold a vacuum test: what a stand's gauge showed while it drew air from plugged circuits, past their lands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import groupby
+
+from atleak.catalogue.repairs import LandKey
+from atleak.common.errors import Message, Place
+
+USUAL_SUPPLY = 25 * 3386.389  # [Pa] below ambient, 25 in-Hg: to which stands of the trade are set when closed
+STANDARD_ATMOSPHERE = 101_325.0  # [Pa]
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What the stand showed while air came in through one known orifice, instead of past lands."""
+
+    orifice: float  # [m] diameter of the known orifice
+    vacuum: float  # [Pa] below ambient
+    fitted: float | None = None  # [m] the stand's own orifice meanwhile; None: the only one, or not stated
+    place: Place = Place()  # noqa: RUF009  frozen, so safe to share
+
+
+@dataclass(frozen=True)
+class VacuumStand:
+    """What a table says of the stand that was read."""
+
+    supply: float = USUAL_SUPPLY  # [Pa] below ambient: what its gauge shows while it is closed
+    ambient: float = STANDARD_ATMOSPHERE  # [Pa] absolute
+    temperature: float = 20.0  # [°C] of the air and the valve body
+    calibrations: tuple[Calibration, ...] = ()
+    flow_area: float | None = None  # [m²] discharge coefficient times area of its own orifice, where it is stated
+
+
+@dataclass(frozen=True)
+class VacuumReading:
+    """What the gauge showed of one plugged circuit, or of lands that share a plug."""
+
+    target: str  # as written: a circuit, or component and land
+    circuit: str | None  # the circuit's id, where a circuit was plugged
+    lands: tuple[LandKey, ...]  # past which air came in
+    vacuum: float  # [Pa] below ambient
+    orifice: float | None = None  # [m] diameter of the stand's own orifice that was fitted; None: not stated
+    repaired: bool = False  # the bore was read after its repair; else as it was worn
+    place: Place = Place()  # noqa: RUF009  frozen, so safe to share
+
+
+@dataclass(frozen=True)
+class VacuumTable:
+    """All readings of one vacuum test.
+
+    Attributes
+    ----------
+    file
+        its name.
+    sha256
+        of its bytes.
+    sheet
+        the workbook's sheet; None for text files.
+    stand
+        that was read.
+    readings
+        in the table's order.
+    messages
+        what was assumed.
+    """
+
+    file: str
+    sha256: str
+    sheet: str | None
+    stand: VacuumStand
+    readings: tuple[VacuumReading, ...]
+    messages: tuple[Message, ...] = ()
+
+    @property
+    def by_lands(self) -> tuple[tuple[VacuumReading, ...], ...]:
+        """Return the readings of each set of lands in the table's order, sets in that of their first reading."""
+        first: dict[frozenset[LandKey], int] = {}
+        for index, reading in enumerate(self.readings):
+            first.setdefault(frozenset(reading.lands), index)
+        ordered = sorted(self.readings, key=lambda reading: first[frozenset(reading.lands)])
+        return tuple(tuple(group) for _, group in groupby(ordered, key=lambda reading: frozenset(reading.lands)))
+
+    def calibrations_of(self, orifice: float | None) -> tuple[Calibration, ...]:
+        """Return the calibrations of the stand with one of its own orifices.
+
+        Parameters
+        ----------
+        orifice
+            diameter of the stand's own orifice [m]; None where a reading does not state it.
+
+        Returns
+        -------
+        tuple of Calibration
+            those made with it. One that does not say what was fitted counts for the only orifice that readings state,
+            and for readings that state none; for no other, where they state several.
+        """
+        stated = {reading.orifice for reading in self.readings} - {None}
+        unstated = orifice is None or stated == {orifice}
+        return tuple(
+            calibration
+            for calibration in self.stand.calibrations
+            if calibration.fitted == orifice or (calibration.fitted is None and unstated)
+        )
