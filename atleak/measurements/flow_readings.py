@@ -1,0 +1,67 @@
+"""Hold flows that were caught in a jug: of the cooler's return line, or of another consumer whose line was opened."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from atleak.catalogue.circuits import Consumer
+from atleak.catalogue.controller import Controller
+from atleak.common.errors import Message, Place
+
+COOLER = "cooler"  # what flows through the cooler, whatever the valve body's file calls that consumer
+
+
+@dataclass(frozen=True)
+class FlowReading:
+    """One flow as it was caught and timed."""
+
+    condition: str  # name of the operating point of the valve body's file that the vehicle was like
+    what: str  # id of a consumer of that file, or `COOLER`
+    flow: float  # [m³/s]
+    place: Place = Place()  # noqa: RUF009  frozen, so safe to share
+
+
+@dataclass(frozen=True)
+class FlowTable:
+    """All flows of one table.
+
+    Attributes
+    ----------
+    file
+        its name.
+    sha256
+        of its bytes.
+    sheet
+        the workbook's sheet; None for text files.
+    readings
+        in the table's order.
+    messages
+        what was assumed.
+    """
+
+    file: str
+    sha256: str
+    sheet: str | None
+    readings: tuple[FlowReading, ...]
+    messages: tuple[Message, ...] = ()
+
+
+def consumer_of(controller: Controller, what: str) -> Consumer | None:
+    """Return the consumer whose flow was caught; None where the valve body's file does not describe it.
+
+    Parameters
+    ----------
+    controller
+        whose consumers count.
+    what
+        of a `FlowReading`: for `COOLER` the only consumer whose id or name speaks of a cooler.
+
+    Returns
+    -------
+    Consumer or None
+        None also where several could be meant.
+    """
+    named = [each for each in controller.consumers if each.id == what]
+    if not named and what == COOLER:
+        named = [each for each in controller.consumers if COOLER in f"{each.id} {each.name}".casefold()]
+    return named[0] if len(named) == 1 else None
