@@ -202,8 +202,12 @@ class GaugeCard:
     def sources(self) -> tuple[LandSources, ...]:
         """Return every land with what makes its clearance uncertain."""
         states = cast("Sequence[LandClearance]", self.model.clearances)
-        controller, instruments = self.model.controller, self.instruments or load_instruments()
-        return find_sources(states, self.readings, controller, instruments, self.assumptions)[0]
+        return find_sources(states, self.readings, self.model.controller, self.gauges, self.assumptions)[0]
+
+    @property
+    def gauges(self) -> Instruments:
+        """Return the instruments, the catalogue's defaults where none are stated."""
+        return self.instruments or load_instruments()
 
 
 def held_at(projection: Projection, tap: str) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import cast
@@ -27,7 +27,8 @@ from atleak.diagnosis.road import RoadFindings
 from atleak.diagnosis.rules import Rule, permissible_steps
 from atleak.diagnosis.uncertainty import Assumptions, RuleDecision
 from atleak.diagnosis.uncertainty.decision import decide_normal, decide_rule
-from atleak.diagnosis.uncertainty.posterior import MOST_RISE, SURELY, Fault, Lost, PosteriorUnit, Shown, losses
+from atleak.diagnosis.uncertainty.posterior import MOST_RISE, Fault, PosteriorUnit
+from atleak.diagnosis.uncertainty.weighing import SURELY, Lost, Posterior, Shown, Told
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import LINE as LINE_SECTION
 from atleak.engine.projection import Projection, project
@@ -35,6 +36,7 @@ from atleak.engine.road_pressure import AtTemperature
 from atleak.measurements.clearances import LandClearance
 from atleak.measurements.gauge_readings import (
     LINE_TAP,
+    NO_GAUGES,
     TOGETHER,
     Engine,
     GaugeCell,
@@ -153,6 +155,15 @@ class CheckedReading:
         return max(self.decisions, key=lambda each: each.severity, default=None)
 
 
+@dataclass(frozen=True, eq=False)
+class Weighed:
+    """What all evidence together tells of a unit: of line and circuits, of the line by the log alone, of its parts."""
+
+    lost: Mapping[tuple[str, OperatingPoint], Lost]  # by section and operating point
+    in_log: Mapping[OperatingPoint, Lost]
+    told: tuple[Told, ...]
+
+
 @dataclass(frozen=True)
 class PressureCheck:
     """A pressure table with everything that is said of it."""
@@ -163,6 +174,7 @@ class PressureCheck:
     messages: tuple[Message, ...]
     #: what is missing of main pressure where a log shows it
     logged: tuple[Missing, ...] = field(default=(), compare=False)
+    weighed: Weighed = field(kw_only=True, compare=False, repr=False)
 
     @cached_property
     def decisions(self) -> tuple[RuleDecision, ...]:
@@ -225,14 +237,23 @@ def check_pressures(
     )
     checked = [checker.checked(each) for each in taken]
     if limits.circuit_loss is not None:
-        rests_on = card, log is not None and log.road_test.sha256
-        owner = table if table.readings or log is None else log.road_test
-        lost, in_log = kept_with(owner, "losses", rests_on, checker.losses, most=1)
-        checker.logged = checker.of_log(in_log)
-        checked = [checker.with_loss(checker.with_missing(each, lost), lost) for each in checked]
+        checker.logged = checker.of_log(checker.weighed.in_log)
+        checked = [checker.with_loss(checker.with_missing(each)) for each in checked]
     judged = tuple(each if each.decisions else checker.unjudged(each) for each in checked)
     patterns = find_patterns([checker.standing(each) for each in judged], checker.applied)
-    return PressureCheck(table, judged, patterns, (*table.messages, *checker.messages(judged)), checker.logged)
+    messages = (*table.messages, *checker.messages(judged))
+    return PressureCheck(table, judged, patterns, messages, checker.logged, weighed=checker.weighed)
+
+
+def weigh(card: GaugeCard, limits: Limits, log: RoadFindings | None, projections: Sequence[Projection]) -> Weighed:
+    """Weigh what a log, the readings of lands and what else is known tell of a unit whose gauges nobody read.
+
+    Parameters
+    ----------
+    card, limits, log, projections
+        as of `check_pressures`.
+    """
+    return _Checker(NO_GAUGES, card, limits, {each.condition: each for each in projections}, 0.0, log).weighed
 
 
 @dataclass
@@ -287,11 +308,19 @@ class _Checker:
 
     # --- what circuits have lost
 
-    def losses(self) -> tuple[dict[tuple[str, OperatingPoint], Lost], dict[OperatingPoint, Lost]]:
+    @cached_property
+    def weighed(self) -> Weighed:
+        """Return it, kept with what it rests on."""
+        log = None if self.log is None else self.log.road_test
+        if self.table.readings:
+            return kept_with(self.table, "weighed", (self.card, log and log.sha256), self._weighed, most=1)
+        return self._weighed() if log is None else kept_with(log, "weighed", self.card, self._weighed, most=1)
+
+    def _weighed(self) -> Weighed:
         """Return what line and circuits have lost wherever they were read, and the line where a log shows it.
 
         A log tells of another drive, at other temperatures, by another sensor: it is weighed apart from the gauges, and
-        each of its gears and states by itself.
+        each of its gears and states by itself. What is told of the parts rests on it only where no gauge read the line.
         """
         wanted: dict[tuple[str, OperatingPoint], None] = {}
         shown = []
@@ -304,16 +333,28 @@ class _Checker:
                 shown.append(Shown(point, section, pressure, reading.gauge))
             wanted[section, point] = None
         in_log = [Shown(point, LINE_SECTION, at.pressure, _LOG) for point, at in self._in_log]
-        if not (wanted or in_log):
-            return {}, {}
-        at = {each.point: self.at_hand[each.point] for each in (*shown, *in_log)}
-        unit = PosteriorUnit(self.model, self.card.sources, self.assumptions, at.values())
+        wanted |= dict.fromkeys(self._not_read(wanted))
+        at = dict.fromkeys([*(each.point for each in (*shown, *in_log)), *(point for _, point in wanted)])
+        unit = PosteriorUnit(self.model, self.card.sources, self.assumptions, (self.at_hand[each] for each in at))
         by_log: dict[OperatingPoint, Lost] = {}
         for name in dict.fromkeys(each.point.name for each in in_log):
             alone = [each for each in in_log if each.point.name == name]
-            found = losses(unit, alone, [(LINE_SECTION, each.point) for each in alone])
-            by_log |= {point: lost for (_, point), lost in found.items()}
-        return losses(unit, shown, wanted), by_log
+            of_log = Posterior(unit, alone)
+            by_log |= {each.point: of_log.lost(LINE_SECTION, each.point) for each in alone}
+        posterior = Posterior(unit, shown)
+        lost = {each: posterior.lost(*each) for each in wanted}
+        read = any(each.tap == LINE_SECTION for each in shown)
+        whole = posterior if read or not in_log else Posterior(unit, [*shown, *in_log])
+        return Weighed(lost, by_log, whole.told())
+
+    def _not_read(self, read: Iterable[tuple[str, OperatingPoint]]) -> Iterator[tuple[str, OperatingPoint]]:
+        """Yield every circuit that no gauge read where it is applied: where gauges were read, or else at hot idle."""
+        taps, points = {tap for tap, _ in read}, [point for _, point in read]
+        stated = [self._drawn(each) for each in self.controller.operating_points if each.state == "idle"]
+        for circuit in self.controller.circuits if self.model.profile.circuits == "on" else ():
+            if circuit.feeds and circuit.id not in taps:
+                known = (each for each in (*points, *stated) if each is not None and each.gear in circuit.gears)
+                yield from ((circuit.id, each) for each in [*known][:1])
 
     @cached_property
     def _in_log(self) -> tuple[tuple[OperatingPoint, AtTemperature], ...]:
@@ -329,7 +370,7 @@ class _Checker:
                     found.append((point, shown))
         return tuple(found)
 
-    def of_log(self, losses: dict[OperatingPoint, Lost]) -> tuple[Missing, ...]:
+    def of_log(self, losses: Mapping[OperatingPoint, Lost]) -> tuple[Missing, ...]:
         """Return what is missing of main pressure where a log shows it."""
         return tuple(
             Missing(
@@ -383,26 +424,29 @@ class _Checker:
         follows = circuit is not None and circuit.set_pressure is None and beside is not None and beside.pressure > 0.0
         return reading.pressure * highest / beside.pressure if follows and beside else reading.pressure
 
-    def _doubted(self, section: str, point: OperatingPoint, losses: dict[tuple[str, OperatingPoint], Lost]) -> bool:
-        """Return whether gauges contradict one another on a section, or on what was read of it with another one."""
-        here = losses[section, point].contradicted
-        return bool(here) or any((section, point) in each.contradicted for each in losses.values())
+    def _lost(self, section: str, point: OperatingPoint | None) -> Lost | None:
+        return None if point is None else self.weighed.lost.get((section, point))
 
-    def with_missing(self, checked: CheckedReading, losses: dict[tuple[str, OperatingPoint], Lost]) -> CheckedReading:
+    def _doubted(self, section: str, point: OperatingPoint, lost: Lost) -> bool:
+        """Return whether gauges contradict one another on a section, or on what was read of it with another one."""
+        others = self.weighed.lost.values()
+        return bool(lost.contradicted) or any((section, point) in each.contradicted for each in others)
+
+    def with_missing(self, checked: CheckedReading) -> CheckedReading:
         """Return a reading with what is missing of its pressure."""
         section, point = _section(checked.cell.tap), self._drawn_at(checked.reading)
-        lost = None if point is None else losses.get((section, point))
+        lost = self._lost(section, point)
         if lost is None or point is None:
             return checked
-        showed, doubted = checked.reading.pressure, self._doubted(section, point, losses)
+        showed, doubted = checked.reading.pressure, self._doubted(section, point, lost)
         missing = Missing(point, section, lost.split, showed, error=self.uncertainty * showed, doubted=doubted)
         return replace(checked, missing=missing)
 
-    def with_loss(self, checked: CheckedReading, losses: dict[tuple[str, OperatingPoint], Lost]) -> CheckedReading:
+    def with_loss(self, checked: CheckedReading) -> CheckedReading:
         """Return a reading with what its circuit or the line lost, judged; one that is judged already as it is."""
         reading, steps, tap = checked.reading, self.limits.circuit_loss, checked.cell.tap
         circuit, point = circuit_at(self.controller, tap), self._drawn_at(reading)
-        lost = None if point is None else losses.get((_section(tap), point))
+        lost = self._lost(_section(tap), point)
         if steps is None or checked.decisions:
             return checked
         if lost is None:

@@ -81,6 +81,12 @@ class DrawnUnit:
         with np.errstate(divide="ignore"):
             return np.divide(self.pump.per_revolution * point.engine_speed, self.demand)
 
+    def left(self, point: OperatingPoint) -> Any:
+        """Return what the line leaves to what is fed behind its regulator [m³/s]; below zero where it falls."""
+        required = self.pressures["p_g"]
+        before = self.leakage + consumed(self.network, required, required, after_line=False)
+        return self.pump.capacity(point.engine_speed, required, self.viscosity) - before
+
     def held(self, demand: DemandShape) -> tuple[np.ndarray, Mapping[str, Any]]:
         """Return the line pressure that holds, and all pressures with it [Pa], at the condition of a demand.
 

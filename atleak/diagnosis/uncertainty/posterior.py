@@ -1,22 +1,16 @@
-"""Say how much pressure the circuits of a unit have lost, given what gauges showed: draws of units, weighed by that.
+"""Draw units as they may be before any gauge is read, and say what each of them holds.
 
-A unit is drawn from what is known before any gauge is read: lands that were measured as their readings say, the others
-new or worn, and so its seals, pump and line regulator; fluid, temperature and feeds as uncertain as they are. The
-engine says what gauges would show on each, and each counts the more the nearer that comes to what they did show:
-
-    w ∝ prior / proposal · exp(−½ rᵀ C⁻¹ r),        r reading less expectation, C the gauges' covariance.
-
-Where few draws carry the weight, more are drawn around them, with the first ones kept beside (a defensive mixture:
-Owen & Zhou, J. Am. Stat. Assoc. 95, 2000; all draws share the weights of the mixture: Veach & Guibas, SIGGRAPH 1995).
+Lands that were measured are drawn as their readings say, the others new or worn, and so seals, pump and line regulator;
+fluid, temperature and feeds as uncertain as they are.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -49,70 +43,21 @@ from atleak.engine.projection import Projection
 from atleak.engine.restrictions import Branch, GapBranch, Orifice, Restriction
 from atleak.equations.statistics import normal_cdf
 
-_DRAWS = 8_192  # of units before any gauge is read, and half as many at a time around what was found
-ENOUGH = 200  # effective draws
-SURELY = 4.0  # standard uncertainties by which a gauge shows more than there can be: choice of this project
-_ROUNDS = 4  # of drawing around what was found
 _PRIOR_COUNTS = 20.0  # effective draws that the prior stands for while a proposal is fitted
 _NARROWEST = 0.2  # standard deviation of a proposal, over that of the prior
-_READ_OFF = 0.1  # of a named gauge's variance: what differs from reading to reading
-_UNNAMED = 0.7  # the same of gauges that nobody named: which was where is not known
-_LEAST = 0.25  # of the highest pressure shown: a gauge errs no less than it does there
-_FINEST = 1e3  # [Pa] that a gauge tells apart
 _LAND, _SEAL, _HOLE, _PUMP, _LINE, _SET = "land", "seal", "hole", "pump", "line", "set"
 OF_A_SPLIT = 256  # draws
 _BORES = ("bore", "new_bore", "unworn_bore")
 MOST_RISE = 5.0  # of a line that is set high, over the mean rise
 _SEALS = _SEAL, _HOLE
 _LEAST_WEAR = 0.1e-6  # [m]
-_COUNTS = 1e-6  # of the largest weight, from which on a draw is looked at again
+LEFT = "left"  # beside the pressures of a unit: what its line leaves to consumers [m³/s]
 
 Fault = tuple[Any, ...]  # (what, which): ("land", key), ("seal", circuit), ("pump",), ("line",)
 
 
 @dataclass(frozen=True)
-class Shown:
-    """One gauge reading as evidence: where it was taken, what it showed, and how its gauge may err."""
-
-    point: OperatingPoint
-    tap: str  # "p_g" of the line, or the id of a circuit
-    pressure: float  # [Pa]
-    gauge: str = ""  # its name; readings of one gauge share its error
-
-
-@dataclass(frozen=True)
-class Lost:
-    """What a circuit has lost against the same unit new at one operating point, as far as all gauges tell."""
-
-    draws: np.ndarray  # [Pa]
-    expected: np.ndarray  # [Pa] that the circuit holds
-    weights: np.ndarray  # their sum is 1
-    effective: float  # number of draws that the weights are worth
-    highest: float  # [Pa] that it holds in 999 of 1000 units, before any gauge is read
-    split: Split  # of all that it lost with the line, by draws of equal weight
-    contradicted: frozenset[tuple[str, OperatingPoint]] = frozenset()  # taps that showed what none of the draws expects
-
-    @property
-    def standard_uncertainty(self) -> float:
-        """Return the standard deviation of the loss [Pa]."""
-        mean = float(self.weights @ self.draws)
-        return math.sqrt(max(float(self.weights @ (self.draws - mean) ** 2), 0.0))
-
-    def probability_over(self, limit: float) -> float:
-        """Return the probability that the loss has reached a limit [Pa]."""
-        return float(np.sum(self.weights, where=self.draws >= limit))
-
-    def quantile(self, probability: float, of: np.ndarray | None = None) -> float:
-        """Return a quantile of the loss, or of another quantity of the draws."""
-        values = self.draws if of is None else of
-        order = np.argsort(values)
-        return float(
-            values[order[np.searchsorted(np.cumsum(self.weights[order]), probability).clip(0, len(order) - 1)]]
-        )
-
-
-@dataclass(frozen=True)
-class _Drawn:
+class UnitDraws:
     """Draws of units: standard deviates, shape (quantities, draws), and how far causes have gone, (causes, draws)."""
 
     deviates: np.ndarray
@@ -121,9 +66,35 @@ class _Drawn:
     measured: Mapping[LandKey, LandDraws]  # lands whose readings draw them
     positions: Mapping[str, Any]  # of the spools, by component
 
+    @classmethod
+    def chosen(cls, parts: Sequence[UnitDraws], places: np.ndarray) -> UnitDraws:
+        """Return some of the draws of several parts, by their places in all of them."""
+
+        def taken(values: Sequence[Any]) -> Any:
+            return np.concatenate(values, axis=-1)[..., places] if all(np.ndim(each) for each in values) else values[0]
+
+        def bore(each: Sequence[Bore]) -> Bore:
+            return Bore(*(taken(values) for values in zip(*(vars(one).values() for one in each), strict=True)))
+
+        first = parts[0]
+        return cls(
+            taken([each.deviates for each in parts]),
+            taken([each.wear for each in parts]),
+            {key: taken([each.new[key] for each in parts]) for key in first.new},
+            {
+                key: LandDraws(
+                    land.land,
+                    *(bore([getattr(each.measured[key], name) for each in parts]) for name in _BORES),
+                    *(taken([getattr(each.measured[key], name) for each in parts]) for name in ("length", "position")),
+                )
+                for key, land in first.measured.items()
+            },
+            {key: taken([each.positions[key] for each in parts]) for key in first.positions},
+        )
+
 
 @dataclass(frozen=True)
-class _Proposal:
+class Proposal:
     """From what units are drawn: the prior, or narrower around what gauges showed."""
 
     chance: np.ndarray  # of each cause
@@ -150,7 +121,7 @@ class _Proposal:
 
     def around(
         self, deviates: np.ndarray, wear: np.ndarray, weights: np.ndarray, near: tuple[np.ndarray, np.ndarray]
-    ) -> _Proposal:
+    ) -> Proposal:
         """Return a proposal around weighed draws, this one being the prior; only what is ``near`` moves."""
         effective = 1.0 / float(np.sum(weights * weights))
         trust = effective / (effective + _PRIOR_COUNTS)
@@ -162,7 +133,7 @@ class _Proposal:
         gone = (wear @ weights + self.mean * 0.1) / (worn + 0.1)
         mean = np.clip(trust * gone + (1.0 - trust) * self.mean, 0.2 * self.mean, self.most)
         quantities, causes = near
-        return _Proposal(
+        return Proposal(
             np.where(causes, np.where(self.chance > 0.0, chance, 0.0), self.chance),
             np.where(causes, mean, self.mean),
             self.most,
@@ -185,14 +156,12 @@ class PosteriorUnit:
         self.model, self.sources, self.assumptions = model, sources, assumptions
         self._own = replace(assumptions, temperature=assumptions.gauged_temperature, main_pressure=1.0)
         self.conditions = {each.condition: each for each in projections}
-        self._before: dict[int, tuple[_Drawn, dict[OperatingPoint, Mapping[str, Any]]]] = {}
-        self._demands = {point: DemandShape(model, point) for point in self.conditions}
+        self._before: dict[int, tuple[UnitDraws, dict[OperatingPoint, Mapping[str, Any]]]] = {}
+        self._demands: dict[OperatingPoint, DemandShape] = {}
+        self._networks: dict[int, Network] = {}
         controller = model.controller
-        gears = {point.gear for point in self.conditions}
-        leaking = {gap.key for gap in controller.gaps if not gears.isdisjoint(gap.gears)}
-        self._open = [  # lands that nobody measured
-            land for land in sources if not land.state.measured and not land.state.land.seal and land.key in leaking
-        ]
+        # lands that nobody measured
+        self._open = [land for land in sources if not land.state.measured and not land.state.land.seal]
         self._fed = [each for each in controller.circuits if each.feeds]
         # what is applied in some gears only is a clutch or a band, and has a seal
         self._sealed = [each.id for each in self._fed if each.gears != frozenset(controller.gears)]
@@ -205,7 +174,7 @@ class PosteriorUnit:
         self.causes = [cause for cause, *_ in gone]
         chance, mean, most = np.array([[max(number, 1e-30) for number in row] for _, *row in gone]).T
         count = len(self.quantities)
-        self.prior = _Proposal(np.where(chance > 1e-30, chance, 0.0), mean, most, np.zeros(count), np.ones(count))
+        self.prior = Proposal(np.where(chance > 1e-30, chance, 0.0), mean, most, np.zeros(count), np.ones(count))
 
     def _gone(self) -> list[tuple[Fault, float, float, float]]:
         """Return every cause of a leak with its chance, and mean and most of how far it goes."""
@@ -225,13 +194,13 @@ class PosteriorUnit:
             gone.append(((_PUMP,), u.worn_pumps, u.pump_wear, 6.0 * u.pump_wear))
         return gone
 
-    def before(self, draws: int) -> tuple[_Drawn, dict[OperatingPoint, Mapping[str, Any]]]:
+    def before(self, draws: int) -> tuple[UnitDraws, dict[OperatingPoint, Mapping[str, Any]]]:
         """Return draws of the unit before any gauge is read, the same each time, and where to keep what they hold."""
         if draws not in self._before:
             self._before[draws] = self.draw(self.prior, draws, 0), {}
         return self._before[draws]
 
-    def draw(self, proposal: _Proposal, draws: int, seed: int, *, as_judged: bool = False) -> _Drawn:
+    def draw(self, proposal: Proposal, draws: int, seed: int, *, as_judged: bool = False) -> UnitDraws:
         """Draw units; ``draws`` is a power of two.
 
         A measured land was new anywhere in its range; ``as_judged`` as wide as it may have been, as rules take it.
@@ -251,7 +220,7 @@ class PosteriorUnit:
         if not as_judged:
             chances = stream_of(SEED, 15, seed)
             found = {key: self._with_unworn(each, *chances.random((2, draws))) for key, each in found.items()}
-        return _Drawn(
+        return UnitDraws(
             deviates,
             wear,
             {land.key: self._new(deviates, land) for land in self._open},
@@ -283,7 +252,7 @@ class PosteriorUnit:
         both = zip((new, 0.0, 0.0), vars(now).values(), strict=True)
         return replace(drawn, unworn_bore=Bore(*(np.where(worn, each, as_is) for each, as_is in both)))
 
-    def pressures(self, drawn: _Drawn, point: OperatingPoint, *, new: bool = False) -> Mapping[str, Any]:
+    def pressures(self, drawn: UnitDraws, point: OperatingPoint, *, new: bool = False) -> Mapping[str, Any]:
         """Return what the line, as p_g, and every circuit hold in each draw [Pa], or held when new."""
         wear = dict.fromkeys(self.causes, 0.0) if new else dict(zip(self.causes, drawn.wear, strict=True))
         # what a line is set to, or fallen to by its regulator, is the same for the unit when new
@@ -292,7 +261,7 @@ class PosteriorUnit:
         counted, leakage = self._solved(drawn, given, lands, wear)
         return self._held(counted, leakage, wear, pump_new=new)
 
-    def _given(self, drawn: _Drawn, point: OperatingPoint, fallen: Any) -> Drawn:
+    def _given(self, drawn: UnitDraws, point: OperatingPoint, fallen: Any) -> Drawn:
         """Return a condition with all that is drawn of it, the line fallen by so much through its regulator."""
         at, u = dict(zip(self.quantities, drawn.deviates, strict=True)), self.assumptions
         higher = drawn.wear[self.causes.index((_SET,))]
@@ -310,7 +279,7 @@ class PosteriorUnit:
             },
         )
 
-    def _in_both_states(self, drawn: _Drawn) -> list[tuple[LandInState, LandInState]]:
+    def _in_both_states(self, drawn: UnitDraws) -> list[tuple[LandInState, LandInState]]:
         """Return every land that leaks as it is, and as it was when new."""
         wear = dict(zip(self.causes, drawn.wear, strict=True))
         lands: list[tuple[LandInState, LandInState]] = []
@@ -322,7 +291,7 @@ class PosteriorUnit:
         return [*lands, *((each.now, each.unworn) for each in drawn.measured.values())]
 
     def _solved(
-        self, drawn: _Drawn, given: Drawn, lands: Sequence[LandInState], wear: Mapping[Fault, Any]
+        self, drawn: UnitDraws, given: Drawn, lands: Sequence[LandInState], wear: Mapping[Fault, Any]
     ) -> tuple[DrawnLands, Any]:
         """Return the unit with lands in a state and seals worn so far, and what it draws from the pump [m³/s]."""
         at, u = dict(zip(self.quantities, drawn.deviates, strict=True)), self.assumptions
@@ -359,8 +328,10 @@ class PosteriorUnit:
     ) -> Mapping[str, Any]:
         given = counted.given
         unit = replace(counted.unit(self._pump(given, wear, new=pump_new)), leakage=leakage)
+        if given.point not in self._demands:
+            self._demands[given.point] = DemandShape(self.model, given.point)
         main, held = unit.held(self._demands[given.point])
-        return {**held, LINE: main}
+        return {**held, LINE: main, LEFT: unit.left(given.point)}
 
     def _pump(self, given: Drawn, wear: Mapping[Fault, Any], *, new: bool) -> PumpFlow:
         """Return the pump as drawn; of one that nobody measured its slip has grown by so much."""
@@ -369,7 +340,7 @@ class PosteriorUnit:
             pump = replace(pump, slip_factor=pump.slip_factor * (1.0 + wear[_PUMP,]))
         return pump
 
-    def split(self, drawn: _Drawn, point: OperatingPoint, tap: str) -> Split:
+    def split(self, drawn: UnitDraws, point: OperatingPoint, tap: str) -> Split:
         """Split what a tap has lost in each draw by its causes; its clutch's seal counts last.
 
         Wear of lands and pump that nobody measured counts as theirs. A line that its regulator lets fall and other
@@ -412,7 +383,7 @@ class PosteriorUnit:
         return replace(found, seal=with_it_tight - beside, seal_worn=float(np.mean(drawn.wear[seals].any(axis=0))))
 
     @cached_property
-    def as_measured(self) -> _Drawn:
+    def as_measured(self) -> UnitDraws:
         """Return draws of the unit by what was measured alone: no fault that nobody saw is drawn."""
         drawn = self.draw(self.prior, OF_A_SPLIT, 0, as_judged=True)
         return replace(drawn, wear=np.zeros_like(drawn.wear))
@@ -423,25 +394,28 @@ class PosteriorUnit:
 
     def _leak(self, what: str, name: str, point: OperatingPoint, viscosity: Any, gone: Any) -> Restriction:
         """Return a leak that takes ``gone`` times what the circuit's feeds pass at the highest line pressure."""
-        highest, feeds = max(self.conditions, key=lambda each: each.main_pressure), self._networks[point.gear].feeds
+        stated = self.model.controller.operating_points
+        highest, feeds = max(stated, key=lambda each: each.main_pressure), self._network(point.gear).feeds
         pressure, nominal = highest.main_pressure, self.model.dynamic_viscosity(highest.temperature)
         through = gone * sum(each.restriction.flow(pressure) for each in feeds if each.into == name)
         if what == _HOLE:
             return Orifice(through / math.sqrt(pressure), SHARP)
         return GapBranch(through / pressure * nominal / viscosity)
 
-    @cached_property
-    def _networks(self) -> dict[int, Network]:
-        return {point.gear: self.model.network(point) for point in self.conditions}
+    def _network(self, gear: int) -> Network:
+        if gear not in self._networks:
+            self._networks[gear] = self.model.network(next(each for each in self.conditions if each.gear == gear))
+        return self._networks[gear]
 
-    def near(self, circuit: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return which quantities and which causes act on a circuit first: its own and those of what feeds it."""
+    def near(self, circuits: Iterable[str]) -> tuple[np.ndarray, np.ndarray]:
+        """Return which quantities and causes act on circuits first: their own and those of what feeds them.
+
+        What line pressure follows acts on all of them.
+        """
         controller = self.model.controller
         following = controller.line.following if controller.line else None
-        sections, count = {circuit} | ({following.section} if following else set()), 0
-        while len(sections) > count:
-            count = len(sections)
-            sections |= {feed.source for each in self._fed if each.id in sections for feed in each.feeds} - {LINE}
+        sections = {following.section} if following else set()
+        sections = sections.union(*map(self.fed_from, [*circuits, *sections]))
         lands = {gap.key for gap in controller.gaps if {gap.high.section, gap.low.section} & sections}
 
         def acts(cause: Fault) -> bool:
@@ -449,150 +423,30 @@ class PosteriorUnit:
 
         return np.array([acts(each) for each in self.quantities]), np.array([acts(each) for each in self.causes])
 
-
-def losses(
-    unit: PosteriorUnit, shown: Sequence[Shown], wanted: Iterable[tuple[str, OperatingPoint]], draws: int = _DRAWS
-) -> dict[tuple[str, OperatingPoint], Lost]:
-    """Return what circuits have lost against new at operating points, given every reading.
-
-    Parameters
-    ----------
-    unit
-        before any gauge is read, at all the operating points of ``shown`` and ``wanted``.
-    shown
-        the readings. Those of a circuit, of what feeds it and of the line tell of it; what others show acts on it by
-        the line alone, which was read.
-    wanted
-        circuits by id, each with an operating point in whose gear it is applied; or the line, as p_g, whose regulator
-        then counts as new too: it loses what that lets it fall, and not what it is set to.
-    draws
-        a power of two.
-    """
-    asked: dict[str, list[OperatingPoint]] = {}
-    for circuit, point in wanted:
-        asked.setdefault(circuit, []).append(point)
-    lost: dict[tuple[str, OperatingPoint], Lost] = {}
-    rounds = [_Round(unit.prior, *unit.before(draws))]
-    for circuit in sorted(asked, key=lambda each: each != LINE):  # what the line tells serves every circuit
-        draws_of = _WeighedDraws(unit, circuit, asked[circuit], shown)
-        draws_of.add(*rounds)
-        for _ in range(_ROUNDS):
-            if draws_of.effective < ENOUGH:
-                draws_of.add_around()
-        rounds = draws_of.rounds if circuit == LINE else rounds
-        lost |= {(circuit, point): draws_of.lost(point) for point in asked[circuit]}
-    return lost
-
-
-class _Round(NamedTuple):
-    """Draws of units from one proposal, with what they hold where that was asked for."""
-
-    proposal: _Proposal
-    drawn: _Drawn
-    held: dict[OperatingPoint, Mapping[str, Any]]
+    def fed_from(self, circuit: str) -> frozenset[str]:
+        """Return the ids of a circuit and of all circuits that feed it."""
+        sections, waiting = {circuit}, [circuit]
+        while waiting:
+            fed = waiting.pop()
+            new = {feed.source for each in self._fed if each.id == fed for feed in each.feeds} - {LINE} - sections
+            sections |= new
+            waiting += new
+        return frozenset(sections)
 
     @property
-    def draws(self) -> int:
-        return int(self.drawn.wear.shape[1])
+    def lands(self) -> tuple[LandKey, ...]:
+        """Return every land of which the clearance is drawn, by component and land."""
+        return tuple(land.key for land in self.sources if not land.state.land.seal)
 
+    def clearances(self, drawn: UnitDraws) -> dict[LandKey, tuple[np.ndarray, np.ndarray]]:
+        """Return the clearance of every land in each draw, and what it was when new [m]."""
+        size = drawn.wear.shape[1]
+        lands = ((now[0].key, now[1].clearance, new[1].clearance) for now, new in self._in_both_states(drawn))
+        return {key: (np.broadcast_to(now, size), np.broadcast_to(new, size)) for key, now, new in lands}
 
-class _WeighedDraws:
-    """Draws of a unit from one proposal after the other, weighed by what gauges showed that tells of one circuit."""
-
-    def __init__(
-        self, unit: PosteriorUnit, circuit: str, points: Sequence[OperatingPoint], shown: Sequence[Shown]
-    ) -> None:
-        self.unit, self.circuit, self.near = unit, circuit, unit.near(circuit)
-        feeds = zip(unit.quantities, self.near[0], strict=True)
-        taps = {circuit, LINE, *(each[1] for each, acts in feeds if acts and each[0] == "feed")}
-        self.evidence = [each for each in shown if each.tap in taps]
-        self._likely = _likelihood(self.evidence, unit.assumptions.main_pressure)
-        self._points = dict.fromkeys([*(each.point for each in self.evidence), *points])
-        self.rounds: list[_Round] = []
-        self._expected = np.empty((len(self.evidence), 0))
-
-    def add(self, *rounds: _Round) -> None:
-        """Add rounds of draws, that from the prior first, and weigh all anew."""
-        for each in rounds:
-            for point in self._points:
-                if point not in each.held:
-                    each.held[point] = self.unit.pressures(each.drawn, point)
-            expected = [np.broadcast_to(each.held[one.point][one.tap], each.draws) for one in self.evidence]
-            self._expected = np.concatenate([self._expected, np.reshape(expected, (-1, each.draws))], axis=1)
-        self.rounds += rounds
-        self._deviates = np.concatenate([each.drawn.deviates for each in self.rounds], axis=1)
-        self._wear = np.concatenate([each.drawn.wear for each in self.rounds], axis=1)
-        sizes = np.array([each.draws for each in self.rounds])
-        logs = np.array([each.proposal.log_density(self._deviates, self._wear) for each in self.rounds])
-        mixture = np.logaddexp.reduce(logs + np.log(sizes / sum(sizes))[:, None], axis=0)
-        self._log_weight = self._likely(self._expected) + logs[0] - mixture
-
-    def add_around(self) -> None:
-        """Add half as many draws as there were at first, around those that carry the weight."""
-        around = self.unit.prior.around(self._deviates, self._wear, _flattened(self._log_weight), self.near)
-        self.add(_Round(around, self.unit.draw(around, self.rounds[0].draws // 2, len(self.rounds)), {}))
-
-    @property
-    def effective(self) -> float:
-        """Return how many draws of equal weight they are worth."""
-        weights = _normed(self._log_weight)
-        return 1.0 / float(np.sum(weights * weights))
-
-    @property
-    def contradicted(self) -> frozenset[tuple[str, OperatingPoint]]:
-        """Return where a gauge showed surely more, or less, than the units do that agree best with all gauges."""
-        weights, errs = _flattened(self._log_weight), _errs(self.evidence, self.unit.assumptions.main_pressure)
-        found = set()
-        for each, expected, err in zip(self.evidence, self._expected, errs, strict=True):
-            order = np.argsort(expected)
-            ends = np.searchsorted(np.cumsum(weights[order]), (0.025, 0.975)).clip(0, len(order) - 1)
-            low, high = expected[order][ends]
-            if not low - SURELY * err <= each.pressure <= high + SURELY * err:
-                found.add((each.tap, each.point))
-        return frozenset(found)
-
-    def equally_likely(self) -> _Drawn:
-        """Return draws of equal weight out of all of them."""
-        chosen = np.searchsorted(np.cumsum(_flattened(self._log_weight)), (np.arange(OF_A_SPLIT) + 0.5) / OF_A_SPLIT)
-        return self._chosen(np.minimum(chosen, self._wear.shape[1] - 1))
-
-    def _chosen(self, chosen: np.ndarray) -> _Drawn:
-        """Return some of all draws, by their places."""
-        parts = [each.drawn for each in self.rounds]
-
-        def taken(values: Sequence[Any]) -> Any:
-            return np.concatenate(values, axis=-1)[..., chosen] if all(np.ndim(each) for each in values) else values[0]
-
-        def bore(each: Sequence[Bore]) -> Bore:
-            return Bore(*(taken(values) for values in zip(*(vars(one).values() for one in each), strict=True)))
-
-        first = parts[0]
-        return _Drawn(
-            taken([each.deviates for each in parts]),
-            taken([each.wear for each in parts]),
-            {key: taken([each.new[key] for each in parts]) for key in first.new},
-            {
-                key: LandDraws(
-                    land.land,
-                    *(bore([getattr(each.measured[key], name) for each in parts]) for name in _BORES),
-                    *(taken([getattr(each.measured[key], name) for each in parts]) for name in ("length", "position")),
-                )
-                for key, land in first.measured.items()
-            },
-            {key: taken([each.positions[key] for each in parts]) for key in first.positions},
-        )
-
-    def lost(self, point: OperatingPoint) -> Lost:
-        """Return what the circuit has lost against new at an operating point."""
-        circuit, weights = self.circuit, _flattened(self._log_weight)
-        kept = np.flatnonzero(weights > _COUNTS * weights.max())
-        weights, drawn = weights[kept] / weights[kept].sum(), self._chosen(kept)
-        sound = replace(drawn, wear=np.zeros_like(drawn.wear)) if circuit == LINE else drawn
-        now = np.concatenate([np.broadcast_to(each.held[point][circuit], each.draws) for each in self.rounds])[kept]
-        new = np.broadcast_to(self.unit.pressures(sound, point, new=True)[circuit], kept.shape)
-        highest = float(np.quantile(self.rounds[0].held[point][circuit], 0.999))
-        by_cause = self.unit.split(self.equally_likely(), point, circuit)
-        return Lost(new - now, now, weights, self.effective, highest, by_cause, self.contradicted)
+    def growth_of_slip(self, drawn: UnitDraws) -> np.ndarray:
+        """Return by which fraction the slip of a pump that nobody measured has grown in each draw."""
+        return drawn.wear[self.causes.index((_PUMP,))] if (_PUMP,) in self.causes else np.zeros(drawn.wear.shape[1])
 
 
 def _stacked(now: LandInState, new: LandInState, made_new: Sequence[bool]) -> LandInState:
@@ -602,45 +456,3 @@ def _stacked(now: LandInState, new: LandInState, made_new: Sequence[bool]) -> La
     mask = np.array(made_new)[:, None]
     bores = zip(vars(new[1]).values(), vars(now[1]).values(), strict=True)
     return now[0], Bore(*(np.where(mask, *both) for both in bores)), *now[2:]
-
-
-def _normed(log_weight: np.ndarray) -> np.ndarray:
-    weights = np.exp(log_weight - log_weight.max())
-    return np.asarray(weights / weights.sum())
-
-
-def _flattened(log_weight: np.ndarray) -> np.ndarray:
-    """Return weights flattened until they are worth some draws: one that carries all would draw all others to it."""
-    for power in 0.7 ** np.arange(20):
-        weights = _normed(power * log_weight)
-        if float(np.sum(weights * weights)) * ENOUGH <= 4.0:
-            break
-    return weights
-
-
-def _likelihood(shown: Sequence[Shown], relative: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Return what gives the logarithm of the likelihood of the readings from what is expected, shape (readings, draws).
-
-    A gauge that is named errs alike in all that it showed, but for what is read off it. Of others nobody knows which
-    was where: part of their variance is shared by the readings of one tap.
-    """
-    showed, errs = np.array([each.pressure for each in shown]), _errs(shown, relative)
-    own = np.array([_READ_OFF if each.gauge else _UNNAMED for each in shown])
-    alike = np.array([[_one_gauge(a, b) for b in shown] for a in shown])
-    covariance = np.outer(errs, errs) * (np.diag(own) + alike * np.sqrt(np.outer(1.0 - own, 1.0 - own)))
-    whiten = np.linalg.inv(np.linalg.cholesky(covariance))
-
-    def log_likelihood(expected: np.ndarray) -> np.ndarray:
-        return np.asarray(-0.5 * np.sum((whiten @ (showed[:, None] - expected)) ** 2, axis=0))
-
-    return log_likelihood
-
-
-def _errs(shown: Sequence[Shown], relative: float) -> np.ndarray:
-    """Return the standard uncertainty of every reading [Pa]."""
-    showed = np.array([each.pressure for each in shown])
-    return np.maximum(relative * np.maximum(showed, _LEAST * showed.max(initial=0.0)), _FINEST)
-
-
-def _one_gauge(a: Shown, b: Shown) -> bool:
-    return a.gauge == b.gauge and (bool(a.gauge) or a.tap == b.tap)

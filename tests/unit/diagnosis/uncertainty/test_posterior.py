@@ -13,7 +13,8 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.instruments import load_instruments
 from atleak.diagnosis.missing import Cause
 from atleak.diagnosis.uncertainty import DEFAULTS, Assumptions
-from atleak.diagnosis.uncertainty.posterior import PosteriorUnit, Shown, losses
+from atleak.diagnosis.uncertainty.posterior import PosteriorUnit
+from atleak.diagnosis.uncertainty.weighing import Posterior, Shown
 from atleak.diagnosis.uncertainty.sources import find_sources
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
@@ -49,7 +50,7 @@ def test_where_no_gauge_tells_anything_the_loss_is_that_of_what_is_assumed(unit:
     point = next(iter(unit.conditions))
     vague = replace(unit.assumptions, main_pressure=1e3)
     unit.assumptions = vague
-    lost = losses(unit, [Shown(point, CLUTCH, 500e3)], [(CLUTCH, point)], DRAWS)[CLUTCH, point]
+    lost = Posterior(unit, [Shown(point, CLUTCH, 500e3)], draws=DRAWS).lost(CLUTCH, point)
     assert lost.weights.sum() == pytest.approx(1.0, abs=1e-9)
     assert lost.effective == pytest.approx(DRAWS, rel=1e-3, abs=0.0)
     drawn = unit.draw(unit.prior, DRAWS, 0)
@@ -61,7 +62,7 @@ def test_a_unit_of_which_nothing_can_be_worn_has_lost_nothing(hipol: Fluid) -> N
     sound = replace(DEFAULTS, worn_lands=0.0, worn_seals=0.0, worn_pumps=0.0)
     unit = unit_of(hipol, sound)
     point = next(iter(unit.conditions))
-    lost = losses(unit, [Shown(point, CLUTCH, 100e3)], [(CLUTCH, point)], DRAWS)[CLUTCH, point]
+    lost = Posterior(unit, [Shown(point, CLUTCH, 100e3)], draws=DRAWS).lost(CLUTCH, point)
     assert lost.draws == pytest.approx(0.0, abs=1e-3)
 
 
@@ -74,7 +75,7 @@ def test_a_loss_that_an_exact_gauge_shows_is_what_is_said(hipol: Fluid, missing:
         Shown(point, "p_g", new.main_pressure_held),
         Shown(point, CLUTCH, new.circuit(CLUTCH).pressure - missing),
     ]
-    lost = losses(unit, shown, [(CLUTCH, point)], DRAWS)[CLUTCH, point]
+    lost = Posterior(unit, shown, draws=DRAWS).lost(CLUTCH, point)
     assert lost.quantile(0.5) == pytest.approx(missing, abs=20e3)
     assert lost.quantile(0.025) < lost.quantile(0.5) < lost.quantile(0.975)
 
@@ -85,7 +86,7 @@ def test_drawing_around_what_was_found_changes_how_well_it_is_known_not_what(hip
     point = max(unit.conditions, key=lambda each: each.main_pressure)
     new = project(unit.model, point)
     shown = [Shown(point, "p_g", new.main_pressure_held), Shown(point, CLUTCH, new.circuit(CLUTCH).pressure - 120e3)]
-    few, many = (losses(unit, shown, [(CLUTCH, point)], draws)[CLUTCH, point] for draws in (1024, 32_768))
+    few, many = (Posterior(unit, shown, draws=draws).lost(CLUTCH, point) for draws in (1024, 32_768))
     assert len(many.draws) <= 32_768, "so many need no second round"
     assert few.quantile(0.5) == pytest.approx(many.quantile(0.5), abs=15e3)
     assert few.probability_over(55e3) == pytest.approx(many.probability_over(55e3), abs=0.1)
@@ -94,7 +95,7 @@ def test_drawing_around_what_was_found_changes_how_well_it_is_known_not_what(hip
 def test_a_split_adds_up_in_every_draw_and_names_lands_of_its_circuits(unit: PosteriorUnit) -> None:
     point = max(unit.conditions, key=lambda each: each.main_pressure)
     held = project(unit.model, point).circuit(CLUTCH).pressure
-    split = losses(unit, [Shown(point, CLUTCH, held - 300e3)], [(CLUTCH, point)], DRAWS)[CLUTCH, point].split
+    split = Posterior(unit, [Shown(point, CLUTCH, held - 300e3)], draws=DRAWS).lost(CLUTCH, point).split
     assert sum(split.rows.values()) == pytest.approx(split.new - split.now, abs=1e-6)
     assert sum(split.flows.values()) == pytest.approx(split.growth, abs=1e-15)
     for row, lands in split.lands.items():
