@@ -228,6 +228,14 @@ class PressureTableError(InputError):
     """A table of gauge readings that cannot be used."""
 
 
+class VacuumTableError(InputError):
+    """A table of a vacuum test that cannot be used."""
+
+
+class FlowTableError(InputError):
+    """A table of flows that cannot be used."""
+
+
 class OutputError(InputError):
     """A file that cannot be written, or that may not be written over."""
 

@@ -29,7 +29,12 @@ UNIT_KINDS: Mapping[str, Sentence] = {  # as sentences name them
     "speed": Sentence("speed"),
     "time": Sentence("time"),
     "ratio": Sentence("ratio"),
+    "air_pressure": Sentence("air pressure"),
+    "area": Sentence("area"),
+    "flow": Sentence("flow"),
+    "volume": Sentence("volume"),
 }
+_IN_NO_LOG = {"air_pressure", "area", "flow", "volume"}  # kinds by which no column of a log is known
 _UNKNOWN = {
     "length": Sentence("unknown unit of length"),
     "pressure": Sentence("unknown unit of pressure"),
@@ -38,9 +43,16 @@ _UNKNOWN = {
     "speed": Sentence("unknown unit of speed"),
     "time": Sentence("unknown unit of time"),
     "ratio": Sentence("unknown unit of ratio"),
+    "air_pressure": Sentence("unknown unit of air pressure"),
+    "area": Sentence("unknown unit of area"),
+    "flow": Sentence("unknown unit of flow"),
+    "volume": Sentence("unknown unit of volume"),
 }
 _LISTED = tomllib.loads(resources.files(__package__).joinpath("units.toml").read_text(encoding="utf-8"))
 _FRACTION = re.compile(r"1\s*[/\u2044]\s*(10{1,4})\s*(\D+)")
+_IN_TIME = re.compile(
+    r"(?P<volume>[^\d/]+?3?)\s*(?:/| in | per | je | w )\s*(?P<number>\d+(?:[.,]\d+)?)?\s*(?P<time>\D+)"
+)
 DM3_MIN = 6.0e4  # m³/s → dm³/min
 MM3_S = 1.0e9  # m³/s → mm³/s
 KPA = 1.0e-3
@@ -135,7 +147,9 @@ _TABLE: dict[str, dict[str, Unit]] = {
 
 
 def find_unit(name: str, kind: str) -> Unit | None:
-    """Return the unit of that kind with that name, or None; of lengths also a decimal fraction of one.
+    """Return the unit of that kind with that name, or None.
+
+    Of lengths also a decimal fraction of one, and of flows a volume in a time.
 
     Parameters
     ----------
@@ -157,9 +171,23 @@ def find_unit(name: str, kind: str) -> Unit | None:
     True
     >>> find_unit("1/100 mm", "length"), find_unit("1/1000mm", "length").name
     (Unit(name='1/100 mm', factor=1e-05, offset=0.0), 'µm')
+    >>> round(1e6 * find_unit("ml in 15 s", "flow").to_si(946.0), 2), find_unit("dm³/min", "flow").name
+    (63.07, 'dm³/min')
     """
     known = _TABLE[kind].get(_spelling(name))
+    if known is None and kind == "flow":
+        return _volume_in_time(name.strip())
     return _fraction(_spelling(name)) if known is None and kind == "length" else known
+
+
+def _volume_in_time(name: str) -> Unit | None:
+    """Return a flow that is a volume in a time, as it is caught in a jug: ``ml/15 s``, ``qt in 20 s``, ``l/min``."""
+    match = _IN_TIME.fullmatch(_spelling(name))
+    volume, time = (find_unit(match["volume"], "volume"), find_unit(match["time"], "time")) if match else (None, None)
+    if match is None or volume is None or time is None or time.name == HHMMSS:
+        return None
+    seconds = float((match["number"] or "1").replace(",", ".")) * time.factor
+    return Unit(name, volume.factor / seconds) if seconds > 0.0 else None
 
 
 def _fraction(spelling: str) -> Unit | None:
@@ -200,8 +228,8 @@ def unit_names(kind: str) -> list[str]:
 
 
 def kinds_of(name: str) -> list[str]:
-    """Return every kind that has a unit of that name: ``"m"`` is a length only, ``"min"`` a time."""
-    return [kind for kind in _TABLE if find_unit(name, kind)]
+    """Return every kind of a log that has a unit of that name: ``"m"`` is a length only, ``"min"`` a time."""
+    return [kind for kind in _TABLE if kind not in _IN_NO_LOG and find_unit(name, kind)]
 
 
 @dataclass(frozen=True)

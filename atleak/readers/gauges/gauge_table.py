@@ -22,15 +22,13 @@ from atleak.catalogue.written_numbers import (
     ENGINE_SPEED,
     TEMPERATURE,
     AskedNumber,
-    WrittenNumber,
-    possible_values,
     read_number,
 )
 from atleak.common.damage import own_errors_only
-from atleak.common.errors import Message, Place, PressureTableError, nearest_name, one_of
+from atleak.common.errors import InputError, Message, Place, PressureTableError, one_of
 from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
-from atleak.common.units import UNIT_KINDS, Unit, find_unit, unit, unit_names
+from atleak.common.units import UNIT_KINDS, Unit, find_unit, unit_names
 from atleak.measurements.gauge_readings import LINE_TAP, GaugeCell, GaugeReading, PressureTable, ranges_of
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Cell as SheetCell
@@ -45,9 +43,16 @@ from atleak.readers.gauges.gauge_headings import (
     is_blank_heading,
     likeness,
 )
+from atleak.readers.gauges.value_table import (
+    Faults,
+    in_si,
+    is_number,
+    not_typed_as_number,
+    split_cell,
+    written_in_cell,
+)
 
 HIGHEST = 6.0e6  # [Pa] that a gauge in a transmission can show: choice of this project
-_NUMBER_AND_UNIT = re.compile(r"([\d\s.,+\-−'’]*\d[.,]?)\s*([^\d.,\s+\-−'’].*)", re.DOTALL)
 _ASIDE_SHOWN = 6
 _NOT_UNDERSTOOD = {  # what is said of an empty cell, and of one that names nothing known
     "range": (Sentence("no range in this row"), Sentence("no such range of this unit")),
@@ -57,30 +62,13 @@ _NOT_UNDERSTOOD = {  # what is said of an empty cell, and of one that names noth
 
 
 @dataclass
-class _Rows:
+class _Rows(Faults):
     """What the rows of all tables give."""
 
+    error: type[InputError] = PressureTableError
     readings: list[GaugeReading] = field(default_factory=list)
-    problems: list[PressureTableError] = field(default_factory=list)
-    messages: list[Message] = field(default_factory=list)
     units: dict[str, None] = field(default_factory=dict)
     taken: list[tuple[GaugeReading, float | None]] = field(default_factory=list)  # with what counts its repeats
-
-    def refuse(
-        self,
-        problem: Sentence,
-        place: Place,
-        value: object = None,
-        accepted: Sequence[str] = (),
-        expected: Sentence | None = None,
-        once: bool = False,
-    ) -> None:
-        """Note a problem, ``once`` at its place; ``accepted`` are the names that would have been valid."""
-        if once and any(each.place == place for each in self.problems):
-            return
-        nearest = nearest_name(str(value), accepted) if accepted and value is not None else None
-        wanted = expected or one_of(accepted)
-        self.problems.append(PressureTableError(problem, place=place, value=value, expected=wanted, nearest=nearest))
 
     def count_repeats(self) -> None:
         """Number the readings of each cell; one that is given twice, and that nothing counts, is a problem."""
@@ -147,13 +135,7 @@ class _Reader:
 
     def _is_reading(self, row: int, column: int) -> bool:
         """Return whether a reading stands in a cell: what is crossed out is none, and a message says so."""
-        if is_blank_heading(self.sheet.cell(row, column)) and (row, column) not in self.sheet.faults:
-            return False
-        if self.sheet.is_struck(row, column):
-            text = Sentence("{found} is crossed out: not read", found=text_of(self.sheet.cell(row, column)))
-            self.rows.messages.append(Message("info", "struck_left_aside", text, self._place(row, column)))
-            return False
-        return True
+        return self.rows.holds(self.sheet, row, column, self._place(row, column))
 
     def _row(self, row: int, filled: Sequence[int]) -> None:
         named = self._named(row)
@@ -224,14 +206,14 @@ class _Reader:
         if fault is not None:
             template, value = Sentence("{cell}: a formula without a usable result"), fault
             expected = Sentence("a pressure")
-        elif isinstance(cell, bool | dt.date | dt.time | dt.timedelta):
+        elif not_typed_as_number(cell):
             template = Sentence("{cell}: not a number")
             expected = Sentence("a pressure: format the cell as number or text and type it again")
         else:
-            text, written = _split(cell)
+            text, written = split_cell(cell)
             unit = find_unit(written, "pressure") if written else self._unit(row, column)
             if unit is not None:
-                number = _written(cell, text, asked_pressure(unit))
+                number = written_in_cell(cell, text, asked_pressure(unit))
                 expected = number.reason
                 if number.value is not None:
                     self.rows.units[unit.name] = None
@@ -272,14 +254,9 @@ class _Reader:
     def _in_si(self, cell: SheetCell, asked: AskedNumber, stated: Unit | None, place: Place) -> float | None:
         """Return a temperature [°C] or speed [1/s]; its unit stands behind it, in the heading, or is the usual one."""
         kind = "temperature" if asked is TEMPERATURE else "rotational_speed"
-        usual = unit(asked.unit, kind)
-        text, written = _split(cell)
-        shown = find_unit(written, kind) if written else (stated or usual)
-        if shown is not None:
-            low, high = (shown.from_si(usual.to_si(end)) for end in asked.limits)
-            number = _written(cell, text, AskedNumber(asked.name, shown.name, asked.example, (low, high)))
-            if number.value is not None:
-                return float(shown.to_si(number.value))
+        number = in_si(cell, asked, kind, stated)
+        if number.value is not None:
+            return number.value
         low, high = asked.limits
         expected = Sentence("{low:g} to {high:g} {unit}", low=low, high=high, unit=asked.unit)
         problem = Sentence("not one temperature") if asked is TEMPERATURE else Sentence("not one engine speed")
@@ -318,7 +295,7 @@ class _Reader:
             heading = self.table.headings.get(column)
             if heading is not None and heading.kind not in (None, "aside"):
                 continue
-            if not any(_is_number(self.sheet.cell(row, column)) for row in self.table.rows):
+            if not any(is_number(self.sheet.cell(row, column)) for row in self.table.rows):
                 continue
             if heading is None or heading.kind == "aside":
                 aside.append(column_letter(column) if heading is None else heading.text)
@@ -344,30 +321,6 @@ class _Reader:
     def _place(self, row: int, column: int | None = None) -> Place:
         heading: Any = self.table.headings.get(column) if column is not None else None
         return self.sheet.place(row, column, heading.text if heading is not None else "")
-
-
-def _is_number(cell: SheetCell) -> bool:
-    return isinstance(cell, int | float) or bool(possible_values(str(cell)))
-
-
-def _split(cell: SheetCell) -> tuple[str, str]:
-    """Return a cell's number as text, and what stands behind it.
-
-    >>> _split("4,5 bar"), _split(450.0), _split("60psi")
-    (('4,5', 'bar'), ('450.0', ''), ('60', 'psi'))
-    """
-    match = _NUMBER_AND_UNIT.fullmatch(str(cell).strip())
-    return (match[1], match[2].strip()) if match and isinstance(cell, str) else (str(cell).strip(), "")
-
-
-def _written(cell: SheetCell, text: str, asked: AskedNumber) -> WrittenNumber:
-    """Return the number of a cell: a number is itself, text is read as people write numbers."""
-    if not isinstance(cell, int | float):
-        return read_number(text, asked)
-    low, high = asked.limits
-    if low <= cell <= high:
-        return WrittenNumber(float(cell))
-    return WrittenNumber(None, Sentence("{low:g} to {high:g} {unit}", low=low, high=high, unit=asked.unit))
 
 
 __all__ = ["PressureTabs", "find_tabs", "likeness_of", "read_pressure_table"]

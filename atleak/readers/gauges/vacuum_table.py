@@ -1,0 +1,400 @@
+"""A table of a vacuum test (workbook or text) → the stand and its readings, each with its place.
+
+Rows about the stand begin with ``supply``, ``ambient``, ``temperature``, ``orifice``, ``flow area`` or ``calibration``;
+all others are readings of a circuit or of lands, see ``docs/vacuum-test.md``. Everything wrong is listed at once.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.repairs import LandKey
+from atleak.catalogue.written_numbers import AskedNumber
+from atleak.common.damage import own_errors_only
+from atleak.common.errors import InputError, Message, Place, ReadingsError, VacuumTableError, one_of
+from atleak.common.file_faults import faults_together
+from atleak.common.sentences import Sentence
+from atleak.common.units import Quantity, Unit, find_unit, unit, unit_names
+from atleak.measurements.gauge_readings import LINE_TAP
+from atleak.measurements.vacuum import (
+    STANDARD_ATMOSPHERE,
+    USUAL_SUPPLY,
+    Calibration,
+    VacuumReading,
+    VacuumStand,
+    VacuumTable,
+)
+from atleak.readers.cells.extent import FAULTS
+from atleak.readers.cells.sheet import BRACKETS, Cell, text_of
+from atleak.readers.dates import words
+from atleak.readers.gauges.gauge_headings import GaugeWords, is_blank_heading
+from atleak.readers.gauges.value_table import (
+    Faults,
+    ValueFile,
+    ValueTable,
+    find_value_table,
+    first_cell,
+    in_si,
+    is_number,
+    label_of,
+    not_typed_as_number,
+    phrases,
+    split_cell,
+)
+from atleak.readers.sheets.controller_names import ControllerNames
+
+_VACUUM = AskedNumber(Sentence("vacuum below ambient"), "in-Hg", 17.5, (0.0, 31.0))
+_SUPPLY = AskedNumber(Sentence("supply vacuum"), "in-Hg", 25.0, (3.0, 31.0))
+_AMBIENT = AskedNumber(Sentence("ambient pressure"), "kPa", 101.3, (60.0, 110.0))
+_TEMPERATURE = AskedNumber(Sentence("temperature"), "°C", 20.5, (-10.0, 60.0))
+_ORIFICE = AskedNumber(Sentence("orifice diameter"), "mm", 0.5, (0.05, 5.0))
+_FLOW_AREA = AskedNumber(Sentence("flow area"), "mm²", 0.157, (0.001, 20.0))
+_OVER_SUPPLY = 3386.389  # [Pa], 1 in-Hg, by which a gauge may show more than the supply: choice of this project
+_ORDER = ("target", "reading", "unit", "orifice", "state")
+_WANTED = Sentence("a table of a vacuum test as .xlsx workbook or .csv text")
+_HEADINGS = Sentence(
+    "rows for the stand (supply, 25, in-Hg) and headings such as: circuit or component/land, reading, unit, orifice, "
+    "state"
+)
+
+
+@dataclass(frozen=True)
+class _Amount:
+    """A number of a row about the stand, and what is said of its unit."""
+
+    cell: Cell
+    column: int
+    unit: str
+
+
+@dataclass
+class _Rows(Faults):
+    """What the rows of all tables give."""
+
+    error: type[InputError] = VacuumTableError
+    readings: list[VacuumReading] = field(default_factory=list)
+    calibrations: list[Calibration] = field(default_factory=list)
+    stated: dict[str, float] = field(default_factory=dict)  # of the stand, in SI; temperatures in °C
+    unit: Unit | None = None  # of the supply's vacuum: that of all where none is stated
+
+
+class _Targets:
+    """The circuits and lands that a table may name."""
+
+    def __init__(self, controller: Controller) -> None:
+        self.controller, self.names = controller, ControllerNames(controller)
+        self.circuits = {name: tap for name, tap in GaugeWords.of(controller).taps.items() if tap != LINE_TAP}
+
+    def begins(self, cell: Cell) -> bool:
+        """Return whether a cell begins a row about the stand, or names a circuit or a land."""
+        if label_of(_label(cell), "vacuum_stand") is not None:
+            return True
+        if not isinstance(cell, str):
+            return False
+        try:
+            return bool(self.named(cell)[1])
+        except ReadingsError:
+            return False
+
+    def named(self, cell: Cell) -> tuple[str | None, tuple[LandKey, ...]]:
+        """Return the circuit, where the whole cell names one, and the lands that are meant.
+
+        Raises
+        ------
+        ReadingsError
+            a part that names neither a circuit nor a land.
+        """
+        text = text_of(cell)
+        circuit = self._circuit(text)
+        if circuit is not None:
+            return circuit, self._lands_of(circuit)
+        lands: dict[LandKey, None] = {}
+        for part in text.split("+"):
+            known = self._circuit(part)
+            component, slash, land = part.rpartition("/")
+            if known is not None:
+                lands |= dict.fromkeys(self._lands_of(known))
+            elif slash:
+                lands[self.names.land(self.names.require_component(component.strip()), land.strip()).key] = None
+            else:
+                circuits = tuple(each.id for each in self.controller.circuits)
+                expected = _LAND if not circuits else Sentence("{land}, or {names}", land=_LAND, names=one_of(circuits))
+                raise ReadingsError(Sentence("no circuit or land of this unit"), value=part.strip(), expected=expected)
+        return None, tuple(lands)
+
+    def _circuit(self, text: str) -> str | None:
+        return self.circuits.get(tuple(words(text).split()))
+
+    def _lands_of(self, circuit: str) -> tuple[LandKey, ...]:
+        """Return the lands that leak from a circuit, in the controller's order."""
+        return tuple(dict.fromkeys(gap.key for gap in self.controller.gaps if gap.section == circuit))
+
+
+_LAND = Sentence("component/land such as 8/1, several joined with +")
+
+
+def _label(cell: Cell) -> Cell:
+    """Return what stands before a colon."""
+    return cell.partition(":")[0] if isinstance(cell, str) else cell
+
+
+class _Reader:
+    """Reads the rows of one table."""
+
+    def __init__(self, table: ValueTable, targets: _Targets, rows: _Rows) -> None:
+        self.table, self.sheet, self.targets, self.rows = table, table.sheet, targets, rows
+        self.calibrated = dict[int, str]()  # units over the columns of calibrations
+
+    def read(self) -> None:
+        """Read the rows about the stand, its supply first, whose unit holds for all that state none."""
+        stand, readings = [], []
+        going_on: int | None = None  # the column of a label whose rows go on below it
+        for row in range(len(self.sheet.rows)):
+            cell, column = first_cell(self.sheet, row)
+            label = label_of(_label(cell), "vacuum_stand") if row != self.table.row else None
+            if label is None and going_on is not None and column > going_on and is_number(split_cell(cell)[0]):
+                stand.append(("calibration", row, going_on))
+            elif label is not None:
+                stand.append((label, row, column))
+                going_on = column if label == "calibration" else None
+            else:
+                going_on = None
+                if cell != "" and row != self.table.row and (self.table.row is None or row > self.table.row):
+                    readings.append(row)
+        for label, row, column in sorted(stand, key=lambda each: each[0] != "supply"):
+            self._stand(label, row, column)
+        for row in readings:
+            if len(self.rows.problems) > FAULTS:
+                return
+            self._reading(row)
+
+    # --- the stand
+
+    def _stand(self, label: str, row: int, column: int) -> None:
+        amounts = self._amounts(row, column)
+        if label == "calibration":
+            self._calibration(row, column, amounts)
+        elif not amounts:
+            cell = self.sheet.cell(row, column)
+            problem, expected = Sentence("no value stands beside it"), Sentence("a number with its unit")
+            self.rows.refuse(problem, self.table.place(row, column), text_of(cell), expected=expected)
+        else:
+            asked, of, usual = _OF_STAND[label]
+            value = self._in_si(row, amounts[0], asked, of, unit(usual, of) if usual else None)
+            if value is not None:
+                self.rows.stated[label] = value
+
+    def _amounts(self, row: int, column: int) -> list[_Amount]:
+        """Return the numbers behind a label, each with the unit behind it, in the next cell or in the label."""
+        sheet, found = self.sheet, []
+        text = text_of(sheet.cell(row, column))
+        inside, rest = BRACKETS.search(text), text.partition(":")[2].strip()
+        over = inside[1] if inside else ""
+        cells: list[tuple[Cell, int]] = [(rest, column)] if rest and sheet.merged.get((row, column)) is None else []
+        cells += [(sheet.cell(row, at), at) for at in range(column + 1, len(sheet.rows[row]))]
+        at = 0
+        while at < len(cells):
+            cell, where = cells[at]
+            at += 1
+            if is_blank_heading(cell) or not (is_number(split_cell(cell)[0]) or not_typed_as_number(cell)):
+                continue
+            beside = cells[at][0] if at < len(cells) else ""
+            said = split_cell(cell)[1]
+            if not said and isinstance(beside, str) and beside.strip() and not is_number(split_cell(beside)[0]):
+                said = beside.strip()
+                at += 1
+            found.append(_Amount(split_cell(cell)[0] if said else cell, where, said or over or self._over(where)))
+        return found
+
+    def _over(self, column: int) -> str:
+        return self.calibrated.get(column, "")
+
+    def _in_si(self, row: int, amount: _Amount, asked: AskedNumber, of: str, usual: Unit | None) -> float | None:
+        """Return an amount in SI; None where it is a problem."""
+        place = self.table.place(row, amount.column)
+        known = find_unit(amount.unit, of) if amount.unit else usual
+        shown = f"{text_of(amount.cell)} {amount.unit}".strip()
+        if known is None:
+            problem = Sentence("unknown unit") if amount.unit else Sentence("no unit stands with this value")
+            self.rows.refuse(problem, place, amount.unit or shown, expected=one_of(unit_names(of)))
+            return None
+        number = in_si(_without_sign(amount.cell) if of == "air_pressure" else amount.cell, asked, of, known)
+        if number.value is None:
+            self.rows.refuse(Sentence("not accepted as {name}", name=asked.name), place, shown, expected=number.reason)
+        elif asked is _SUPPLY:
+            self.rows.unit = known
+        return number.value
+
+    def _calibration(self, row: int, column: int, amounts: Sequence[_Amount]) -> None:
+        """Read the known orifice, what the stand showed, and the stand's own orifice where that is stated."""
+        if not amounts:  # headings over calibrations that stand below
+            texts = ((at, BRACKETS.search(text_of(cell))) for at, cell in enumerate(self.sheet.rows[row]))
+            self.calibrated = {at: inside[1] for at, inside in texts if inside}
+            return
+        kinds = [_kind_of(amount.unit) for amount in amounts]
+        if None in kinds and "air_pressure" not in kinds and len(kinds) > 1:
+            free = [at for at, kind in enumerate(kinds) if kind is None]
+            kinds[next((at for at in free if at > 0), free[0])] = "air_pressure"
+        sizes = [amount for amount, kind in zip(amounts, kinds, strict=True) if kind != "air_pressure"]
+        shown = [amount for amount, kind in zip(amounts, kinds, strict=True) if kind == "air_pressure"]
+        if not sizes or len(shown) != 1:
+            place = self.table.place(row, column)
+            expected = Sentence("the known orifice and what the stand showed: calibration, 0.5 mm, 21.6 in-Hg")
+            self.rows.refuse(Sentence("not a calibration"), place, expected=expected)
+            return
+        mm = unit("mm", "length")
+        orifices = [self._in_si(row, each, _ORIFICE, "length", mm) for each in sizes[:2]]
+        vacuum = self._in_si(row, shown[0], _VACUUM, "air_pressure", self.rows.unit)
+        if vacuum is not None and orifices[0] is not None and None not in orifices:
+            fitted = orifices[1] if len(orifices) > 1 else None
+            self.rows.calibrations.append(Calibration(orifices[0], vacuum, fitted, self.table.place(row, column)))
+
+    # --- readings
+
+    def _reading(self, row: int) -> None:
+        table, rows = self.table, self.rows
+        column = table.columns["reading"]
+        if not rows.holds(self.sheet, row, column, table.place(row, column)):
+            return
+        named = self._target(row)
+        vacuum = self._vacuum(row)
+        orifice = None
+        if table.cell(row, "orifice") != "":
+            orifice = table.value(rows, row, "orifice", _ORIFICE, "length", unit("mm", "length"))
+        state = text_of(table.cell(row, "state"))
+        known = phrases("vacuum_states").get(words(state)) if state else "worn"
+        if known is None:
+            accepted = ("worn", "repaired")
+            rows.refuse(Sentence("no such state of a bore"), table.place_of(row, "state"), state, accepted)
+        if named is not None and vacuum is not None and known is not None:
+            target, place = text_of(table.cell(row, "target")), table.place(row, column)
+            reading = VacuumReading(target, *named, vacuum, orifice, known == "repaired", place)
+            rows.readings.append(reading)
+
+    def _target(self, row: int) -> tuple[str | None, tuple[LandKey, ...]] | None:
+        cell, place = self.table.cell(row, "target"), self.table.place_of(row, "target")
+        if isinstance(cell, dt.date | dt.time):
+            problem = Sentence("the spreadsheet made a date of a land")
+            self.rows.refuse(problem, place, cell, expected=Sentence("{land}, in a cell formatted as text", land=_LAND))
+            return None
+        try:
+            circuit, lands = self.targets.named(cell)
+        except ReadingsError as error:
+            fault = self.rows.error(
+                error.problem, place=place, value=error.value, expected=error.expected, nearest=error.nearest
+            )
+            self.rows.problems.append(fault)
+            return None
+        if not lands:
+            problem, expected = Sentence("no land leaks from this circuit"), _LAND
+            self.rows.refuse(problem, place, text_of(cell), expected=expected)
+            return None
+        return circuit, lands
+
+    def _vacuum(self, row: int) -> float | None:
+        """Return what the gauge showed [Pa]; never more than the supply, as far as that is known."""
+        cell, table = self.table.cell(row, "reading"), self.table
+        vacuum = table.value(
+            self.rows, row, "reading", _VACUUM, "air_pressure", self.rows.unit, unit_beside=True, changed=_without_sign
+        )
+        supply = self.rows.stated.get("supply", USUAL_SUPPLY)
+        if vacuum is not None and vacuum > supply + _OVER_SUPPLY:
+            shown = self.rows.unit or unit("in-Hg", "air_pressure")
+            expected = Sentence("0 to {supply:.4g} {unit}", supply=shown.from_si(supply), unit=shown.name)
+            problem = Sentence("more than the stand's supply")
+            self.rows.refuse(problem, table.place_of(row, "reading"), text_of(cell), expected=expected)
+            return None
+        return vacuum
+
+
+_OF_STAND: dict[str, tuple[AskedNumber, str, str]] = {
+    "supply": (_SUPPLY, "air_pressure", ""),
+    "ambient": (_AMBIENT, "air_pressure", ""),
+    "temperature": (_TEMPERATURE, "temperature", "°C"),
+    "orifice": (_ORIFICE, "length", "mm"),
+    "flow_area": (_FLOW_AREA, "area", "mm²"),
+}
+
+
+def _kind_of(said: str) -> str | None:
+    return next((kind for kind in ("length", "air_pressure") if said and find_unit(said, kind)), None)
+
+
+def _without_sign(cell: Cell) -> Cell:
+    """Return a vacuum that is written as a negative pressure as what it is below ambient."""
+    if isinstance(cell, int | float) and not isinstance(cell, bool):
+        return abs(cell)
+    return cell.strip().lstrip("-−– ") if isinstance(cell, str) else cell
+
+
+__all__ = ["read_vacuum_table"]
+
+
+@own_errors_only(VacuumTableError, "name", "source")
+def read_vacuum_table(source: str | Path | bytes, controller: Controller, *, name: str | None = None) -> VacuumTable:
+    """Return a vacuum test from a file: the stand, and what its gauge showed of circuits and lands.
+
+    Parameters
+    ----------
+    source
+        path of a file, or its bytes: ``.xlsx`` (also xls, ods), or text with columns separated by comma, semicolon or
+        tab.
+    controller
+        whose circuits and lands the rows name.
+    name
+        what to call the file in messages; the path's own name by default.
+
+    Returns
+    -------
+    VacuumTable
+        pressures in pascals and sizes in metres, each with its place in the file; ``messages`` say what was assumed.
+
+    Raises
+    ------
+    VacuumTableError
+        with all problems found: an unknown circuit, land, state or unit, a cell that is no vacuum, more vacuum than
+        the supply; or where the file as a whole holds no such table, or none filled in.
+    """
+    targets, needed = _Targets(controller), ("target", "reading")
+    find = partial(find_value_table, table="vacuum_columns", needed=needed, order=_ORDER, begins=targets.begins)
+    missing = VacuumTableError(Sentence("holds no table of a vacuum test"), expected=_HEADINGS)
+    held = ValueFile.open(source, name, find, targets.begins, missing, _WANTED)
+    rows = _Rows()
+    for table in held.tables:
+        _Reader(table, targets, rows).read()
+    if rows.problems:
+        raise faults_together(rows.problems)
+    if not rows.readings:
+        problem, expected = Sentence("no reading is filled in"), Sentence("at least one reading of a circuit or land")
+        raise VacuumTableError(problem, place=Place(held.file), expected=expected)
+    orifice = rows.stated.pop("orifice", None)
+    if orifice is not None:
+        rows.readings = [each if each.orifice else replace(each, orifice=orifice) for each in rows.readings]
+    return VacuumTable(
+        held.file,
+        held.sha256,
+        held.sheet,
+        VacuumStand(**rows.stated, calibrations=tuple(rows.calibrations)),
+        tuple(rows.readings),
+        (*held.notes, *_assumed(rows, Place(held.file)), *rows.messages),
+    )
+
+
+def _assumed(rows: _Rows, place: Place) -> Iterator[Message]:
+    """Yield what of the stand is assumed because the table does not say it."""
+    shown = rows.unit or unit("in-Hg", "air_pressure")
+    stated = {
+        "supply": (USUAL_SUPPLY, Sentence("the table states no supply vacuum: {value:.4g} {unit} assumed")),
+        "ambient": (STANDARD_ATMOSPHERE, Sentence("the table states no ambient pressure: {value:.4g} {unit} assumed")),
+    }
+    for name, (value, text) in stated.items():
+        if name not in rows.stated:
+            yield Message("info", f"{name}_assumed", text.of(value=shown.from_si(value), unit=shown.name), place)
+    if "temperature" not in rows.stated:
+        text = Sentence("the table states no temperature: {value:g} {value.unit} assumed")
+        yield Message("info", "temperature_assumed", text.of(value=Quantity(20.0, "temperature")), place)

@@ -1,0 +1,313 @@
+"""Read tables with a value on each row, its unit behind it, beside it or over it; and say what cannot be read.
+
+Tables of gauge readings, vacuum tests and flows share this.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import hashlib
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from atleak.catalogue.written_numbers import AskedNumber, WrittenNumber, possible_values, read_number
+from atleak.common.errors import InputError, Message, Place, nearest_name, one_of
+from atleak.common.sentences import Sentence
+from atleak.common.units import Unit, find_unit, unit, unit_names
+from atleak.readers.cells.sheet import BRACKETS, Cell, Sheet, text_of
+from atleak.readers.cells.sheet_file import open_sheets
+from atleak.readers.dates import vocabulary, words
+from atleak.readers.gauges.gauge_headings import is_blank_heading
+
+_NUMBER_AND_UNIT = re.compile(r"([\d\s.,+\-−'’]*\d[.,]?)\s*([^\d.,\s+\-−'’].*)", re.DOTALL)
+_SEARCHED = 60  # rows in which the headings are looked for
+VALUE_WORDS = "value_vocabulary.toml"
+
+
+@dataclass
+class Faults:
+    """What of a file cannot be read, and what was assumed or left aside."""
+
+    error: type[InputError]
+    problems: list[InputError] = field(default_factory=list)
+    messages: list[Message] = field(default_factory=list)
+
+    def refuse(
+        self,
+        problem: Sentence,
+        place: Place,
+        value: object = None,
+        accepted: Sequence[str] = (),
+        expected: Sentence | None = None,
+        once: bool = False,
+    ) -> None:
+        """Note a problem, ``once`` at its place; ``accepted`` are the names that would have been valid."""
+        if once and any(each.place == place for each in self.problems):
+            return
+        nearest = nearest_name(str(value), accepted) if accepted and value is not None else None
+        wanted = expected or one_of(accepted)
+        self.problems.append(self.error(problem, place=place, value=value, expected=wanted, nearest=nearest))
+
+    def holds(self, sheet: Sheet, row: int, column: int, place: Place) -> bool:
+        """Return whether something stands in a cell: what is crossed out does not, and a message says so."""
+        if is_blank_heading(sheet.cell(row, column)) and (row, column) not in sheet.faults:
+            return False
+        if sheet.is_struck(row, column):
+            text = Sentence("{found} is crossed out: not read", found=text_of(sheet.cell(row, column)))
+            self.messages.append(Message("info", "struck_left_aside", text, place))
+            return False
+        return True
+
+
+def is_number(cell: Cell) -> bool:
+    """Return whether a cell is a number, or text that can be one."""
+    return isinstance(cell, int | float) or bool(possible_values(str(cell)))
+
+
+def not_typed_as_number(cell: Cell) -> bool:
+    """Return whether a cell holds what a spreadsheet makes of something else that was typed: a date, a time, a yes."""
+    return isinstance(cell, bool | dt.date | dt.time | dt.timedelta)
+
+
+def split_cell(cell: Cell) -> tuple[str, str]:
+    """Return a cell's number as text, and what stands behind it.
+
+    >>> split_cell("4,5 bar"), split_cell(450.0), split_cell("946 ml/15 s")
+    (('4,5', 'bar'), ('450.0', ''), ('946', 'ml/15 s'))
+    """
+    match = _NUMBER_AND_UNIT.fullmatch(str(cell).strip())
+    return (match[1], match[2].strip()) if match and isinstance(cell, str) else (str(cell).strip(), "")
+
+
+def written_in_cell(cell: Cell, text: str, asked: AskedNumber) -> WrittenNumber:
+    """Return the number of a cell: a number is itself, text is read as people write numbers."""
+    if not isinstance(cell, int | float):
+        return read_number(text, asked)
+    low, high = asked.limits
+    if low <= cell <= high:
+        return WrittenNumber(float(cell))
+    return WrittenNumber(None, Sentence("{low:g} to {high:g} {unit}", low=low, high=high, unit=asked.unit))
+
+
+def in_si(cell: Cell, asked: AskedNumber, kind: str, stated: Unit | None) -> WrittenNumber:
+    """Return a cell's value in SI; its unit stands behind it, is ``stated`` elsewhere, or is the one asked for.
+
+    Without a value the reason is what was expected.
+    """
+    usual = unit(asked.unit, kind)
+    text, written = split_cell(cell)
+    shown = find_unit(written, kind) if written else (stated or usual)
+    if shown is not None and not not_typed_as_number(cell):
+        low, high = (shown.from_si(usual.to_si(end)) for end in asked.limits)
+        number = written_in_cell(cell, text, AskedNumber(asked.name, shown.name, asked.example, (low, high)))
+        if number.value is not None:
+            return WrittenNumber(float(shown.to_si(number.value)))
+        if len(possible_values(text)) > 1:
+            return number
+    elif written:
+        units = one_of(unit_names(kind))
+        return WrittenNumber(None, Sentence("a number, and behind it nothing or {units}", units=units))
+    low, high = asked.limits
+    return WrittenNumber(None, Sentence("{low:g} to {high:g} {unit}", low=low, high=high, unit=asked.unit))
+
+
+# --- a table of rows, its columns named ------------------------------------------------------------------------------
+
+
+def phrases(table: str) -> Mapping[str, str]:
+    """Return the phrases of a table of the vocabulary, each with the name under which it stands."""
+    listed = vocabulary(__package__, VALUE_WORDS)[table]
+    return {phrase: name for name, each in listed.items() for phrase in each}
+
+
+def label_of(cell: Cell, table: str) -> str | None:
+    """Return what a cell names in a table of the vocabulary, a unit in brackets left out; None where nothing.
+
+    >>> label_of("Düse [mm]", "vacuum_columns"), label_of("Unterdruck:", "vacuum_columns")
+    ('orifice', 'reading')
+    """
+    if not isinstance(cell, str):
+        return None
+    return phrases(table).get(words(BRACKETS.sub(" ", cell)))
+
+
+@dataclass(frozen=True)
+class ValueTable:
+    """A table on a sheet: what each of its columns holds, and where its rows begin."""
+
+    sheet: Sheet
+    columns: Mapping[str, int]
+    row: int | None = None  # of the headings; None without any: the columns have their usual order
+
+    def place(self, row: int, column: int | None = None) -> Place:
+        """Return where a cell is."""
+        headed = column is not None and self.row is not None and row > self.row
+        heading = text_of(self.sheet.filled(self.row or 0, column or 0)) if headed else ""
+        return self.sheet.place(row, column, heading)
+
+    def cell(self, row: int, kind: str) -> Cell:
+        """Return what a row says in the column of a kind; "" where it says nothing, or there is no such column."""
+        column = self.columns.get(kind)
+        cell = "" if column is None else self.sheet.filled(row, column)
+        return "" if is_blank_heading(cell) or (column is not None and self.sheet.is_struck(row, column)) else cell
+
+    def place_of(self, row: int, kind: str) -> Place:
+        """Return the place of the cell in the column of a kind."""
+        return self.place(row, self.columns.get(kind))
+
+    def unit_over(self, column: int | None) -> str:
+        """Return the unit in the brackets of a column's heading, whether or not there is such a unit."""
+        if self.row is None or column is None:
+            return ""
+        inside = BRACKETS.search(text_of(self.sheet.filled(self.row, column)))
+        return inside[1].strip() if inside else ""
+
+    def value(
+        self,
+        rows: Faults,
+        row: int,
+        kind: str,
+        asked: AskedNumber,
+        of: str,
+        usual: Unit | None = None,
+        unit_beside: bool = False,
+        changed: Callable[[Cell], Cell] = lambda cell: cell,
+    ) -> float | None:
+        """Return a row's value in SI; None where it is a problem.
+
+        Parameters
+        ----------
+        rows
+            where a problem is noted.
+        row, kind
+            the row, and what its column holds.
+        asked
+            the number in its usual unit, with its limits.
+        of
+            the kind of quantity.
+        usual
+            unit where none is stated: None refuses such a value.
+        unit_beside
+            whether a column ``unit`` says the unit of these values.
+        changed
+            what a cell is taken as.
+        """
+        place, cell = self.place_of(row, kind), changed(self.cell(row, kind))
+        fault = self.sheet.faults.get((row, self.columns.get(kind, -1)))
+        if fault is not None:
+            rows.refuse(Sentence("a formula without a usable result"), place, fault, expected=Sentence("a number"))
+            return None
+        stated = (text_of(self.cell(row, "unit")) if unit_beside else "") or self.unit_over(self.columns.get(kind))
+        if split_cell(cell)[1]:
+            known = None
+        elif stated:
+            known = find_unit(stated, of)
+            if known is None:
+                rows.refuse(Sentence("unknown unit"), place, stated, expected=one_of(unit_names(of)), once=True)
+                return None
+        else:
+            known = usual
+            if known is None:
+                expected = Sentence("{units}, behind the number or in a column of units", units=one_of(unit_names(of)))
+                rows.refuse(Sentence("no unit stands with this value"), place, text_of(cell), expected=expected)
+                return None
+        number = in_si(cell, asked, of, known)
+        if number.value is None:
+            rows.refuse(
+                Sentence("not accepted as {name}", name=asked.name), place, text_of(cell), expected=number.reason
+            )
+        return number.value
+
+
+def find_value_table(
+    sheet: Sheet, table: str, needed: Sequence[str], order: Sequence[str], begins: Callable[[Cell], bool]
+) -> ValueTable | None:
+    """Return the table of a sheet; None where there is none.
+
+    Parameters
+    ----------
+    table
+        of the vocabulary, which says what the headings mean.
+    needed
+        kinds of columns that its headings must name.
+    order
+        of the columns, where no row holds headings.
+    begins
+        tells whether a cell may be the first of a row of the table.
+    """
+    for row in range(min(len(sheet.rows), _SEARCHED)):
+        columns: dict[str, int] = {}
+        for column in range(sheet.width):
+            kind = label_of(sheet.filled(row, column), table)
+            if kind is not None:
+                columns.setdefault(kind, column)
+        if columns.keys() >= set(needed):
+            return ValueTable(sheet, columns, row)
+    if any(begins(first_cell(sheet, row)[0]) for row in range(len(sheet.rows))):
+        return ValueTable(sheet, {kind: column for column, kind in enumerate(order)})
+    return None
+
+
+def first_cell(sheet: Sheet, row: int) -> tuple[Cell, int]:
+    """Return the first cell of a row that holds anything, with its column; "" in an empty row."""
+    filled = ((cell, column) for column, cell in enumerate(sheet.rows[row]) if not is_blank_heading(cell))
+    return next(filled, ("", 0))
+
+
+@dataclass(frozen=True)
+class ValueFile:
+    """A file's tables of one kind, at least one."""
+
+    file: str
+    sha256: str
+    tables: Sequence[ValueTable]
+
+    @classmethod
+    def open(
+        cls,
+        source: str | Path | bytes,
+        name: str | None,
+        find: Callable[[Sheet], ValueTable | None],
+        begins: Callable[[Cell], bool],
+        missing: InputError,
+        wanted: Sentence,
+    ) -> ValueFile:
+        """Open a file; ``missing`` is raised, naming it, where no sheet that is shown holds such a table.
+
+        Parameters
+        ----------
+        find, begins
+            as `find_value_table` has them.
+        wanted
+            the kinds of file that can be read.
+        """
+        data, file, sheets = open_sheets(source, name, partial(_likeness, find, begins), type(missing), wanted)
+        found = (find(sheet) for sheet in sheets if not sheet.hidden)
+        tables = [table for table in found if table is not None]
+        if not tables:
+            missing.rename_file(lambda _: file)
+            raise missing
+        return cls(file, hashlib.sha256(data).hexdigest(), tables)
+
+    @property
+    def sheet(self) -> str | None:
+        """Return the names of its sheets; None of a text."""
+        return ", ".join(table.sheet.name for table in self.tables if table.sheet.name) or None
+
+    @property
+    def notes(self) -> tuple[Message, ...]:
+        """Return how a text was read."""
+        notes = dict.fromkeys(table.sheet.note for table in self.tables if table.sheet.note)
+        return tuple(Message("info", "read_as", note, Place(self.file)) for note in notes)
+
+
+def _likeness(find: Callable[[Sheet], ValueTable | None], begins: Callable[[Cell], bool], sheet: Sheet) -> float:
+    """Return how much of a sheet is understood as such a table: of a text, whether it is split the right way."""
+    table = find(sheet)
+    if table is None:
+        return 0.0
+    rows = sum(begins(first_cell(sheet, row)[0]) and len(sheet.rows[row]) > 1 for row in range(len(sheet.rows)))
+    return float(len(table.columns) if table.row is not None else 1) + min(rows, 20)
