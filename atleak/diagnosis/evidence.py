@@ -3,15 +3,18 @@
 A part is worn in a draw of the unit where its clearance has grown past its first limit for wear. What is said of it are
 shares of the draws, weighed by gauges, log, flows and plugs (`atleak.diagnosis.uncertainty.weighing`).
 
-A reading is worth the expected fall of what is lost by wrong decisions, a worn land left or a sound one opened, when
-it becomes known with its own uncertainty: the draws fall into bins of it, and in each bin every land is repaired where
-that is the likelier to be right. Readings are chosen one after the other, each beside those before it.
+A reading is worth the expected fall of what is lost by wrong decisions when it becomes known with its own uncertainty:
+the draws fall into bins of it, and in each bin every land is repaired where that costs less on average. To open a sound
+land costs 1; to leave a worn one what its wear costs the unit, in first limits of a circuit's loss and of a pair's
+share of the pump. Readings are chosen one after the other, each beside those before it.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -22,17 +25,22 @@ from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.gauge_check import Weighed, weigh
+from atleak.diagnosis.missing import Row
 from atleak.diagnosis.uncertainty import Assumptions
 from atleak.diagnosis.uncertainty.weighing import Lost, Told
 from atleak.engine.operation import LINE
 
 NEXT = 3  # lands that are named to be measured next
 _ENDS = 0.025, 0.5, 0.975
-_BINS = 6  # of a reading, alike likely
-_SMOOTH = 8.0  # effective draws that all draws stand for beside those of a bin
+_EDGES = 0.5, 0.75, 0.88, 0.95  # of the bins of a reading, as parts of all that it may be; fine where lands are worn
+_BINS = len(_EDGES) + 1
+_SMOOTH = 4.0  # effective draws that the draws around a bin stand for beside its own
+_BESIDE = 2  # readings before, beside which the value of one is worked out
+_RARE, _DEAREST = 0.01, 10.0  # least probability of a worn land, most that it costs [first limits]
+_USUAL_SHARE = 0.02  # of the pump's flow, where no limit is set
 _TELLS = 0.1  # of a probability, by which evidence moves it at least: choice of this project
 PUMP_WORN = 0.5  # growth of its slip from which on a pump is called worn: choice of this project
-_WORTH = 0.02  # wrong decisions that a further reading spares at least: choice of this project
+WORTH = 0.02  # needless repairs, or as much, that a further reading spares at least: choice of this project
 
 _THIN = Sentence(
     "Nothing that was read sets a land or a circuit apart: this is what is assumed of any used unit. Read gauges at "
@@ -80,7 +88,7 @@ class NextReading:
     """A land to measure next."""
 
     land: Land
-    value: float  # wrong decisions, of worn lands left and sound ones opened, that its reading spares on average
+    value: float  # what its reading spares on average: 1 is a sound land opened, or a worn one left at its limit
 
 
 @dataclass(frozen=True)
@@ -142,8 +150,48 @@ class _Finder:
                 low, middle, high = np.quantile(now, _ENDS).tolist()
                 land = self.controller.land(*key)
                 measured = key not in self.diagnosis.open_lands
-                probability = float(np.mean(worn(self.diagnosis, told, key)))
+                probability = float(np.mean(self.worn(told, key)))
                 yield LandEvidence(land, probability, middle, low, high, groups.get(key), measured)
+
+    def worn(self, told: Told, key: LandKey) -> np.ndarray:
+        """Return in which draws a land is worn: its clearance has grown past its first limit for wear."""
+        now, new, steps = told.now[key], told.new[key], self.diagnosis.limits.wear
+        if steps is None:
+            return np.asarray(now > new)
+        level, fraction = steps.levels[0]
+        return np.asarray(now - new >= np.maximum(fraction * new, steps.at_least.get(level, 0.0)))
+
+    def explains(self, key: LandKey) -> float:
+        """Return what a land costs the pressure that loses most by it, on average [Pa]."""
+        return max((each.get(key, 0.0) for each in self._pressure), default=0.0)
+
+    def cost(self, key: LandKey) -> float:
+        """Return what a land costs the unit on average, in first limits."""
+        share, of_pairs = self._flow.get(key, 0.0), self.diagnosis.limits.pair_share
+        limit = of_pairs.levels[0][1] if of_pairs is not None else _USUAL_SHARE
+        return self.explains(key) / self._limit + share / limit
+
+    @cached_property
+    def _pressure(self) -> list[dict[LandKey, float]]:
+        return [_of_lands(each.split.lands) for each in self.weighed.lost.values()]
+
+    @cached_property
+    def _flow(self) -> dict[LandKey, float]:
+        """Return what the wear of each land adds to the demand on the pump, as a share of its flow."""
+        at = next((each for each in self.weighed.lost if each[0] == LINE), None)
+        if at is None:
+            return {}
+        point = at[1]
+        supplied = point.engine_speed, point.main_pressure, point.temperature
+        capacity = float(self.diagnosis.model.pump_capacity(*supplied)) or math.inf
+        return {key: each / capacity for key, each in _of_lands(self.weighed.lost[at].split.flows_of_lands).items()}
+
+    @property
+    def error_of_a_reading(self) -> float:
+        """Return the standard uncertainty of a clearance that is read once, in one direction [m]."""
+        card = self.diagnosis.gauge_card
+        variance = sum(each.calibration**2 + (each.repeatability or 0.0) ** 2 for each in vars(card.gauges).values())
+        return 0.5 * math.sqrt(variance + card.assumptions.unseen_ovality**2)
 
     def _groups(self) -> dict[LandKey, int]:
         """Return a number for every land that no gauge can tell from others: nobody measured them, and they see alike.
@@ -159,7 +207,7 @@ class _Finder:
         several = sorted(sorted(keys) for keys in alike.values() if len(keys) > 1)
         return {key: number for number, keys in enumerate(several, 1) for key in keys}
 
-    @property
+    @cached_property
     def _lost(self) -> Mapping[str, Lost]:
         """Return what every circuit has lost, there where it has most likely lost more than its first limit."""
         limit, worst = self._limit, dict[str, Lost]()
@@ -172,7 +220,7 @@ class _Finder:
     @property
     def _limit(self) -> float:
         steps = self.diagnosis.limits.circuit_loss
-        return steps.levels[0][1] if steps is not None else np.inf
+        return steps.levels[0][1] if steps is not None else math.inf
 
     def _circuits(self) -> Iterator[CircuitEvidence]:
         for section, lost in self._lost.items():
@@ -204,13 +252,8 @@ class _Finder:
         return moved or bool(self.read) or any(each.probability > 0.5 for each in circuits)
 
 
-def worn(diagnosis: Diagnosis, told: Told, key: LandKey) -> np.ndarray:
-    """Return in which draws a land is worn: its clearance has grown past its first limit for wear."""
-    now, new, steps = told.now[key], told.new[key], diagnosis.limits.wear
-    if steps is None:
-        return np.asarray(now > new)
-    level, fraction = steps.levels[0]
-    return np.asarray(now - new >= np.maximum(fraction * new, steps.at_least.get(level, 0.0)))
+def _of_lands(rows: Mapping[Row, Mapping[LandKey, np.ndarray]]) -> dict[LandKey, float]:
+    return {key: float(np.mean(values)) for lands in rows.values() for key, values in lands.items()}
 
 
 def readings_by_value(diagnosis: Diagnosis, most: int) -> tuple[NextReading, ...]:
@@ -221,15 +264,15 @@ def readings_by_value(diagnosis: Diagnosis, most: int) -> tuple[NextReading, ...
     diagnosis
         whose lands that nobody measured are asked for.
     most
-        as many at the most; fewer where a further one spares no wrong decision.
+        as many at the most. One of less than `WORTH` is not worth its time.
     """
     finder, found = _Finder(diagnosis), list[NextReading]()
-    parts = [_Part(diagnosis, told) for told in finder.weighed.told]
+    parts = [_Part(finder, told) for told in finder.weighed.told]
     while len(found) < most:
-        worth = [(part, key, value) for part in parts for key, value in part.values.items()]
-        part, key, value = max(worth, key=lambda each: each[2], default=(None, None, 0.0))
-        if part is None or key is None or value < _WORTH:
+        worth = [(value, finder.cost(key), key, part) for part in parts for key, value in part.values.items()]
+        if not worth:
             break
+        value, _, key, part = max(worth, key=lambda each: each[:3])
         found.append(NextReading(diagnosis.controller.land(*key), value))
         part.read(key)
     return tuple(found)
@@ -238,38 +281,57 @@ def readings_by_value(diagnosis: Diagnosis, most: int) -> tuple[NextReading, ...
 class _Part:
     """Lands that are weighed together, while one after the other of them is read."""
 
-    def __init__(self, diagnosis: Diagnosis, told: Told) -> None:
-        self._keys = [key for key in told.now if key in diagnosis.open_lands]
-        self._worn = np.array([worn(diagnosis, told, key) for key in self._keys], float).reshape(len(self._keys), -1)
-        self._shown = {key: _binned(diagnosis, told.now[key], number) for number, key in enumerate(self._keys)}
-        self._cells = np.zeros(self._worn.shape[1], int)
-        self._counts = min(told.effective / max(self._worn.shape[1], 1), 1.0)  # of a draw
+    def __init__(self, finder: _Finder, told: Told) -> None:
+        self._keys = [key for key in told.now if key in finder.diagnosis.open_lands]
+        size, error = told.slip.size, finder.error_of_a_reading
+        self._worn = np.array([finder.worn(told, key) for key in self._keys], float).reshape(-1, size)
+        cost = np.array([finder.cost(key) for key in self._keys])
+        self._weights = np.minimum(cost / np.maximum(self._worn.mean(axis=1), _RARE), _DEAREST)
+        self._bins = {
+            key: _binned(told.now[key] + error * np.random.default_rng(number).standard_normal(size))
+            for number, key in enumerate(self._keys)
+        }
+        self._read: list[LandKey] = []
+        self._counts = min(told.effective / size, 1.0)  # of a draw
 
     @property
     def values(self) -> dict[LandKey, float]:
-        """Return how many wrong decisions the reading of each land spares."""
-        if not self._keys:
-            return {}
-        before = self._lost(self._cells)
-        return {key: before - self._lost(self._cells * _BINS + shown) for key, shown in self._shown.items()}
+        """Return what the reading of each land spares."""
+        return {key: self._value(key) for key in self._keys if key not in self._read}
 
     def read(self, key: LandKey) -> None:
-        """Take a land as read: the draws fall into bins of what it would show."""
-        _, self._cells = np.unique(self._cells * _BINS + self._shown.pop(key), return_inverse=True)
+        """Take a land as read."""
+        self._read.append(key)
 
-    def _lost(self, cells: np.ndarray) -> float:
-        """Return how many lands are decided wrongly on average, each by the draws of its cell."""
-        counts = self._counts * np.bincount(cells)
-        whole = self._worn.mean(axis=1)
-        sums = np.array([self._counts * np.bincount(cells, each) for each in self._worn])
-        chance = (sums + _SMOOTH * whole[:, None]) / (counts + _SMOOTH)
-        return float(np.sum(np.minimum(chance, 1.0 - chance) @ (counts / counts.sum())))
+    def _value(self, key: LandKey) -> float:
+        """Return what the reading of a land spares beside those of the lands read before that tell most of the same."""
+        worn = self._worn[self._keys.index(key)]
+        telling = sorted(self._read, key=lambda each: -abs(_tells(self._bins[each], worn)))[:_BESIDE]
+        cells = np.zeros(worn.size, int)
+        for each in telling:
+            cells = cells * _BINS + self._bins[each]
+        before = self._chance(cells, self._worn.mean(axis=1)[:, None])
+        after = self._chance(cells * _BINS + self._bins[key], np.repeat(before, _BINS, axis=1))
+        return self._lost(cells, before) - self._lost(cells * _BINS + self._bins[key], after)
+
+    def _chance(self, cells: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """Return the probability in each cell that each land is worn, near that around it where few draws are."""
+        count = near.shape[1] if near.shape[1] > 1 else int(_BINS ** np.ceil(np.log(cells.max() + 1) / np.log(_BINS)))
+        draws = self._counts * np.bincount(cells, minlength=count)
+        sums = np.array([self._counts * np.bincount(cells, each, count) for each in self._worn])
+        return np.asarray((sums + _SMOOTH * near) / (draws + _SMOOTH))
+
+    def _lost(self, cells: np.ndarray, chance: np.ndarray) -> float:
+        """Return what wrong decisions cost on average, each taken by the draws of its cell."""
+        share = np.bincount(cells, minlength=chance.shape[1]) / cells.size
+        return float(np.sum(np.minimum(self._weights[:, None] * chance, 1.0 - chance) @ share))
 
 
-def _binned(diagnosis: Diagnosis, clearance: np.ndarray, seed: int) -> np.ndarray:
-    """Return the bin of what a reading of a land would show in each draw."""
-    instruments = diagnosis.gauge_card.gauges
-    variance = sum(each.calibration**2 + (each.repeatability or 0.0) ** 2 for each in vars(instruments).values())
-    error = 0.5 * np.sqrt(variance + diagnosis.gauge_card.assumptions.unseen_ovality**2)
-    shown = clearance + error * np.random.default_rng(seed).standard_normal(clearance.size)
-    return np.searchsorted(np.quantile(shown, np.arange(1, _BINS) / _BINS), shown)
+def _binned(shown: np.ndarray) -> np.ndarray:
+    """Return the bin of what a reading shows in each draw."""
+    return np.searchsorted(np.quantile(shown, _EDGES), shown)
+
+
+def _tells(bins: np.ndarray, worn: np.ndarray) -> float:
+    """Return the covariance of a reading's bin with what is worn."""
+    return float(np.mean(bins * worn) - np.mean(bins) * np.mean(worn))

@@ -348,9 +348,11 @@ class _Checker:
         return Weighed(lost, by_log, whole.told())
 
     def _not_read(self, read: Iterable[tuple[str, OperatingPoint]]) -> Iterator[tuple[str, OperatingPoint]]:
-        """Yield every circuit that no gauge read where it is applied: where gauges were read, or else at hot idle."""
+        """Yield line and circuits that no gauge read: at an operating point at which others were, or else at idle."""
         taps, points = {tap for tap, _ in read}, [point for _, point in read]
         stated = [self._drawn(each) for each in self.controller.operating_points if each.state == "idle"]
+        if LINE_SECTION not in taps:
+            yield from ((LINE_SECTION, each) for each in [each for each in stated if each is not None][:1])
         for circuit in self.controller.circuits if self.model.profile.circuits == "on" else ():
             if circuit.feeds and circuit.id not in taps:
                 known = (each for each in (*points, *stated) if each is not None and each.gear in circuit.gears)

@@ -33,7 +33,7 @@ _UNNAMED = 0.7  # the same of gauges that nobody named: which was where is not k
 _LEAST = 0.25  # of the highest pressure shown: a gauge errs no less than it does there
 _FINEST = 1e3  # [Pa] that a gauge tells apart
 _COUNTS = 1e-6  # of the largest weight, from which on a draw is looked at again
-_TOLD = 1_024  # draws of equal weight that are kept of every part
+_TOLD = 4_096  # draws of equal weight that are kept of every part
 
 
 @dataclass(frozen=True)
