@@ -172,6 +172,8 @@ def typed_readings(page: Page) -> Part:
 
 
 def road_test(page: Page) -> Part:
+    page.get_by_text("The log in full").click()
+    idle(page)
     return Part(chart(page, "Leakage over it"), chart(page, "The log's picture"))
 
 
@@ -247,7 +249,7 @@ SHOTS: dict[str, Shot] = {
     "fleet-pairs": Shot("Fleet", fleet_pairs),
     "job": Shot("Job?job={SAMPLE-1}", job),
     "readings": Shot("Readings", readings),
-    "road-test": Shot("Road_test", road_test),
+    "road-test": Shot("In_the_car", road_test),
     "diagnosis": Shot("Diagnosis", diagnosis),
     "diagnosis-dark": Shot("Diagnosis", diagnosis, dark=True),
     "diagnosis-narrow": Shot("Diagnosis", diagnosis_narrow, width=PHONE),

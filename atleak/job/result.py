@@ -167,15 +167,15 @@ def job_steps(diagnosis: Diagnosis, job: Job, say: Wording) -> tuple[Step, ...]:
     lands, measured = len(diagnosis.lands), diagnosis.measured
     named = job.number or job.vehicle.registration or job.vehicle.vin
     readings = "all" if measured == lands else "some" if measured else "none"
-    log = diagnosis.log
+    in_the_car = {"gauges": diagnosis.pressures, "log": diagnosis.log}
+    found = [say(f"steps.measured_{name}") for name, each in in_the_car.items() if each is not None]
     verdict = say.signed(diagnosis.verdict)
     if measured < lands and not diagnosis.verdict.flagged and measured:
         verdict = say("steps.so_far", verdict=verdict)
-    log_state = say("steps.no_log") if log is None else f"{say.number(log.road_test.duration, 0)} s"
     return (
         Step("job", bool(named), named or say("steps.no_number")),
+        Step("in_the_car", bool(found), ", ".join(found) or say("steps.readings_none")),
         Step("readings", measured == lands, say(f"steps.readings_{readings}", measured=measured, lands=lands)),
-        Step("road_test", log is not None, log_state),
         Step("diagnosis", diagnosis.verdict is not Verdict.NOT_MEASURED, verdict),
         Step("what_if", True),
         Step("report", True),

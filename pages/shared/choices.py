@@ -11,11 +11,13 @@ from typing import Any, get_args, get_type_hints
 
 import streamlit as st
 
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import USED_THINNER, FluidState
+from atleak.common.errors import AtleakError
 from atleak.engine.profile import PROFILES, UNKNOWN, Profile
 from atleak.job.case import SLOTS, CaseChoice, SourceFile
 from pages.shared import reader, show
-from pages.shared.cases import catalogue_list, entry_doubts, shown_name
+from pages.shared.cases import catalogue_list, controller_of, entry_doubts, shown_name
 from pages.shared.state import choose, session
 
 OPTIONS = ("diameter", "viscosity", "pump_draw", "pump_efficiency", "entry_loss", "form")
@@ -41,6 +43,28 @@ def catalogue_entry(name: str) -> None:
     with st.container():
         for doubt in entry_doubts(name, current):
             st.warning(show.plain(doubt.text))
+
+
+def controller() -> Controller:
+    """Return the controller as chosen or, while that is refused, the one that is shown."""
+    try:
+        return controller_of(session().case)
+    except AtleakError:
+        return controller_of(session().good)
+
+
+def complaint(place: str) -> None:
+    """Ask what the customer complains of, at a place that is one of several on a page."""
+    say, now = reader.say(), session()
+    labels = {each.id: each.label for each in controller().complaints}
+    if now.case.complaint not in labels:
+        choose(complaint=None)
+    current = now.case.complaint
+    _select(
+        say("facts.complaint"), f"complaint-{place}-{current}", [None, *labels], current,
+        lambda name: say("panel.none_chosen") if name is None else say.name(labels[name]),
+        lambda name: choose(complaint=name), say("panel.complaint_help" if labels else "panel.no_complaints"),
+    )  # fmt: skip
 
 
 def fluid_state() -> None:
@@ -125,6 +149,7 @@ def _select(
         format_func=shown,
         help=tip,
         on_change=lambda: take(st.session_state[key]),
+        disabled=len(options) == 1,
     )
 
 

@@ -101,3 +101,8 @@ def fold(label: str, *, key: str, opened: bool = False) -> Any:
     place = st.expander(label, key=key, on_change="rerun")
     left[key] = place.open
     return place
+
+
+def turn(key: str, *, opened: bool) -> None:
+    """Open or close a fold that is not drawn yet."""
+    st.session_state[key] = st.session_state.setdefault("folds", {})[key] = opened

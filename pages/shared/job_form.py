@@ -87,13 +87,35 @@ def draw(controller: Controller) -> Job:
     return changed
 
 
-def _as_found(record: Job) -> dict[str, Any]:
-    say, oil, dirt = reader.say(), record.fluid_condition, record.contamination
-    complaint = st.text_area(say("facts.complaint"), **fields.kept(key("complaint"), record.complaint))
+def draw_part(part: Callable[[Job], dict[str, Any]]) -> None:
+    """Draw some fields of the record on another page, and take over what stands in them."""
+    record = job()
+    values = {name: getattr(record, name) for name in Job.model_fields} | part(record)
+    st.session_state[RECORD] = Job.model_validate(values).with_pictures(record.pictures)
+
+
+def complaint(record: Job) -> dict[str, Any]:
+    """Ask for what the customer says; return the record's values."""
+    label = reader.say()("job_form.complaint")
+    return {"complaint": st.text_area(label, **fields.kept(key("complaint"), record.complaint))}
+
+
+def scan_and_fluid(record: Job) -> dict[str, Any]:
+    """Ask for fault codes and how the fluid looks; return the record's values."""
+    oil = record.fluid_condition
     codes = _line(st, "fault_codes", ", ".join(record.fault_codes))
     names = _texts(oil)
     places = zip(names, st.columns(len(names)), strict=True)
     fluid = {name: _text(place, f"oil-{name}", name, getattr(oil, name), "oil_") for name, place in places}
+    return {
+        "fault_codes": tuple(code.strip() for code in codes.split(",") if code.strip()),
+        "fluid_condition": oil.model_dump() | fluid,
+    }
+
+
+def _as_found(record: Job) -> dict[str, Any]:
+    say, dirt = reader.say(), record.contamination
+    found = complaint(record) | scan_and_fluid(record)
     grades = ["", *get_args(Grade)]
     columns = st.columns(3)
     chosen = fields.kept(key("grade"), dirt.grade or "")
@@ -104,16 +126,12 @@ def _as_found(record: Job) -> dict[str, Any]:
         format_func=lambda each: say.get("grades", each),
         **chosen,
     )
-    return {
-        "complaint": complaint,
-        "fault_codes": tuple(code.strip() for code in codes.split(",") if code.strip()),
-        "fluid_condition": oil.model_dump() | fluid,
-        "contamination": {
-            "grade": grade or None,
-            "particles": _text(columns[1], "particles", "particles", dirt.particles),
-            "note": _text(columns[2], "dirt-note", "dirt_note", dirt.note),
-        },
+    contamination = {
+        "grade": grade or None,
+        "particles": _text(columns[1], "particles", "particles", dirt.particles),
+        "note": _text(columns[2], "dirt-note", "dirt_note", dirt.note),
     }
+    return found | {"contamination": contamination}
 
 
 def _choice(name: str, options: Iterable[Any], shown: Callable[[Any], str]) -> Any:

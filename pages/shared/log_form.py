@@ -88,6 +88,17 @@ def keep_what_was_taken(case: PageCase) -> None:
     del st.session_state[_TRIED]
 
 
+def draw(file: SourceFile, log: Understood, case: PageCase) -> None:
+    """Show how a log was understood, and ask what it leaves open."""
+    say = reader.say()
+    st.markdown(f"**{show.plain(log.file)}**: {show.plain(facts(log, say))}")
+    if log.problem is not None:
+        st.error(show.plain(log.problem))
+    form(file, log, case)
+    if log.road_test is not None:
+        show.messages(log.messages, say("road_test.about_log"), opened=refused(file))
+
+
 def facts(log: Understood, say: Wording) -> str:
     """Return format, encoding, decimal sign, rows, duration and breaks of a log in one line."""
     parts = [say.sentence(FORMATS.get(log.format, log.format)), log.encoding]

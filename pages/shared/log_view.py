@@ -16,9 +16,10 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.job.case import SourceFile
-from atleak.measurements.events import Event
+from atleak.measurements.events import Event, events
 from atleak.measurements.job_card import LogFormula
 from atleak.measurements.road_test import RoadTest, hold
+from atleak.readers.logs import Understood, tidy_csv
 from atleak.report.charts import log_figures as figures
 from atleak.report.charts.log_figures import LaidOver
 from atleak.report.charts.operating_map import histogram, operating_map
@@ -34,6 +35,7 @@ from atleak.report.tables.road_test import (
 )
 from atleak.report.tables.road_words import event_name
 from pages.shared import fields, log_form, reader, show
+from pages.shared import road as road_page
 from pages.shared.cases import understood
 from pages.shared.state import RECORD, job, job_generation, session
 
@@ -58,6 +60,60 @@ class Part:
         """Return what tells two parts of one log apart."""
         over = self.over and (self.over.test.sha256, id(self.over.test), self.over.shift)
         return self.ends, tuple((each.name, each.formula) for each in self.formulas), over
+
+
+def in_full(diagnosis: Diagnosis, file: SourceFile, log: Understood) -> None:
+    """Show a log in a fold: how it was understood, what happened, its picture, the leakage over it, its values.
+
+    Parameters
+    ----------
+    diagnosis
+        of the job.
+    file
+        the job's log, or one that waits for an answer and is not in the job yet.
+    log
+        what was understood of it.
+    """
+    say, own = reader.say(), diagnosis.log if file == session().good.road_test else None
+    with fields.fold(say("road_test.in_full"), key=f"log-in-full-{session().generation}") as place:
+        test = log.road_test if own is None else own.road_test
+        if test is None or not place.open:
+            return
+        st.subheader(say("road_test.understood"))
+        log_form.understood_table(log)
+        if log.unused:
+            st.caption(say("road_test.not_used", columns=show.plain(", ".join(log.unused))))
+        happened = kept_with(test, "events", "", partial(events, test)) if own is None else own.events
+        st.subheader(say("road_test.happened"))
+        events_table(test, happened)
+        st.subheader(say("road_test.picture"))
+        ends = window(test, happened)
+        formulas_form(test)
+        part = part_of(test, ends, overlay())
+        picture(part, happened)
+        road = None if own is None or diagnosis.road is None else _leakage(diagnosis, part)
+        st.subheader(say("road_test.values"))
+        values_table(part, road)
+        operating_part(part, road)
+        tidy = partial(tidy_csv, part.test)
+        st.download_button(say("road_test.tidy"), tidy, f"{file.name}.tidy.csv", on_click="ignore")
+
+
+def _leakage(diagnosis: Diagnosis, part: Part) -> RoadLeakage | None:
+    """Show the leakage over the part of the job's own log, and return it; say why there is none over so short a one."""
+    say = reader.say()
+    assert diagnosis.road is not None
+    try:
+        road = diagnosis.road if part.ends is None else diagnosis.over(part.test)
+        st.subheader(say("road_test.leakage"))
+        road_page.as_new(diagnosis)
+        road_page.leakage_chart(road, diagnosis)
+        road_page.extremes(road, diagnosis.uncertainty)
+        show.messages(road.messages, say("road_test.about_leakage"))
+    except AtleakError as error:
+        st.warning(show.plain(error))
+        return None
+    return road
 
 
 def events_table(test: RoadTest, happened: Sequence[Event]) -> None:
@@ -369,17 +425,3 @@ def _left_out(seconds: float, say: Wording, help: str = "") -> None:
     said = say("operating_map.left_out", seconds=say.number(seconds, 1)) if seconds > 0.05 else ""
     if text := " ".join(part for part in (help, said) if part):
         st.caption(text)
-
-
-def leakage(diagnosis: Diagnosis, part: Part) -> RoadLeakage:
-    """Return the leakage over the part of the job's own log.
-
-    Raises
-    ------
-    AtleakError
-        where it cannot be computed over so short a part.
-    """
-    assert diagnosis.road is not None
-    if part.ends is None:
-        return diagnosis.road
-    return diagnosis.over(part.test)

@@ -10,16 +10,15 @@ from pathlib import Path
 import streamlit as st
 from streamlit.runtime.uploaded_file_manager import UploadedFile
 
-from atleak.catalogue.controller import Controller
 from atleak.catalogue.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
-from atleak.common.errors import AtleakError, ErasedElsewhere
+from atleak.common.errors import ErasedElsewhere
 from atleak.common.units import gear_name, unit
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import SourceFile
 from atleak.job.result import Step, job_steps
 from pages.shared import book, choices, drop_zone, dropped, fields, reader, show
-from pages.shared.cases import PageCase, controller_of, diagnosis_of, own_faults
+from pages.shared.cases import PageCase, diagnosis_of, own_faults
 from pages.shared.state import (
     FILES,
     choose,
@@ -33,7 +32,7 @@ from pages.shared.state import (
 
 PAGES = Path(__file__).resolve().parents[1]
 _STEPS = {path.stem.partition("_")[2].lower(): path for path in PAGES.glob("[1-9]_*.py")}
-WHERE = {"readings": "Readings", "road_test": "Road_test", "pressures": "Pressures"}
+WHERE = {"readings": "Readings", "road_test": "In_the_car", "pressures": "In_the_car"}
 RPM = unit("rpm", "rotational_speed")
 LOOKS = Path(__file__).with_name("page.css")
 
@@ -45,13 +44,14 @@ def draw() -> Diagnosis:
         st.switch_page(path, query_params=st.query_params.to_dict())
     book.follow_address()
     st.html(LOOKS)
+    say = reader.say()
     with st.sidebar:
-        _drop_zone()
+        drop("job", say("panel.files"), say("panel.files_help"))
         in_job = st.container()
         with st.container():
             choices.catalogue_entry("controller")
         _left_aside()
-        _complaint()
+        choices.complaint("panel")
         _condition()
         jobs = st.container()
     turns = session().turns
@@ -85,15 +85,13 @@ def _key(name: str) -> str:
     return f"{name}-{session().generation}"
 
 
-def _drop_zone() -> None:
-    """Take whatever files are dropped."""
-    say = reader.say()
+def drop(place: str, label: str, help: str | None = None) -> None:
+    """Offer a place for files of the job; whatever is dropped there finds where it belongs by its content."""
 
     def take(files: Sequence[UploadedFile]) -> None:
         dropped.take([SourceFile(each.name, each.getvalue()) for each in files])
 
-    name = f"job-{session().in_book.place}"
-    drop_zone.draw(name, say("panel.files"), take, several=True, help=say("panel.files_help"))
+    drop_zone.draw(f"{place}-{session().in_book.place}", label, take, several=True, help=help)
 
 
 def _status(slot: str, result: Diagnosis) -> None:
@@ -162,27 +160,9 @@ def _start() -> PageCase:
     return now.start if now.start.controller == now.case.controller else PageCase()
 
 
-def _complaint() -> None:
-    say, controller, first = reader.say(), _controller(), _start().complaint
-    labels = {complaint.id: complaint.label for complaint in controller.complaints}
-    options, owner = [None, *labels], f"{_key('complaint')}-{controller.sha256}"
-    chosen = st.session_state.get(f"{owner}-chosen", first)
-    picked = st.selectbox(
-        say("facts.complaint"),
-        options,
-        index=options.index(chosen if chosen in labels else None),
-        key=f"{owner}-{say.language}",
-        format_func=lambda name: say("panel.none_chosen") if name is None else say.name(labels[name]),
-        disabled=not labels,
-        help=say("panel.complaint_help" if labels else "panel.no_complaints"),
-    )
-    st.session_state[f"{owner}-chosen"] = picked
-    choose(complaint=picked)
-
-
 def _condition() -> None:
     say, now = reader.say(), session()
-    controller = _controller()
+    controller = choices.controller()
     start = _start()
     point = start.point or controller.operating_points[0]
     with st.expander(say("panel.condition")):
@@ -212,14 +192,6 @@ def _condition() -> None:
         gear=None if gear == point.gear else gear,
         mileage=mileage,
     )
-
-
-def _controller() -> Controller:
-    """Return the controller as chosen or, while that is refused, the one that is shown."""
-    try:
-        return controller_of(session().case)
-    except AtleakError:
-        return controller_of(session().good)
 
 
 def _in_book() -> None:

@@ -12,10 +12,13 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.written_numbers import ENGINE_SPEED, TEMPERATURE, read_number
 from atleak.common.errors import PressureTableError
 from atleak.common.units import unit, unit_names
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.gauge_check import PressureCheck
 from atleak.job.case import SourceFile
 from atleak.measurements.gauge_readings import Engine, GaugeCell, ranges_of, tap_name, taps_of
 from atleak.readers.gauges.gauge_table import asked_pressure, read_pressure_table
 from atleak.readers.gauges.typed_gauges import TYPED_GAUGES_FILE, TypedGauges, typed_gauges
+from atleak.report.tables.gauges import card_notes, card_table, pattern_text
 from pages.shared import fields, reader, show
 from pages.shared.cases import PageCase, controller_of
 from pages.shared.state import put_file, session
@@ -64,6 +67,32 @@ def draw(case: PageCase, controller: Controller) -> None:
         for place, engine in zip(st.columns(3), Engine, strict=True):
             label = say("gauge_page.cell", range=selected, engine=say.sentence(engine.label))
             text_field(place, GaugeCell(selected, engine, tap), label, typed.unit)
+
+
+def card(diagnosis: Diagnosis) -> None:
+    """Show in a fold what the gauges should show."""
+    say = reader.say()
+    place = fields.fold(say("gauge_card.on_page"), key=f"gauge-card-{session().generation}")
+    if place.open:
+        with place:
+            show.table(card_table(diagnosis, say))
+            for note in card_notes(diagnosis, say):
+                st.caption(show.plain(note))
+
+
+def result(diagnosis: Diagnosis, check: PressureCheck) -> None:
+    """Show gauge readings beside what is permitted and expected, and what the table hints at."""
+    say = reader.say()
+    show.gauge_banner(check)
+    show.gauges(check)
+    st.caption(say("gauge_page.beside_help"))
+    if check.patterns:
+        st.markdown(f"**{say('gauge_page.hints')}**")
+        for each in check.patterns:
+            hint, source = pattern_text(each, diagnosis.controller, say), say.get("pattern_sources", each.source)
+            st.markdown(f"- {show.plain(hint)} *({show.plain(source)})*")
+        st.caption(say("gauge_page.hints_help"))
+    show.messages(check.messages, say("gauge_page.about"))
 
 
 def _tap(controller: Controller, tap: str) -> str:

@@ -50,6 +50,11 @@ def from_menu(page: playwright_api.Page, group: str, name: str) -> None:
     page.get_by_role("menuitem", name=name).click()
 
 
+def unfold(page: playwright_api.Page, label: str) -> None:
+    """Open a fold by the beginning of its label."""
+    page.get_by_test_id("stExpander").locator("summary", has_text=label).first.click()
+
+
 def free_port() -> int:
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))

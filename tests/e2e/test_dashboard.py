@@ -18,7 +18,7 @@ from playwright.sync_api import Page, expect
 from atleak.report.tables.lands import CONDITION_WIDTH
 from pages.shared.show import PAIR_WIDTH
 
-from .conftest import AT_REST, from_menu
+from .conftest import AT_REST, from_menu, unfold
 
 Visit = Callable[[str], Page]
 SHEET = "component;part;plane;direction;diameter [mm]\n" + "".join(
@@ -161,7 +161,7 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     status(page, "mine.xlsx")
     status(page, "In the job book")
     expect(page.get_by_test_id("stSidebar").get_by_text("not taken.").first).to_be_visible()
-    page.get_by_role("link", name="Road test", exact=True).click()
+    page.get_by_role("link", name="In the car", exact=True).click()
     main = page.get_by_test_id("stMain")
     expect(main.get_by_text("Which column is it?").first).to_be_visible()
     columns = main.get_by_role("combobox", name=re.compile(r"^.*main \(line\)"))
@@ -181,15 +181,17 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     upload(page, "job.zip", job)
     status(page, "two.csv")
     status(page, "mine.xlsx")
-    page.get_by_role("link", name="Road test", exact=True).click()
+    page.get_by_role("link", name="In the car", exact=True).click()
+    unfold(page, "The log in full")
     expect(main.get_by_text("As understood")).to_be_visible()
     wait_until_idle(page)
     assert "line pressure 2 [kPa]" in cells(page)
     assert page.get_by_test_id("stException").count() == 0
 
 
-@pytest.mark.page("3_Road_test")
+@pytest.mark.page("2_In_the_car")
 def test_dragging_across_the_log_sets_the_cursors(page: Page) -> None:
+    unfold(page, "The log in full")
     chart = page.locator("[data-testid=stPlotlyChart] .nsewdrag").first
     chart.wait_for()
     wait_until_idle(page)  # a script that still runs draws the chart anew and loses the drag
@@ -251,7 +253,7 @@ def test_every_page_opens_at_its_address_asks_no_other_host_and_the_console_stay
     expect(page.get_by_test_id("stSidebar").get_by_text("Files of the job").first).to_be_visible()
     # Streamlit itself looks for its server beside a page's address first, which the console tells
     page.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
-    for address in ("Job", "Road_test", "Report", *GROUPS, "Readings", "Diagnosis"):
+    for address in ("Job", "In_the_car", "Report", *GROUPS, "Readings", "Diagnosis"):
         name = address.replace("_", " ")
         if group := GROUPS.get(address):
             from_menu(page, group, name)

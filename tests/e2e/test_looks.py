@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from .conftest import SOON, playwright_api
+from .conftest import SOON, playwright_api, unfold
 
 pypdfium2 = pytest.importorskip("pypdfium2")
 
@@ -125,7 +125,8 @@ def test_a_finger_scrolls_over_a_chart_and_finds_what_it_touches(
     )
     context.set_default_timeout(SOON)
     page = context.new_page()
-    page.goto(f"{server}/Road_test")  # where a mouse that drags marks a stretch
+    page.goto(f"{server}/Road_test")  # an address of before leads to where a mouse that drags marks a stretch
+    unfold(page, "The log in full")
     chart = page.locator(".js-plotly-plot").first
     chart.wait_for()
     page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()

@@ -16,7 +16,7 @@ from PIL import Image
 from playwright.sync_api import Locator, Page, expect
 from playwright.sync_api import TimeoutError as TooLate
 
-from .conftest import from_menu
+from .conftest import unfold
 
 SOON = 30.0  # [s]
 VEHICLE = {
@@ -295,8 +295,9 @@ def gauge(page: Page, cell: str) -> Locator:
 
 
 @pytest.mark.slow
-@pytest.mark.page("20_Pressures")
+@pytest.mark.page("2_In_the_car")
 def test_gauge_readings_typed_with_tab_stand_in_their_cells_and_stay(page: Page) -> None:
+    unfold(page, "Type readings, or drop a table")
     wait_until_idle(page)
     values = {
         f"{selected}, {engine}": text
@@ -312,7 +313,6 @@ def test_gauge_readings_typed_with_tab_stand_in_their_cells_and_stay(page: Page)
     page.wait_for_timeout(500)  # the hand goes from the keyboard to the mouse
     to(page, "Diagnosis")
     expect(page.get_by_text("300 kPa where 412 kPa are the least")).to_be_visible()
-    from_menu(page, "More", "Pressures")
-    wait_until_idle(page)
+    to(page, "In the car")
     for cell, text in {**values, "D, slow idle": "300,5"}.items():
         expect(gauge(page, cell)).to_have_value(text)

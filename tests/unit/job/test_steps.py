@@ -24,9 +24,9 @@ def test_an_empty_job_says_what_is_missing_of_each_step() -> None:
     steps = said(Case(controller="minimal_example").diagnose(), Job())
     assert steps["job"] == (False, "no number yet")
     assert steps["readings"] == (False, "none yet")
-    assert steps["road_test"] == (False, "none yet")
+    assert steps["in_the_car"] == (False, "none yet")
     assert steps["diagnosis"] == (False, "○ not measured")
-    assert list(steps) == ["job", "readings", "road_test", "diagnosis", "what_if", "report"]
+    assert list(steps) == ["job", "in_the_car", "readings", "diagnosis", "what_if", "report"]
 
 
 def test_one_good_land_of_several_is_good_so_far_only() -> None:

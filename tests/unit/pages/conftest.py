@@ -66,7 +66,10 @@ def opened(folder: Path, page: str, language: str = "en") -> Iterator[AppTest]:
 
 
 def go(app: AppTest, page: str) -> AppTest:
-    return app.switch_page(str(ROOT / "pages" / f"{page}.py")).run()
+    """Go to a page; of ``page#fold`` that fold is opened, too."""
+    name, _, fold = page.partition("#")
+    app.switch_page(str(ROOT / "pages" / f"{name}.py")).run()
+    return unfold(app, fold) if fold else app
 
 
 def texts(app: AppTest) -> str:

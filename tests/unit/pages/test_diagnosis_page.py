@@ -62,14 +62,14 @@ def test_a_pair_is_opened_by_the_list_and_stays_open_on_every_page(app: AppTest)
     assert not app.exception
     assert app.query_params["pair"] == "17"
     assert "Ovality of the bore" in drawings(app)
-    go(app, "2_Readings")
+    go(app, "3_Readings")
     go(app, "4_Diagnosis")
     assert next(widget for widget in app.main.selectbox if widget.label == "Open pair").value == "17"
     choice(app, "Valve body").select("minimal_example").run()
     assert next(widget for widget in app.main.selectbox if widget.label == "Open pair").value is None
 
 
-@pytest.mark.page("2_Readings")
+@pytest.mark.page("3_Readings")
 def test_a_sheet_with_a_repeat_that_is_far_off_is_not_shown_green(app: AppTest, minimal: Controller) -> None:
     choice(app, "Valve body").select("minimal_example").run()
     lines = ["component;land;part;direction;repeat;diameter [mm]"]
@@ -169,7 +169,7 @@ def test_a_complaint_leads_the_page(app: AppTest) -> None:
     shares = ["Hot idle in drive, 100 °C [%]", "Driving in second, 80 °C [%]"]
     matrix = next(widget.value for widget in app.dataframe if shares[0] in widget.value)
     assert list(matrix)[1:3] == shares
-    go(app, "2_Readings")
+    go(app, "3_Readings")
     assert choice(app, "Complaint").value == "slips_hot"
     choice(app, "Valve body").select("minimal_example").run()
     assert choice(app, "Complaint").value is None

@@ -28,7 +28,7 @@ from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.json.diagnosis import diagnosis_record
 from tests.unit.pages.conftest import ROOT, go, uploader
 
-pytestmark = pytest.mark.page("2_Readings")
+pytestmark = pytest.mark.page("3_Readings")
 LOG = (
     "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];gear\n"
     + "".join(f"{step / 10};{800 + step};{600 + step};{900 - step};2\n" for step in range(100))

@@ -119,5 +119,5 @@ def test_what_is_assumed_and_what_is_asked_stand_in_the_readers_units(app: AppTe
     by_name = dict(zip(*(assumed.iloc[:, column] for column in (0, 1)), strict=True))
     assert (by_name["contact length"], by_name["room temperature"]) == ("0.0039\xa0in", "0.9\xa0°F")
     assert by_name["viscosity"] == "5\xa0%"
-    go(app, "20_Pressures")
+    go(app, "2_In_the_car#step-gauges")
     assert choice(app, "Unit").value == "psi"

@@ -16,7 +16,7 @@ from atleak.report.sheets.measuring_columns import PUMP_SIDE
 from atleak.report.sheets.measuring_sheet import write_readings
 from tests.unit.pages.conftest import choice, go, opened, texts, unfold, uploader
 
-pytestmark = pytest.mark.page("2_Readings")
+pytestmark = pytest.mark.page("3_Readings")
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def app(
     unit = checked_controller(data)
     pairs = {land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * land.new_clearance) for land in unit.lands}
     sheet = write_readings(unit, readings_of(unit, pairs).readings, fields={PUMP_SIDE: "85"})
-    for app in opened(folder, "2_Readings"):
+    for app in opened(folder, "3_Readings"):
         choice(app, "Valve body").select(unit.id).run()
         uploader(app, "Measuring sheet").upload("sheet.xlsx", sheet, "application/x").run()
         yield app

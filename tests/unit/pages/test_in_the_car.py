@@ -14,9 +14,9 @@ from atleak.job.zip_file import write_job_file
 from atleak.measurements.gauge_readings import RANGES, Engine, GaugeCell
 from atleak.readers.gauges.typed_gauges import TYPED_GAUGES_FILE, TypedGauges, typed_gauges
 from pages.shared.pressure_form import UNITS
-from tests.unit.pages.conftest import choice, go, texts, unfold, uploader
+from tests.unit.pages.conftest import choice, go, press, texts, unfold, uploader
 
-PAGE = "20_Pressures"
+PAGE = "2_In_the_car#step-gauges"
 pytestmark = pytest.mark.page(PAGE)
 
 
@@ -26,6 +26,12 @@ def field(app: AppTest, label: str):
 
 def tap(app: AppTest, label: str):
     return next(widget for widget in app.main.selectbox if widget.label == label)
+
+
+def step_line(app: AppTest, heading: str) -> str:
+    """What stands beneath the heading of a step."""
+    said = [(widget.type, widget.value) for widget in app.main if widget.type in ("subheader", "markdown")]
+    return said[said.index(("subheader", heading)) + 1][1]
 
 
 @pytest.fixture
@@ -44,7 +50,7 @@ def test_a_decimal_comma_is_read_and_survives_leaving_the_page(page: AppTest) ->
     assert (row["Range"], row["State"], row["Gauge [kPa]"]) == ("D", "slow idle", pytest.approx(380.5, abs=1e-9))
     assert row["Verdict"].strip() == "▲ watch"
     assert "main pressure below the permissible" in texts(page).replace("\\", "")
-    go(page, "2_Readings")
+    go(page, "3_Readings")
     go(page, PAGE)
     assert field(page, "D, slow idle [kPa]").value == "380,5"
     assert len(shown(page)) == 1
@@ -117,7 +123,7 @@ def test_what_is_no_pressure_is_said_once_at_its_field_and_the_others_stay(page:
     assert field(page, "R, slow idle [kPa]").value == text
     field(page, "1, slow idle [kPa]").set_value("420").run()
     assert [row["Range"] for row in shown(page)] == ["D", "1"]
-    go(page, "2_Readings")
+    go(page, "3_Readings")
     assert not page.error
     go(page, PAGE)
     assert field(page, "R, slow idle [kPa]").value == text
@@ -152,7 +158,7 @@ def test_the_last_reading_taken_away_leaves_no_table(page: AppTest) -> None:
     assert not page.exception
     assert page.session_state["atleak"].good.pressures is None
     assert "abc" not in texts(page)
-    assert "No gauge readings in the job" in texts(page)
+    assert step_line(page, "3 Gauges").startswith("**○ not done** · Tell which circuit loses pressure")
 
 
 def test_an_uploaded_table_is_shown_with_its_file_and_not_typed_over(page: AppTest) -> None:
@@ -190,6 +196,7 @@ def test_an_opened_job_shows_what_was_typed_in_it(page: AppTest) -> None:
     assert field(page, "ATF temperature [°C]").value == "85"
     assert shown(page)[0]["Gauge [kPa]"] == pytest.approx(390.0, abs=1e-9)
     next(widget for widget in page.button if widget.label == "New, empty job").click().run()
+    unfold(page, "step-gauges")
     assert field(page, "D, slow idle [kPa]").value == ""
 
 
@@ -220,3 +227,81 @@ def test_whatever_is_typed_stands_in_the_file_sign_for_sign(
 @pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00", b"range;slow idle [kPa]\nD;400\n", b'"', b"a;b;c;d;e;f\n"])
 def test_another_file_is_not_taken_for_a_typed_one(content: bytes) -> None:
     assert typed_gauges(content) is None
+
+
+# --- the steps
+
+
+HEADINGS = ["1 Complaint", "2 Scan and fluid", "3 Gauges", "4 Drive"]
+GUIDE = "2_In_the_car"
+
+
+def steps(app: AppTest) -> dict[str, str]:
+    """The line beneath each step's heading."""
+    return {heading: step_line(app, heading) for heading in HEADINGS}
+
+
+def opened_steps(app: AppTest) -> list[str]:
+    return [name for name in ("complaint", "fluid", "gauges", "drive") if app.session_state[f"step-{name}-{job(app)}"]]
+
+
+def job(app: AppTest) -> int:
+    return app.session_state["atleak"].generation
+
+
+@pytest.mark.page(GUIDE)
+def test_each_step_says_what_it_would_add_until_it_is_done_or_skipped_and_the_next_one_opens(app: AppTest) -> None:
+    press(app, "New, empty job")
+    assert all(line.startswith("**○ not done** · ") for line in steps(app).values())
+    assert opened_steps(app) == ["complaint"]
+    press(app, "Skip this step")
+    assert opened_steps(app) == ["fluid"]
+    assert steps(app)["1 Complaint"].startswith("**○ skipped** · ")
+    text = next(widget for widget in app.text_input if widget.label == "Fault codes, separated by commas")
+    text.set_value("P0730, P0871").run()
+    assert steps(app)["2 Scan and fluid"] == "**P0730** · **P0871**"
+    assert app.session_state["job-record"].fault_codes == ("P0730", "P0871")
+    assert opened_steps(app) == ["fluid"]  # nothing opens or closes while somebody types
+    press(app, "Next step")
+    field(app, "D, slow idle [kPa]").set_value("380,5").run()
+    assert opened_steps(app) == ["gauges"]
+    assert steps(app)["3 Gauges"] == "**▲ watch** · 1 gauge reading"
+    go(app, "3_Readings")
+    go(app, GUIDE)
+    assert opened_steps(app) == ["gauges", "drive"]  # as it was left, and what comes next
+    assert steps(app)["1 Complaint"].startswith("**○ skipped** · ")
+    assert not app.exception
+
+
+@pytest.mark.page(GUIDE)
+def test_nothing_that_was_not_measured_is_green(app: AppTest) -> None:
+    press(app, "New, empty job")
+    assert "●" not in "".join(steps(app).values())
+    unfold(app, "step-gauges")
+    choice(app, "Valve body").select("five_speed_2005").run()
+    tap(app, "Gauge at").select("forward_clutch").run()
+    field(app, "P, slow idle [kPa]").set_value("870").run()  # of a clutch that is not applied there
+    assert steps(app)["3 Gauges"] == "**○ not measured** · 1 gauge reading"
+
+
+@pytest.mark.page(GUIDE)
+def test_a_complaint_is_chosen_here_or_in_the_panel(app: AppTest) -> None:
+    here = next(widget for widget in app.main.selectbox if widget.label == "Complaint")
+    here.select("slips_hot").run()
+    assert choice(app, "Complaint").value == "slips_hot"
+    assert steps(app)["1 Complaint"] == "**Slips or shifts late when hot**"
+    choice(app, "Complaint").select_index(0).run()
+    assert next(widget for widget in app.main.selectbox if widget.label == "Complaint").value is None
+    next(widget for widget in app.text_area).set_value("bangs into R\nonly cold").run()
+    assert steps(app)["1 Complaint"] == "**bangs into R**"
+    go(app, "1_Job")
+    assert next(widget for widget in app.text_area if "customer" in widget.label).value == "bangs into R\nonly cold"
+
+
+@pytest.mark.page(GUIDE)
+def test_a_log_shows_its_findings_and_in_a_fold_its_picture(app: AppTest) -> None:
+    assert steps(app)["4 Drive"].startswith("**● ok** · ")
+    assert "Main pressure stayed nowhere below" in texts(app)
+    assert "The log's picture" not in [widget.value for widget in app.subheader]
+    unfold(app, "log-in-full")
+    assert "The log's picture" in [widget.value for widget in app.subheader]

@@ -1,0 +1,96 @@
+"""Guide through the steps before anything is opened: what each would add, its form, what came of it, and the next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+import streamlit as st
+
+from atleak.common.verdicts import Verdict, worst
+from atleak.common.wording import Wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from pages.shared import address, fields, reader, show
+from pages.shared.cases import diagnosis_of
+from pages.shared.state import job, session
+
+STEPS = ("complaint", "fluid", "gauges", "drive")
+_SKIPPED = "skipped"  # the name in the address; the step stays open to whoever wants to do it after all
+
+
+def begin() -> None:
+    """Open the first step that is neither done nor skipped, where somebody comes to the page."""
+    if not any(_key(name) in st.session_state for name in STEPS):
+        _open_next(STEPS)
+
+
+@contextmanager
+def step(name: str) -> Iterator[bool]:
+    """Draw a step around its form, which is drawn inside this where its fold is open: then this gives True."""
+    say, last = reader.say(), name == STEPS[-1]
+    st.subheader(f"{STEPS.index(name) + 1} {say(f'in_the_car.{name}')}", anchor=name)
+    head = st.container()
+    with fields.fold(say(f"in_the_car.{name}_fold"), key=_key(name)) as fold:
+        yield fold.open
+        done = name in _results()
+        if fold.open and not last:
+            label = say(f"in_the_car.{'next' if done or name in _skipped() else 'skip'}")
+            st.button(label, key=f"{_key(name)}-on", on_click=_go_on, args=(name,))
+    said = _results().get(name) or f"{_not_done(name, say)} · {show.plain(say(f'in_the_car.{name}_adds'))}"
+    head.markdown(said)
+
+
+def _key(name: str) -> str:
+    return f"step-{name}-{session().generation}"
+
+
+def _not_done(name: str, say: Wording) -> str:
+    return f"**○ {say('in_the_car.skipped' if name in _skipped() else 'in_the_car.not_done')}**"
+
+
+def _skipped() -> list[str]:
+    return address.kept(_SKIPPED).split(",")
+
+
+def _go_on(name: str) -> None:
+    """Leave a step for the next one; one that is not done is skipped; for a callback."""
+    if name not in (*_results(), *_skipped()):
+        address.keep(_SKIPPED, ",".join(each for each in STEPS if each in (*_skipped(), name)))
+    fields.turn(_key(name), opened=False)
+    _open_next(STEPS[STEPS.index(name) + 1 :])
+
+
+def _open_next(names: tuple[str, ...]) -> None:
+    left_aside = (*_results(), *_skipped())
+    fields.turn(_key(next((name for name in names if name not in left_aside), STEPS[-1])), opened=True)
+
+
+def _results() -> Mapping[str, str]:
+    """Return in short what came of each step that is done."""
+    diagnosis, say = diagnosis_of(session().good), reader.say()
+    results = {"complaint": _of_complaint(diagnosis, say), "fluid": _of_fluid(say)}
+    if (check := diagnosis.pressures) is not None:
+        count = say("panel.gauge_readings", count=len(check.readings))
+        results["gauges"] = f"{_signed(check.verdict, say)} · {count}"
+    if (log := diagnosis.log) is not None:
+        rows = say("panel.log_rows", rows=log.road_test.rows, seconds=say.number(log.road_test.duration, 0))
+        verdict = worst(rule.verdict for rule in log.rules) if log.rules else None
+        results["drive"] = f"{_signed(verdict, say)} · {rows}"
+    return {name: said for name, said in results.items() if said}
+
+
+def _signed(verdict: Verdict | None, say: Wording) -> str:
+    return f"**{say.signed(verdict or Verdict.NOT_MEASURED)}**"
+
+
+def _of_complaint(diagnosis: Diagnosis, say: Wording) -> str:
+    chosen = [] if diagnosis.complaint is None else [say.name(diagnosis.complaint.label)]
+    said = [*chosen, *job().complaint.splitlines()[:1]]
+    return " · ".join(f"**{show.plain(each)}**" for each in said)
+
+
+def _of_fluid(say: Wording) -> str:
+    record, state = job(), session().good.fluid_state
+    found = [*record.fault_codes, *filter(None, vars(record.fluid_condition).values())]
+    used = [] if state is None else [say(f"settings.fluid_{state}")]
+    return " · ".join(f"**{show.plain(each)}**" for each in [*found, *used])
