@@ -41,6 +41,7 @@ from atleak.engine.network import SHARP, Network
 from atleak.engine.operation import LINE
 from atleak.engine.projection import Projection
 from atleak.engine.restrictions import Branch, GapBranch, Orifice, Restriction
+from atleak.equations.gap import eccentricity_factor
 from atleak.equations.statistics import normal_cdf
 
 _PRIOR_COUNTS = 20.0  # effective draws that the prior stands for while a proposal is fitted
@@ -51,6 +52,8 @@ _BORES = ("bore", "new_bore", "unworn_bore")
 MOST_RISE = 5.0  # of a line that is set high, over the mean rise
 _SEALS = _SEAL, _HOLE
 _LEAST_WEAR = 0.1e-6  # [m]
+_TRIED = 65_536  # draws of the lands of a plug
+_FINEST_PLUG = 0.02  # of what a plug passes: it is known no better
 LEFT = "left"  # beside the pressures of a unit: what its line leaves to consumers [m³/s]
 
 Fault = tuple[Any, ...]  # (what, which): ("land", key), ("seal", circuit), ("pump",), ("line",)
@@ -142,6 +145,15 @@ class Proposal:
         )
 
 
+@dataclass(frozen=True)
+class Plug:
+    """What a vacuum test says of lands that share a plug: what their gaps pass together, Σ F·D·c³/l over them."""
+
+    lands: tuple[LandKey, ...]
+    passes: float  # [m³], F 1 of a concentric spool
+    uncertainty: float  # [m³] one standard deviation
+
+
 class PosteriorUnit:
     """A unit before any gauge is read: draws of it, and what gauges would show on each."""
 
@@ -151,8 +163,12 @@ class PosteriorUnit:
         sources: Sequence[LandSources],
         assumptions: Assumptions,
         projections: Iterable[Projection],
+        plugs: Sequence[Plug] = (),
     ) -> None:
-        """Take a unit with the sources of its lands' uncertainty, at the operating points at which gauges were read."""
+        """Take a unit with the sources of its lands' uncertainty, at the operating points at which gauges were read.
+
+        Lands of ``plugs`` that nobody measured alone are drawn as what their plug passes leaves them.
+        """
         self.model, self.sources, self.assumptions = model, sources, assumptions
         self._own = replace(assumptions, temperature=assumptions.gauged_temperature, main_pressure=1.0)
         self.conditions = {each.condition: each for each in projections}
@@ -170,6 +186,9 @@ class PosteriorUnit:
             *(("feed", each.id) for each in self._fed),
             *((_LAND, land.key) for land in self._open),
         ]
+        known = {land.key for land in self._open}
+        self._plugs = [each for each in plugs if known.intersection(each.lands)]
+        self._plugged = {key for each in self._plugs for key in each.lands}
         gone = self._gone()
         self.causes = [cause for cause, *_ in gone]
         chance, mean, most = np.array([[max(number, 1e-30) for number in row] for _, *row in gone]).T
@@ -220,6 +239,8 @@ class PosteriorUnit:
         if not as_judged:
             chances = stream_of(SEED, 15, seed)
             found = {key: self._with_unworn(each, *chances.random((2, draws))) for key, each in found.items()}
+        for number, plug in enumerate(self._plugs):
+            self._fill(plug, deviates, wear, found, stream_of(SEED, 16, seed, number))
         return UnitDraws(
             deviates,
             wear,
@@ -227,6 +248,37 @@ class PosteriorUnit:
             found,
             {land.key[0]: positions.of(land) for land in self._open},
         )
+
+    def _fill(
+        self,
+        plug: Plug,
+        deviates: np.ndarray,
+        wear: np.ndarray,
+        measured: Mapping[LandKey, LandDraws],
+        stream: np.random.Generator,
+    ) -> None:
+        """Draw the lands of a plug anew, as likely as they are before gauges are read and together as what it passes.
+
+        Where the spool lay in the test is not known, and says nothing of where it lies in service.
+        """
+        lands = [land for land in self._open if land.key in plug.lands]
+        rows = [self.quantities.index((_LAND, land.key)) for land in lands]
+        causes = [self.causes.index((_LAND, land.key)) for land in lands]
+        tried, gone = self.prior.draw(stream, _TRIED)
+        factor = {
+            key[0]: np.asarray(eccentricity_factor(stream.random(_TRIED), 1.0)) for key in dict.fromkeys(plug.lands)
+        }
+        passes = np.zeros(_TRIED)
+        for land, cause in zip(lands, causes, strict=True):
+            clearance = self._new(tried, land) + gone[cause]
+            passes += factor[land.key[0]] * _passes(land, clearance)
+        for key in set(plug.lands).intersection(measured):
+            clearance = stream.permutation(np.resize(measured[key].bore.clearance, _TRIED))
+            passes += factor[key[0]] * _passes(measured[key].land, clearance)
+        apart = (passes - plug.passes) / max(plug.uncertainty, _FINEST_PLUG * plug.passes)
+        weights = np.cumsum(np.exp(-0.5 * (apart**2 - np.min(apart**2))))
+        places = np.searchsorted(weights, weights[-1] * stream.random(wear.shape[1])).clip(0, _TRIED - 1)
+        deviates[rows], wear[causes] = tried[rows][:, places], gone[causes][:, places]
 
     def _new(self, deviates: np.ndarray, land: LandSources) -> np.ndarray:
         deviate = deviates[self.quantities.index((_LAND, land.key))]
@@ -418,8 +470,8 @@ class PosteriorUnit:
         sections = sections.union(*map(self.fed_from, [*circuits, *sections]))
         lands = {gap.key for gap in controller.gaps if {gap.high.section, gap.low.section} & sections}
 
-        def acts(cause: Fault) -> bool:
-            return len(cause) == 1 or cause[1] in (lands if cause[0] == _LAND else sections)
+        def acts(cause: Fault) -> bool:  # what a plug says of its lands is in their draws already
+            return len(cause) == 1 or cause[1] in (lands - self._plugged if cause[0] == _LAND else sections)
 
         return np.array([acts(each) for each in self.quantities]), np.array([acts(each) for each in self.causes])
 
@@ -447,6 +499,11 @@ class PosteriorUnit:
     def growth_of_slip(self, drawn: UnitDraws) -> np.ndarray:
         """Return by which fraction the slip of a pump that nobody measured has grown in each draw."""
         return drawn.wear[self.causes.index((_PUMP,))] if (_PUMP,) in self.causes else np.zeros(drawn.wear.shape[1])
+
+
+def _passes(land: LandSources, clearance: Any) -> Any:
+    """Return D·c³/l of a land [m³], what it passes with its spool in the middle."""
+    return land.state.spool_diameter * np.maximum(clearance, 0.0) ** 3 / land.state.land.contact_length
 
 
 def _stacked(now: LandInState, new: LandInState, made_new: Sequence[bool]) -> LandInState:

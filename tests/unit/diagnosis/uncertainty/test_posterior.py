@@ -14,8 +14,8 @@ from atleak.catalogue.instruments import load_instruments
 from atleak.diagnosis.missing import Cause
 from atleak.diagnosis.uncertainty import DEFAULTS, Assumptions
 from atleak.diagnosis.uncertainty.posterior import PosteriorUnit
-from atleak.diagnosis.uncertainty.weighing import Posterior, Shown
 from atleak.diagnosis.uncertainty.sources import find_sources
+from atleak.diagnosis.uncertainty.weighing import Posterior, Shown
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
 from atleak.engine.projection import project

@@ -1,0 +1,171 @@
+"""What is likely worn before anything is opened: from gauges, from plugs, and from nothing at all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from atleak.catalogue.controller_file import load_controller
+from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.limits import load_limits
+from atleak.catalogue.repairs import LandKey
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.evidence import WORTH, evidence_of, readings_by_value
+from atleak.diagnosis.examination import diagnose
+from atleak.diagnosis.uncertainty.posterior import Plug, PosteriorUnit
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.projection import project
+from atleak.job.case import Case, SourceFile
+from atleak.measurements.clearances import clearances
+from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, GaugeReading, PressureTable
+
+SAMPLES = Path(__file__).parents[3] / "sample_data"
+UNITS = {"five_speed_2005": "forward_clutch", "zf_6hp26": "clutch_a", "jatco_jf506e": "low_clutch"}
+IDLE, STALL = Engine.SLOW_IDLE, Engine.STALL
+
+
+def gauged(name: str, worn: Mapping[LandKey, float], taps: tuple[str, ...]) -> Diagnosis:
+    """Diagnose a unit of which some lands are worn [m], by gauges alone that show what the engine holds."""
+    controller, fluid, limits = load_controller(name), load_fluid("hipol_atf_iid"), load_limits("project_default")
+    states = [
+        replace(each, radial_clearance=each.radial_clearance + worn.get(each.land.key, 0.0))
+        for each in clearances(None, controller)
+    ]
+    new = diagnose(controller, fluid, limits)
+    model = LeakageModel(controller, tuple(states), fluid, new.profile)
+    readings = []
+    for engine in (IDLE, STALL):
+        point = next(each for each in controller.operating_points if each.name == _POINTS[engine])
+        held = project(model, point)
+        for tap in taps:
+            pressure = held.main_pressure_held if tap == LINE_TAP else held.circuit(tap).pressure
+            readings.append(GaugeReading(GaugeCell("D", engine, tap), pressure))
+    return diagnose(
+        controller, fluid, limits, pressures=PressureTable("made", "0" * 64, None, ("kPa",), tuple(readings))
+    )
+
+
+_POINTS = {IDLE: "hot_idle", STALL: "stall"}
+
+
+def lands_of(diagnosis: Diagnosis, circuit: str) -> list[LandKey]:
+    return [gap.key for gap in diagnosis.controller.gaps if gap.high.section == circuit and 1 in gap.gears]
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_a_circuit_that_lost_its_pressure_leads_and_its_lands_are_likelier_worn_than_others(name: str) -> None:
+    circuit = UNITS[name]
+    new = diagnose(load_controller(name), load_fluid("hipol_atf_iid"), load_limits("project_default"))
+    lands = lands_of(new, circuit)
+    evidence = evidence_of(gauged(name, dict.fromkeys(lands, 20e-6), (LINE_TAP, circuit)))
+    assert evidence.circuits[0].circuit.id == circuit
+    assert evidence.circuits[0].probability > 0.5
+    assert evidence.thin is None
+    by_key = {each.land.key: each for each in evidence.lands}
+    others = [each.probability for key, each in by_key.items() if key not in lands]
+    assert max(by_key[key].probability for key in lands) > max(others) + 0.05
+    much = evidence_of(gauged(name, dict.fromkeys(lands, 45e-6), (LINE_TAP, circuit)))
+    assert (much.seals[0].circuit.id, much.seals[0].probability > 0.9) == (circuit, True), "a seal explains any loss"
+    assert evidence.effective_samples > 50.0
+    for each in evidence.lands:
+        assert 0.0 < each.low <= each.clearance <= each.high
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_a_sound_unit_accuses_nothing(name: str) -> None:
+    circuit = UNITS[name]
+    evidence = evidence_of(gauged(name, {}, (LINE_TAP, circuit)))
+    read = next(each for each in evidence.circuits if each.circuit.id == circuit)
+    assert read.read
+    assert read.probability < 0.05
+    assert max(each.probability for each in evidence.lands) < 0.3
+    assert evidence.pump is None or evidence.pump.probability < 0.3
+
+
+def test_what_also_stands_beside_a_gauge_is_the_same_number() -> None:
+    circuit = "forward_clutch"
+    lands = dict.fromkeys(lands_of(gauged("five_speed_2005", {}, (LINE_TAP,)), circuit), 3e-05)
+    diagnosis = gauged("five_speed_2005", lands, (LINE_TAP, circuit))
+    said = next(each for each in evidence_of(diagnosis).circuits if each.circuit.id == circuit)
+    shown = [each.lost.probability_over(55e3) for each in diagnosis.pressures.readings if each.cell.tap == circuit]
+    assert said.probability == max(shown)
+
+
+def test_with_nothing_read_it_says_that_only_what_is_assumed_stands_there() -> None:
+    diagnosis = diagnose(load_controller("zf_6hp26"), load_fluid("hipol_atf_iid"), load_limits("project_default"))
+    evidence = evidence_of(diagnosis)
+    assert evidence.thin is not None
+    assumed = diagnosis.gauge_card.assumptions.worn_lands
+    for each in evidence.lands:
+        assert each.probability == pytest.approx(assumed * np.exp(-4.0 / 12.0), abs=0.03)
+
+
+def test_lands_between_the_same_pressures_share_a_group_and_one_that_was_measured_has_none() -> None:
+    diagnosis = gauged("five_speed_2005", {}, (LINE_TAP,))
+    ways: dict[LandKey, set] = {}
+    for gap in diagnosis.controller.gaps:
+        ways.setdefault(gap.key, set()).add((gap.high, gap.low, gap.gears))
+    groups: dict[int, list[LandKey]] = {}
+    for each in evidence_of(diagnosis).lands:
+        if each.group is not None:
+            groups.setdefault(each.group, []).append(each.land.key)
+    assert groups
+    for keys in groups.values():
+        assert len(keys) > 1
+        assert all(ways.get(key, set()) == ways.get(keys[0], set()) for key in keys)
+    sheet = SourceFile.at(SAMPLES / "measuring_sheet_five_speed.xlsx")
+    diagnosis = Case(controller="five_speed_2005", readings=sheet).diagnose()
+    measured = [each for each in evidence_of(diagnosis).lands if each.measured]
+    assert measured
+    assert all(each.group is None for each in measured)
+
+
+def test_a_reading_spares_less_once_it_was_taken_and_dear_lands_come_first() -> None:
+    diagnosis = gauged("five_speed_2005", {}, (LINE_TAP,))
+    chosen = readings_by_value(diagnosis, 10)
+    assert len({each.land.key for each in chosen}) == 10
+    values = [each.value for each in chosen]
+    assert values[0] > WORTH
+    assert max(values) < 1.5 * values[0]
+    assert values[-1] < values[0]
+    assert readings_by_value(diagnosis, 3) == chosen[:3]
+
+
+@pytest.fixture(scope="module")
+def plugged() -> tuple[PosteriorUnit, list[LandKey]]:
+    diagnosis = gauged("five_speed_2005", {}, (LINE_TAP,))
+    return diagnosis, lands_of(diagnosis, "forward_clutch")[:2]
+
+
+@pytest.mark.parametrize("width", [12e-6, 40e-6])
+def test_lands_that_share_a_plug_pass_together_what_it_passes(plugged, width: float) -> None:
+    diagnosis, keys = plugged
+    states = [each for each in diagnosis.model.clearances if each.land.key in keys]
+    passes = 1.5 * sum(each.spool_diameter * width**3 / each.land.contact_length for each in states)
+    plug = Plug(tuple(keys), passes, 0.05 * passes)
+    card = diagnosis.gauge_card
+    unit = PosteriorUnit(card.model, card.sources, card.assumptions, [diagnosis.projection], [plug])
+    drawn = unit.clearances(unit.draw(unit.prior, 4096, 0))
+    now = np.array([drawn[each.land.key][0] for each in states])
+    alone = [each.spool_diameter * row**3 / each.land.contact_length for each, row in zip(states, now, strict=True)]
+    # the spool lay anywhere in the test: from the middle, F 1, to its bore, F 2.5
+    assert np.quantile(sum(alone), (0.02, 0.98)) == pytest.approx([passes / 2.6, passes * 1.08], rel=0.15)
+    worn = np.mean(now - np.array([drawn[key][1] for key in keys]) > 4e-6)
+    assert worn < 0.05 if width < 20e-6 else worn > 0.5
+
+
+def test_a_land_beside_its_plug_is_drawn_as_without_it(plugged) -> None:
+    diagnosis, keys = plugged
+    card = diagnosis.gauge_card
+    units = [
+        PosteriorUnit(card.model, card.sources, card.assumptions, [diagnosis.projection], plugs)
+        for plugs in ((), (Plug((keys[0],), 1e-12, 1e-13),))
+    ]
+    drawn = [each.clearances(each.draw(each.prior, 512, 0)) for each in units]
+    other = next(key for key in units[0].lands if key != keys[0])
+    assert np.array_equal(drawn[0][other][0], drawn[1][other][0])
+    assert not np.array_equal(drawn[0][keys[0]][0], drawn[1][keys[0]][0])
