@@ -1,4 +1,4 @@
-"""Give the verdict on a unit, and its reports: ``atleak diagnose``."""
+"""Give the verdict on a unit, and its reports, ``atleak diagnose``; or what is likely worn, ``atleak evidence``."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from atleak.cli.shared import (
     add_force,
     add_json,
     add_print,
+    add_units,
     doubt_option,
     print_font,
     print_options,
@@ -22,11 +23,16 @@ from atleak.common.verdicts import FLAGGED, Verdict
 
 
 def add_parser(commands: Any, name: str) -> None:
-    """Add the command."""
+    """Add one of the commands."""
+    add = _add_diagnose if name == "diagnose" else _add_evidence
+    add(commands, name)
+
+
+def _add_diagnose(commands: Any, name: str) -> None:
     parser = add_command(
         commands,
         name,
-        run,
+        _diagnose,
         usage="atleak diagnose [READINGS] [--road-test LOG] [--pressures FILE] [options]",
         examples=(
             "diagnose sheet.xlsx",
@@ -54,7 +60,44 @@ def add_parser(commands: Any, name: str) -> None:
     )
 
 
-def run(options: argparse.Namespace) -> int:
+def _add_evidence(commands: Any, name: str) -> None:
+    parser = add_command(
+        commands,
+        name,
+        _evidence,
+        usage="atleak evidence [READINGS] [--pressures FILE] [--road-test LOG] --controller ID|FILE [options]",
+        examples=(
+            "evidence --pressures gauges.csv --controller five_speed_2005",
+            "evidence --complaint slips_hot --controller five_speed_2005",
+            "evidence --pressures gauges.csv --controller five_speed_2005 --assume worn_lands_percent=30 --json -",
+        ),
+    )
+    add_job_options(parser)
+    written = parser.add_argument_group("what is written, and how it is shown")
+    add_units(written)
+    add_json(written)
+    add_force(written)
+
+
+def _evidence(options: argparse.Namespace) -> int:
+    """Show what is likely worn, and what to measure next."""
+    outputs = Outputs(options, input_files(options))
+    case, _ = chosen_job(options, may_be_new=True)
+    from atleak.common.wording import wording
+    from atleak.report.tables.evidence import evidence_record, evidence_sections
+    from atleak.report.terminal import print_sections
+
+    diagnosis = case.diagnose()
+    outputs.write(json=lambda: evidence_record(diagnosis))
+    if outputs.shown:
+        say = wording("en", options.units)
+        warnings = [message for message in diagnosis.messages if message.level == "warning"]
+        print_sections(evidence_sections(diagnosis, say).values(), warnings, say)
+    outputs.say_written()
+    return 0
+
+
+def _diagnose(options: argparse.Namespace) -> int:
     """Diagnose the job, write the reports that were asked for and show the verdict."""
     gc.disable()  # one job is soon done, and nearly all that is made for it stays until then
     try:

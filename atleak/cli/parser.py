@@ -15,6 +15,7 @@ CommandOptions = argparse.ArgumentParser | argparse._ArgumentGroup
 
 COMMANDS = {
     "diagnose": ("diagnose", "a verdict from a measuring sheet, a road test or gauge readings"),
+    "evidence": ("diagnose", "what is likely worn, and what to measure next, before anything is opened"),
     "jobs": ("jobs", "the job book: every job that was worked on"),
     "fleet": ("fleet", "thousands of units: diagnosed on all processors or many machines, and summed up"),
     "compare": ("jobs", "two jobs of one unit side by side, before and after"),

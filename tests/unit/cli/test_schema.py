@@ -42,6 +42,7 @@ def files(tmp_path: Path, small_sheet: Callable[..., Path]) -> dict[str, Path]:
     ]
     texts = {
         "JOB": ("job.toml", JOB),
+        "LOW": ("low.csv", "tap,range,slow idle [kPa]\nline,D,570\nforward clutch,D,330\n"),
         "GAUGES": ("gauges.csv", "range;slow idle [bar];stall [bar]\nD;3,9;11\n1;2,9;\n"),
         "STUDY": ("study.csv", "\n".join(["part,operator,trial,reading [mm]", *readings])),
     }
@@ -59,6 +60,8 @@ MINIMAL = ("--controller", "minimal_example")
         ("diagnose", ("diagnose", "SHEET", *MINIMAL, "--job", "JOB")),
         ("diagnose", ("diagnose", "--road-test", "LOG", "--profile", "paper")),
         ("diagnose", ("diagnose", "--pressures", "GAUGES", "--complaint", "slips_hot")),
+        ("evidence", ("evidence", *MINIMAL)),
+        ("evidence", ("evidence", "--pressures", "LOW", "--controller", "five_speed_2005")),
         ("import-log", ("import-log", "LOG")),
         ("gauge-study", ("gauge-study", "STUDY", "--tolerance", "0.02")),
         ("controller-learn", ("controller", "learn", "SHEET", *MINIMAL)),

@@ -17,6 +17,7 @@ from atleak.common.verdicts import BANDS, FLAGGED, VERDICTS
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 OUTPUTS = {
     "diagnose": "diagnose --json, report --formats json",
+    "evidence": "evidence --json",
     "variants": "variants --json",
     "import-log": "import-log --json",
     "compare": "compare --json",
