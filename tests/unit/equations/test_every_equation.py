@@ -14,7 +14,7 @@ import pytest
 
 import atleak.equations
 from atleak.common import errors
-from atleak.equations import clearance, fluid, gap, orifice, pressure, proportions, pump
+from atleak.equations import clearance, fluid, gap, orifice, pressure, proportions, pump, vacuum
 
 GAP = (8e5, 0.010, 30e-6, 10.93e-6, 783.0, 0.008)
 FACES = (113.1e-6, 58.9e-6, 44.0e-6, 58.9e-6, 44.0e-6)
@@ -61,6 +61,9 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
     (pump.capacity, (1.7e-5, 40.0, 0.95)),
     (pump.slip_flow, (1.7e-5, 1e-7, 8e5, 8.5e-3)),
     (pump.minimum_speed, (1e-4, 2e-5, 1.7e-5)),
+    (vacuum.air_viscosity, (20.0,)),
+    (vacuum.gap_air_flow, (6e4, 1e5, 0.0145, 30e-6, 0.005, 20.0, 1.81e-5, 1.2, 1.5)),
+    (vacuum.orifice_air_flow, (9e4, 6e4, 6e-7, 20.0)),
 ]
 # These give a pair, words, truth values or reduce an axis; the tests of their own rooms cover them.
 OTHERS = {
@@ -73,8 +76,11 @@ OTHERS = {
     orifice.orifice_flow_and_slope,
     fluid.astm_d341_coefficients,
     fluid.astm_d341_reliable,
+    vacuum.circuit_pressure,
+    vacuum.equal_clearance,
+    vacuum.stand_flow_area,
 }
-ROOMS = [clearance, fluid, gap, orifice, pressure, proportions, pump]
+ROOMS = [clearance, fluid, gap, orifice, pressure, proportions, pump, vacuum]
 every_equation = pytest.mark.parametrize(("equation", "arguments"), EQUATIONS, ids=[e.__name__ for e, _ in EQUATIONS])
 
 
