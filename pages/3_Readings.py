@@ -50,7 +50,7 @@ if clearances.open:
         )
         chosen = {
             "flagged": diagnosis.flagged,
-            "not_fully_measured": [land for land in diagnosis.lands if land.state.status != "measured"],
+            "not_fully_measured": [land for land in diagnosis.lands if not land.state.whole],
         }.get(kind or "all", diagnosis.lands)
         if chosen:
             show.table(clearance_table(chosen, controller, say))

@@ -183,6 +183,7 @@ def judged_as(after: Diagnosis, before: Diagnosis) -> Diagnosis:
         readings=readings,
         road_test=after.log.road_test if after.log is not None else None,
         pressures=after.pressures.table if after.pressures is not None else None,
+        vacuum=after.vacuum_table,
         profile=before.profile,
         condition=(before if same_file else after).projection.condition,
         mileage=after.mileage,
@@ -313,7 +314,7 @@ class LandComparison:
     @property
     def half(self) -> bool:
         """Return whether one of its parts was not measured at one of the visits, and is taken as nominal."""
-        return any(each is not None and each.state.status != "measured" for each in self._sides.values())
+        return any(each is not None and not each.state.whole for each in self._sides.values())
 
     @property
     def flagged(self) -> bool:

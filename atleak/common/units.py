@@ -56,6 +56,7 @@ _IN_TIME = re.compile(
 DM3_MIN = 6.0e4  # m³/s → dm³/min
 MM3_S = 1.0e9  # m³/s → mm³/s
 KPA = 1.0e-3
+IN_HG = 1.0 / 3386.389  # at 0 °C
 MPA_S = 1.0e3  # Pa·s → mPa·s
 MM = 1.0e3
 UM = 1.0e6
@@ -306,6 +307,7 @@ _METRIC = {
     "uncertainty": ShownUnit("µm", 2),  # of a clearance or diameter
     "length": ShownUnit("mm", 3),
     "pressure": ShownUnit("kPa"),
+    "vacuum": ShownUnit("in-Hg", 1),  # as gauges of stands are marked
     "temperature": ShownUnit("°C"),
     "temperature_difference": ShownUnit("°C", 1),
     "flow": ShownUnit("dm³/min", 2),
@@ -341,6 +343,7 @@ SYSTEMS: Mapping[str, Mapping[str, ShownUnit]] = {
     | dict.fromkeys(("flow", "leak"), ShownUnit("l/min", 2))
     | {
         "pressure": ShownUnit("bar", 2, 0.01, finer=2),
+        "vacuum": ShownUnit("mbar", 0, 33.86389),
         "tip_slip": ShownUnit("l/min/bar", 2, 100.0),
         "tip_bend": ShownUnit("mPa²·s²/bar", 2, 100.0),
     },

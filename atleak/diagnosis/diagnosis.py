@@ -34,6 +34,7 @@ from atleak.diagnosis.provisional import AssumedBasis, Representative
 from atleak.diagnosis.road import RoadFindings, leakage_over
 from atleak.diagnosis.rules import Rule, cannot_be, farthest_first
 from atleak.diagnosis.uncertainty import Decision, RuleDecision, UnitUncertainty, certainty
+from atleak.diagnosis.vacuum import VacuumFinding
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import LINE, Losses
 from atleak.engine.profile import Profile
@@ -42,6 +43,7 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.engine.road_pressure import SLUMP_SPAN, TemperatureClass, temperature_classes
 from atleak.measurements.readings import MeasuringTemperature, Readings
 from atleak.measurements.road_test import RoadTest
+from atleak.measurements.vacuum import VacuumTable
 
 APART = 0.2  # relative: by which two engine speeds differ that tell a pump from what is stuck: choice of this project
 
@@ -92,6 +94,8 @@ class Diagnosis:
         what gauges should show on the unit, new and as measured.
     pressures
         gauge readings of the standing vehicle, judged; None without any.
+    vacuum
+        what every plug of a vacuum test tells, of one land or of several together.
     logged
         what is missing of main pressure where a log shows it, the vehicle standing.
     uncertainty
@@ -110,6 +114,8 @@ class Diagnosis:
         what a reader of the result must know.
     repairs
         that the workshop chose to plan with; of other lands the cheapest is planned.
+    vacuum_table
+        the vacuum test that ``vacuum`` follows from; None without one.
     lines_of_visits
         wear over mileage of the lands of which several visits tell it; None: since new, where this visit tells that.
     """
@@ -134,6 +140,7 @@ class Diagnosis:
     log: RoadFindings | None
     gauge_card: GaugeCard = field(repr=False)
     pressures: PressureCheck | None
+    vacuum: tuple[VacuumFinding, ...]
     logged: tuple[Missing, ...] = field(compare=False)
     uncertainty: UnitUncertainty | None
     total_rules: tuple[Rule, ...]
@@ -143,6 +150,7 @@ class Diagnosis:
     complaint: Complaint | None
     messages: tuple[Message, ...]
     repairs: tuple[Repair, ...] = ()
+    vacuum_table: VacuumTable | None = None
     lines_of_visits: Mapping[LandKey, WearLine] | None = field(default=None, repr=False)
 
     @property
@@ -667,13 +675,13 @@ class Diagnosis:
 
     @property
     def without_sheet(self) -> bool:
-        """Return whether a log, gauge readings or both are all there is: no measuring sheet was given."""
-        return self.readings is None and (self.log is not None or self.pressures is not None)
+        """Return whether a log, gauge readings or both are all there is: neither measuring sheet nor vacuum test."""
+        return self.readings is None and not self.vacuum and (self.log is not None or self.pressures is not None)
 
     @property
     def unmeasured(self) -> tuple[LandDiagnosis, ...]:
-        """Return the lands of which a part was not measured, but for those that a ring seals."""
-        return tuple(land for land in self.lands if land.state.land.seal is None and land.state.status != "measured")
+        """Return the lands whose clearance was not measured whole, but for those that a ring seals."""
+        return tuple(land for land in self.lands if land.state.land.seal is None and not land.state.whole)
 
     @cached_property
     def open_lands(self) -> frozenset[LandKey]:
@@ -709,8 +717,8 @@ class Diagnosis:
 
     @cached_property
     def measured(self) -> int:
-        """Count the lands of which both parts were measured."""
-        return sum(land.state.status == "measured" for land in self.lands)
+        """Count the lands of which both parts were measured, or what they leak."""
+        return sum(land.state.whole for land in self.lands)
 
 
 def mileage_of(stated: float | None, readings: Readings | None) -> float | None:

@@ -22,6 +22,7 @@ from atleak.diagnosis.messages import messages_of, sheet_messages
 from atleak.diagnosis.road import diagnosed_road
 from atleak.diagnosis.rules import UnitRules, unit_rules
 from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR, Assumptions, UnitUncertainty, assess
+from atleak.diagnosis.vacuum import vacuum_findings, vacuum_messages, with_vacuum
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import pressure_losses
 from atleak.engine.profile import WORKSHOP, Profile
@@ -31,6 +32,7 @@ from atleak.measurements.clearances import clearances
 from atleak.measurements.gauge_readings import NO_GAUGES, PressureTable
 from atleak.measurements.readings import Readings
 from atleak.measurements.road_test import RoadTest
+from atleak.measurements.vacuum import VacuumTable
 
 
 @translates_refusals
@@ -43,6 +45,7 @@ def diagnose(
     readings: Readings | None = None,
     road_test: RoadTest | None = None,
     pressures: PressureTable | None = None,
+    vacuum: VacuumTable | None = None,
     profile: Profile = WORKSHOP,
     condition: OperatingPoint | None = None,
     mileage: float | None = None,
@@ -71,6 +74,8 @@ def diagnose(
         log, over which leakage is computed where it holds main pressure.
     pressures
         gauge readings of the standing vehicle.
+    vacuum
+        readings of a vacuum stand: a plug on one land measures it, beside or instead of its diameters.
     profile
         how the engine computes.
     condition
@@ -100,7 +105,8 @@ def diagnose(
     DomainError
         a condition's temperature outside the fluid's data.
     InputError
-        a fluid that its data describe as used, taken as fresh.
+        a fluid that its data describe as used, taken as fresh; a vacuum reading of a land that the valve body does not
+        have, or with a stand of which nothing tells how much air it draws.
     ReadingsError
         a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
@@ -108,13 +114,15 @@ def diagnose(
     measured_pump = pump_clearances if readings is None else pump_clearances.or_else(readings.pump)
     described, controller = controller, controller.with_measured_pump(measured_pump)
     pump_new = None
-    if readings is not None and controller.pump.as_new is not None and profile.pump_efficiency == "wilson":
+    tested = readings is not None or vacuum is not None
+    if tested and controller.pump.as_new is not None and profile.pump_efficiency == "wilson":
         pump_new = diagnose(
             described,
             fluid,
             limits,
             fluid_state=fluid_state,
-            readings=kept_with(readings, "pump", "new", partial(replace, readings, pump=NO_CLEARANCES)),
+            readings=readings and kept_with(readings, "pump", "new", partial(replace, readings, pump=NO_CLEARANCES)),
+            vacuum=vacuum,
             profile=profile,
             condition=condition,
             mileage=mileage,
@@ -131,10 +139,15 @@ def diagnose(
     measured_at = None if readings is None else readings.measured_at(measuring_temperature)
     temperature = REFERENCE_TEMPERATURE if measured_at is None else measured_at.value
     states = clearances(readings, controller, temperature=temperature, instruments=instruments)
+    if vacuum is not None:
+        states = with_vacuum(states, readings, controller, vacuum, instruments, assumptions)
     unit = BesideNew.of(LeakageModel(controller, states, fluid, profile), states, condition)
     road = diagnosed_road(road_test, unit.model, condition, limits, assumptions, guard_factor)
     measured = [state.land.key for state in states if state.measured]
-    rules, uncertainty = _judged(unit, limits, road.leakage, pump_new, readings, instruments, assumptions, guard_factor)
+    findings = () if vacuum is None else vacuum_findings(vacuum, unit, limits, assumptions)
+    rules, uncertainty = _judged(
+        unit, limits, road.leakage, pump_new, readings, vacuum, instruments, assumptions, guard_factor
+    )
     better = pump_new.unit_rules if pump_new else ()
     card = GaugeCard(unit.model, unit.as_unworn, readings, instruments, assumptions)
     checked = (
@@ -156,6 +169,8 @@ def diagnose(
         *road.messages,
         *([fresh_assumed(fluid)] if fluid_state_assumed else ()),
         *sheet_messages(readings, measured_at, uncertainty, road_test, mileage),
+        *(vacuum.messages if vacuum else ()),
+        *vacuum_messages(findings, assumptions),
     ]
     return Diagnosis(
         readings=readings,
@@ -178,6 +193,7 @@ def diagnose(
         log=road.log,
         gauge_card=card,
         pressures=checked if pressures else None,
+        vacuum=findings,
         logged=checked.logged if checked else (),
         uncertainty=uncertainty,
         total_rules=rules.totals,
@@ -186,6 +202,7 @@ def diagnose(
         pump_new=pump_new,
         complaint=complaint,
         messages=tuple(dict.fromkeys(messages)),
+        vacuum_table=vacuum,
     )
 
 
@@ -195,13 +212,14 @@ def _judged(
     road: RoadLeakage | None,
     pump_new: Diagnosis | None,
     readings: Readings | None,
+    vacuum: VacuumTable | None,
     instruments: Instruments | None,
     assumptions: Assumptions,
     guard_factor: float,
 ) -> tuple[UnitRules, UnitUncertainty | None]:
-    """Judge every rule of a unit; with readings by what is likely, and return how sure that is."""
+    """Judge every rule of a unit; with diameters or a vacuum test by what is likely, and return how sure that is."""
     rules = unit_rules(unit.states, unit.now, unit.unworn, limits, unit.model.controller.operating_points)
-    if readings is None:
+    if readings is None and vacuum is None:
         return rules, None
     model = unit.model
     rests_on = model, limits, instruments, assumptions
@@ -216,7 +234,7 @@ def _judged(
         assumptions=assumptions,
         guard_factor=guard_factor,
         # carried through for these readings before, where nothing but the conditions has changed since
-        cache=kept_with(readings, "spreads", rests_on, dict, most=1),
+        cache=kept_with(readings or vacuum, "spreads", rests_on, dict, most=1),
     )
     if pump_new is not None and pump_new.uncertainty is not None:  # a worn pump makes no land worn
         uncertainty = uncertainty.with_lands_of(pump_new.uncertainty)

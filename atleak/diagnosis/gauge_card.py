@@ -135,7 +135,8 @@ class GaugeCard:
     @property
     def measured(self) -> bool:
         """Return whether lands or the pump were measured: else the unit is as new."""
-        return self.readings is not None or self.model.controller.pump.measured.any_known
+        by_leak = any(state.leak for state in self._clearances)
+        return self.readings is not None or by_leak or self.model.controller.pump.measured.any_known
 
     def rows(self, fast_idle: float = USUAL_FAST_IDLE) -> Iterator[CardRow]:
         """Yield what can be read: the line in all ranges, a circuit where it is applied; no stall in park and neutral.
@@ -198,11 +199,15 @@ class GaugeCard:
     def _drawn(self) -> dict[OperatingPoint, list[tuple[Projection, Mapping[str, Any]]]]:
         return {}
 
+    @property
+    def _clearances(self) -> Sequence[LandClearance]:
+        return cast("Sequence[LandClearance]", self.model.clearances)
+
     @cached_property
     def sources(self) -> tuple[LandSources, ...]:
         """Return every land with what makes its clearance uncertain."""
-        states = cast("Sequence[LandClearance]", self.model.clearances)
-        return find_sources(states, self.readings, self.model.controller, self.gauges, self.assumptions)[0]
+        controller = self.model.controller
+        return find_sources(self._clearances, self.readings, controller, self.gauges, self.assumptions)[0]
 
     @property
     def gauges(self) -> Instruments:

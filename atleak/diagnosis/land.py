@@ -247,7 +247,7 @@ def replace_mileage(
 
 def line_from_new(land: LandSources, mileage: float | None) -> WearLine | None:
     """Return the line from the mounting clearance at 0 km to the clearance as measured; None where either lacks."""
-    if mileage is None or land.state.status != "measured" or not known_at_start(land):
+    if mileage is None or not land.state.whole or not known_at_start(land):
         return None
     of_both = np.diag([land.u_mounting**2, land.standard_uncertainty**2])
     return wear_line([0.0, mileage], [land.state.land.new_clearance, land.state.radial_clearance], of_both)
@@ -304,8 +304,8 @@ class LandDiagnosis:
 
     @property
     def in_doubt(self) -> bool:
-        """Return whether its readings contradict themselves: repeats too far apart, or a pair tighter than new."""
-        return self.suspect or bool(self.state.doubts)
+        """Return whether its readings contradict one another, or say that the pair is tighter than a new one."""
+        return self.suspect or self.state.contradicted or bool(self.state.doubts)
 
     @property
     def probability_over_limit(self) -> float | None:

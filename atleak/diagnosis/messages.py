@@ -64,12 +64,14 @@ def sheet_messages(
     mileage: float | None,
 ) -> Iterator[Message]:
     """Yield what is to be said of a sheet as a whole, and of how sure its lands are; nothing without a sheet."""
-    if readings is None or measured_at is None or uncertainty is None:
+    if uncertainty is None:
         return
-    place, lands = Place(readings.file, readings.sheet), [land.sources for land in uncertainty.lands]
-    yield from _other_temperature(readings, measured_at, place)
-    yield from _older(readings, road_test, place)
-    yield from _shifted(lands, place)
+    lands, place = [land.sources for land in uncertainty.lands], Place()
+    if readings is not None and measured_at is not None:
+        place = Place(readings.file, readings.sheet)
+        yield from _other_temperature(readings, measured_at, place)
+        yield from _older(readings, road_test, place)
+        yield from _shifted(lands, place)
     yield from _suspect(lands, readings, place)
     yield from _slips(lands, readings, place)
     yield from _unequal_repeats([land.state for land in lands], place)
@@ -172,7 +174,7 @@ def _shifted(lands: Sequence[LandSources], place: Place) -> Iterator[Message]:
 # --- single pairs that cannot be so
 
 
-def _suspect(lands: Sequence[LandSources], readings: Readings, place: Place) -> Iterator[Message]:
+def _suspect(lands: Sequence[LandSources], readings: Readings | None, place: Place) -> Iterator[Message]:
     suspects = [land for land in lands if land.suspect]
     if not suspects:
         return
@@ -195,7 +197,7 @@ def _suspect(lands: Sequence[LandSources], readings: Readings, place: Place) -> 
     yield Message("warning", "tighter_than_new", text, _place_of(suspects[0], readings, place))
 
 
-def _slips(lands: Sequence[LandSources], readings: Readings, place: Place) -> Iterator[Message]:
+def _slips(lands: Sequence[LandSources], readings: Readings | None, place: Place) -> Iterator[Message]:
     for land in lands:
         clearance, new = land.state.radial_clearance, land.state.land.mounting_high
         if land.state.measured and clearance >= max(SLIP_FROM * new, _SLIP_LEAST):
@@ -210,10 +212,11 @@ def _slips(lands: Sequence[LandSources], readings: Readings, place: Place) -> It
             yield Message("warning", "clearance_far_open", text, _place_of(land, readings, place))
 
 
-def _place_of(land: LandSources, readings: Readings, sheet: Place) -> Place:
-    component, planes = land.key[0], land.state.land.planes
-    places = (each.place for each in readings.readings if each.component == component and each.plane in planes)
-    return next(places, sheet)
+def _place_of(land: LandSources, readings: Readings | None, sheet: Place) -> Place:
+    component, planes, leak = land.key[0], land.state.land.planes, land.state.leak
+    of_sheet = () if readings is None else readings.readings
+    places = (each.place for each in of_sheet if each.component == component and each.plane in planes)
+    return next(places, leak.reading.place if leak else sheet)
 
 
 def _unequal_repeats(states: Sequence[LandClearance], place: Place) -> Iterator[Message]:
@@ -426,6 +429,10 @@ def messages_of(unit: BesideNew, road: RoadDiagnosis, readings: Readings | None)
     yield from _about_pump(controller.pump, profile, readings)
     if readings is None:
         text = Sentence("No measuring sheet: every land is computed at its mounting clearance.")
+        if any(state.leak for state in unit.states):
+            text = Sentence(
+                "No measuring sheet: every land that no vacuum test measured is computed at its mounting clearance."
+            )
         yield Message("warning", "no_readings", text)
     else:
         yield from readings.messages

@@ -83,8 +83,10 @@ class Representative:
     def __init__(
         self, controller: Controller, fluid: Fluid, states: Iterable[LandClearance], *, uses_slip: bool
     ) -> None:
+        states = tuple(states)
         status = {state.land.key: state.status for state in states}
         self._measured = {key for key, each in status.items() if each == "measured"}
+        self._by_leak = {state.land.key for state in states if state.leak is not None}
         self._without_sleeve = {key for key, each in status.items() if each == "spool_only"}
         self._fluid = any(value not in _HARDLY_MATTERS for value in fluid.representative)
         entry, of_pump = controller.entry, _of_pump(controller, uses_slip)
@@ -108,6 +110,8 @@ class Representative:
             rests_on = _RESTS_ON.get(rule.kind, set())
         if rule.kind is RuleKind.CLEARANCE and any(land.key in self._without_sleeve for land in lands):
             rests_on = {*rests_on, AssumedBasis.MOUNTING_CLEARANCE}
+        if rule.kind in (RuleKind.WEAR, RuleKind.CLEARANCE) and any(land.key in self._by_leak for land in lands):
+            rests_on = {*rests_on, AssumedBasis.CONTACT_LENGTH}
         if rule.kind in (RuleKind.PUMP_SIDE, RuleKind.PUMP_TIP) and self._pump_limits:
             yield AssumedBasis.PUMP
         for basis in rests_on:

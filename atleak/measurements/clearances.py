@@ -6,6 +6,7 @@ what is missing.
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -20,9 +21,11 @@ from atleak.common.errors import Message, Place, ReadingsError, translates_refus
 from atleak.common.sentences import Sentence
 from atleak.common.units import Quantity
 from atleak.equations import clearance as clearance_equations
+from atleak.equations.gap import flow_equal_clearance
 from atleak.measurements.readings import Reading, Readings
+from atleak.measurements.vacuum import LeakClearance
 
-Status = Literal["measured", "spool_only", "sleeve_only", "not_measured"]
+Status = Literal["measured", "spool_only", "sleeve_only", "vacuum", "not_measured"]
 _STATUS: Mapping[tuple[bool, bool], Status] = {  # by whether the spool was measured, and its sleeve
     (True, True): "measured",
     (True, False): "spool_only",
@@ -30,6 +33,8 @@ _STATUS: Mapping[tuple[bool, bool], Status] = {  # by whether the spool was meas
     (False, False): "not_measured",
 }
 
+_HALF = ("sleeve_missing", "spool_missing")  # codes of what is said of a land of which one part was measured
+CONTRADICTION = 2.58  # standard uncertainties by which micrometer and vacuum test differ in 1 of 100 cases
 REPEAT_TOLERANCE = 5e-6  # [m] repeats of one diameter further apart than this are flagged: choice of this project
 OVALITY_TO_LOOK_AT = 50e-6  # [m] choice of this project
 _TOLERATED = REPEAT_TOLERANCE + 1e-12  # [m] less than this beyond it is floating point
@@ -80,7 +85,7 @@ class LandClearance:
     """
 
     land: Land  # as the controller's file describes it
-    status: Status  # which of its parts were measured
+    status: Status  # which of its parts were measured; ``vacuum``: not both, but what it leaks
     spool_diameter: float  # [m] mean, or nominal
     sleeve_diameter: float  # [m] mean, or nominal
     radial_clearance: float  # [m] mean, or the mounting clearance
@@ -100,10 +105,18 @@ class LandClearance:
     sleeve_repeats: int  # likewise
     messages: tuple[Message, ...] = ()  # what a reader must know of it
     doubts: tuple[Disagreement, ...] = ()  # places whose repeats are too far apart to be averaged
+    leak: LeakClearance | None = None  # what a vacuum test tells of it alone
+    leak_weight: float = 0.0  # of that in the cube of the clearance; the rest is the micrometers'
+    contradicted: bool = False  # micrometers and vacuum test differ by more than their uncertainties allow
+
+    @property
+    def whole(self) -> bool:
+        """Return whether its clearance was measured: both of its parts, or what it leaks."""
+        return self.status in ("measured", "vacuum")
 
     @property
     def measured(self) -> bool:
-        """Return whether at least one of the two parts was measured."""
+        """Return whether at least one of the two parts was measured, or what it leaks."""
         return self.status != "not_measured"
 
     @property
@@ -113,8 +126,8 @@ class LandClearance:
 
     @property
     def can_be_ok(self) -> bool:
-        """Return whether it can be called ok: it is judged, and by both of its parts."""
-        return self.judged and self.status == "measured"
+        """Return whether it can be called ok: it is judged, and by both of its parts or by what it leaks."""
+        return self.judged and self.whole
 
     @property
     def wear(self) -> float:
@@ -237,6 +250,71 @@ def clearances(
             parts[land.key][reading.part].append(reading)
     gauges = None if temperature == REFERENCE_TEMPERATURE else instruments or load_instruments()
     return tuple(_land_clearance(land, parts[land.key], temperature, gauges) for land in controller.lands)
+
+
+def with_leak(state: LandClearance, uncertainty: float, leak: LeakClearance) -> LandClearance:
+    """Return a land's clearance with what a vacuum test tells of it: alone, or with both of its parts measured.
+
+    Parameters
+    ----------
+    state
+        as its diameters tell it.
+    uncertainty
+        standard uncertainty of that clearance [m].
+    leak
+        of the vacuum test.
+
+    Returns
+    -------
+    LandClearance
+        with the mean of both cubes, weighted by their inverse variances. Where they differ by more than
+        `CONTRADICTION` uncertainties there is no mean: the wider counts until one of them is measured again, and a
+        message says so.
+
+    Notes
+    -----
+    A spool or sleeve that was measured alone tells nothing beside a leak, which sees the wear of both.
+    """
+    if state.status != "measured":
+        kept = tuple(each for each in state.messages if each.code not in _HALF)
+        alone = replace(state, status="vacuum", messages=kept)
+        return _as_leaking(alone, leak, leak.clearance, 1.0)
+    own = flow_equal_clearance(max(state.radial_clearance, 0.0), *state.form_moments)
+    variances = [(3.0 * c * c * u) ** 2 for c, u in ((own, uncertainty), (leak.clearance, leak.standard_uncertainty))]
+    apart = abs(own**3 - leak.clearance**3) - CONTRADICTION * math.sqrt(sum(variances))
+    if apart > 0.0:
+        wider = leak.clearance > own
+        text = Sentence(
+            "{land}: diameters tell {own} {own.unit}, the vacuum test ({place}) {leak} {leak.unit}: they contradict "
+            "one another. Measure again; until then the wider counts",
+            land=named(state.land),
+            own=in_um(own),
+            place=leak.reading.place.sentence,
+            leak=in_um(leak.clearance),
+        )
+        doubted = replace(
+            state,
+            contradicted=True,
+            messages=(*state.messages, Message("warning", "vacuum_contradicts", text, leak.reading.place)),
+        )
+        return _as_leaking(doubted, leak, leak.clearance if wider else own, float(wider))
+    weight = variances[0] / sum(variances) if sum(variances) else 0.5
+    return _as_leaking(state, leak, math.cbrt((1.0 - weight) * own**3 + weight * leak.clearance**3), weight)
+
+
+def _as_leaking(state: LandClearance, leak: LeakClearance, even: float, weight: float) -> LandClearance:
+    """Return a land that leaks as much as an even one of that clearance, its form as its readings show it."""
+    square, third = state.form_moments
+    mean = even  # of c³ + 3 c m₂ + m₃ = even³ there is one root
+    if square > 0.0:
+        root = math.sqrt(square)
+        mean = 2.0 * root * math.sinh(math.asinh((even**3 - third) / (2.0 * root**3)) / 3.0)
+    moved = mean - state.radial_clearance
+    least, most = state.min_clearance + moved, state.max_clearance + moved
+    if state.status == "vacuum":
+        least = most = mean
+        state = replace(state, sleeve_diameter=state.spool_diameter + 2.0 * mean)
+    return replace(state, radial_clearance=mean, min_clearance=least, max_clearance=most, leak=leak, leak_weight=weight)
 
 
 def _land_clearance(

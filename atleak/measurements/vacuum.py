@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import groupby
 
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import Message, Place
+from atleak.common.units import IN_HG
+from atleak.equations.vacuum import STANDARD_ATMOSPHERE
 
-USUAL_SUPPLY = 25 * 3386.389  # [Pa] below ambient, 25 in-Hg: to which stands of the trade are set when closed
-STANDARD_ATMOSPHERE = 101_325.0  # [Pa]
+USUAL_SUPPLY = 25.0 / IN_HG  # [Pa] below ambient: to which stands of the trade are set when closed
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,23 @@ class VacuumReading:
     orifice: float | None = None  # [m] diameter of the stand's own orifice that was fitted; None: not stated
     repaired: bool = False  # the bore was read after its repair; else as it was worn
     place: Place = Place()  # noqa: RUF009  frozen, so safe to share
+
+
+@dataclass(frozen=True)
+class LeakClearance:
+    """The clearance that a vacuum test tells of one land alone: the even one that leaks as much."""
+
+    clearance: float  # [m] cube root of the mean cube of what it may be
+    u_reading: float  # [m] standard uncertainties of it: by the gauge
+    u_stand: float  # [m] by C_d A of the stand, the same for all that it read
+    u_position: float  # [m] by where the spool lay
+    u_length: float  # [m] by the contact length
+    reading: VacuumReading  # the last of those it follows from
+
+    @property
+    def standard_uncertainty(self) -> float:
+        """Return the standard uncertainty [m] of it all."""
+        return math.hypot(self.u_reading, self.u_stand, self.u_position, self.u_length)
 
 
 @dataclass(frozen=True)

@@ -290,7 +290,7 @@ def _shape(state: LandClearance) -> Shape:
 
 def _lower_bound(state: LandClearance) -> bool:
     """Return whether the sleeve was measured in one direction only: ovality needs two in one plane."""
-    return state.status in {"measured", "sleeve_only"} and state.sleeve_ovality is None
+    return state.leak is None and state.status in {"measured", "sleeve_only"} and state.sleeve_ovality is None
 
 
 # --- the whole
@@ -403,7 +403,7 @@ def _messages(
         )
         messages.append(Message("warning", "clearance_lower_bound", text))
     missing = sum(not land.state.measured for land in sources)
-    if used and missing:
+    if missing < len(sources) and missing:
         text = Sentence(
             "{missing} of {lands} lands were not measured and are in the total at their mounting clearance.",
             missing=missing,

@@ -11,7 +11,7 @@ from typing import Any
 from atleak.catalogue.written_numbers import decimal_number
 from atleak.common.errors import InputError, unknown
 from atleak.common.sentences import Sentence
-from atleak.common.units import Quantity
+from atleak.common.units import IN_HG, Quantity
 from atleak.equations.statistics import rectangular
 
 
@@ -22,6 +22,7 @@ def _in(unit: str, size: float, kind: str) -> Callable[[float], Any]:
 
 _k, _percent = _in("k", 1.0, "temperature_difference"), _in("percent", 1e-2, "percent")
 _mm, _um = _in("mm", 1e-3, "length"), _in("um", 1e-6, "clearance")
+_in_hg = _in("in_hg", 1.0 / IN_HG, "vacuum")
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,11 @@ class Assumptions:
     line_rise: float = _percent(0.1)  # by how much, relative, exponential
     feed: float = _percent(0.02)  # relative, of the flow through a feed orifice
     gauged_temperature: float = _k(3.0)  # [K] of the fluid while gauges are read
+    # of a vacuum test
+    vacuum_gauge: float = _in_hg(0.5 / IN_HG)  # [Pa] half width about a reading, any value alike likely
+    discharge_coefficient: float = _percent(0.8)  # C_d itself: of known orifices, and of a stand without calibration
+    discharge: float = _percent(0.05)  # relative, of C_d
+    tested_position: float = _percent(1.0)  # e/c, up to which a spool may lie in a test, any alike likely; 1 touches
 
     @cached_property
     def u_room_temperature(self) -> float:
@@ -125,7 +131,9 @@ class Assumptions:
 
 
 _UNITS: dict[str, tuple[str, float]] = {each.name: each.metadata["unit"] for each in fields(Assumptions)}
-_MOST = {"one_sided_wear": 1.0}  # no more than all wear lies to one side
+_MOST = {"one_sided_wear": 1.0, "tested_position": 1.0}  # no more than all wear to one side, nor beyond the bore
 
 DEFAULTS = Assumptions()
-NOTHING_ELSE = Assumptions(**{field.name: 0.0 for field in fields(Assumptions)})  # only the instruments err
+NOTHING_ELSE = Assumptions(  # only the instruments err
+    **{each.name: 0.0 for each in fields(Assumptions)} | {"discharge_coefficient": DEFAULTS.discharge_coefficient}
+)

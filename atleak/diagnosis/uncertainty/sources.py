@@ -47,6 +47,10 @@ SourceKind = Literal[
     "measuring temperature",
     "nominal diameter",
     "mounting clearance",
+    "vacuum gauge",
+    "vacuum stand",
+    "spool position in the vacuum test",
+    "contact length in the vacuum test",
 ]
 
 TOLERANCE_HOLDS = 0.95  # of the pairs of a type, as a tolerance of the mounting clearance is stated
@@ -197,7 +201,7 @@ class LandSources:
         """
         low, high = self.state.land.mounting_range
         u = math.hypot(self.standard_uncertainty, self.u_mounting if low == high else 0.0)
-        return self.state.status == "measured" and self.state.radial_clearance < low - _SUSPECT * u
+        return self.state.whole and self.state.radial_clearance < low - _SUSPECT * u
 
     @property
     def grown(self) -> bool:
@@ -330,6 +334,8 @@ def _land_sources(
     else:
         for part in PARTS:
             stations = groups.get(part)
+            if not stations and state.leak_weight == 1.0:
+                continue
             if not stations:
                 sources.append(
                     UncertaintySource("nominal diameter", part, OF_A_DIAMETER * assumptions.nominal_diameter)
@@ -342,7 +348,24 @@ def _land_sources(
             sources += _part_sources(
                 state, part, instruments.of(part), instruments, plans[part], spreads[part], assumptions
             )
-    return LandSources(state, tuple(sources), plans, spreads, instruments, assumptions)
+    return LandSources(state, tuple(_with_leak(state, sources)), plans, spreads, instruments, assumptions)
+
+
+def _with_leak(state: LandClearance, sources: Iterable[UncertaintySource]) -> Iterable[UncertaintySource]:
+    """Return a land's sources with those of its vacuum test: of a weighted mean of cubes each acts by its weight."""
+    leak, weight = state.leak, state.leak_weight
+    if leak is None:
+        return sources
+    mean = max(state.radial_clearance, leak.clearance if weight == 1.0 else 0.0)
+    by_leak = weight * (leak.clearance / mean) ** 2 if mean else weight
+    kept = [replace(each, standard_uncertainty=each.standard_uncertainty * (1.0 - weight)) for each in sources]
+    return [
+        *(each for each in kept if weight < 1.0),
+        UncertaintySource("vacuum gauge", None, by_leak * leak.u_reading),
+        UncertaintySource("vacuum stand", None, by_leak * leak.u_stand, "vacuum stand"),
+        UncertaintySource("spool position in the vacuum test", None, by_leak * leak.u_position),
+        UncertaintySource("contact length in the vacuum test", None, by_leak * leak.u_length),
+    ]
 
 
 def _part_sources(

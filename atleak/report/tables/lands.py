@@ -295,6 +295,8 @@ def _doubts(land: LandDiagnosis, say: Wording) -> Iterable[str]:
             apart=say.quantity(doubt.apart * UM, "clearance"),
             values=values,
         )
+    if land.state.contradicted:
+        yield say("diagnosis.vacuum_contradicts")
     if land.suspect:
         yield say("diagnosis.tighter_than_new")
 

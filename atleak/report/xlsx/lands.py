@@ -57,6 +57,7 @@ _STATUS = {
     "measured": Sentence("measured"),
     "spool_only": Sentence("spool only"),
     "sleeve_only": Sentence("sleeve only"),
+    "vacuum": Sentence("vacuum test"),
     "not_measured": Sentence("not measured"),
 }
 
