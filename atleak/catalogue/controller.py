@@ -356,6 +356,17 @@ class Controller(Headed):
         """
         return tuple(land for land in self.lands if land.component == component)
 
+    def lands_around(self, circuit: str) -> tuple[Land, ...]:
+        """Return the lands that part a circuit from anything else: those past which air comes in where it is plugged.
+
+        Parameters
+        ----------
+        circuit
+            its id.
+        """
+        keys = {gap.key for gap in self.gaps if circuit in (gap.section, gap.high.section, gap.low.section)}
+        return tuple(land for land in self.lands if land.key in keys)
+
     def repairs_of(self, component: str) -> tuple[Repair, ...]:
         """Return the repairs that the file names for a component.
 

@@ -93,6 +93,8 @@ class VacuumFinding:
     new_clearance: float  # [m] common to all, when new
     widest_new: float  # [m] likewise, of the widest new lands
     each: tuple[LandShare, ...]  # none where there is but one
+    passes: float  # [m³] Σ D c³/l with every spool concentric
+    u_passes: float  # [m³] standard uncertainty of it by gauge and stand
     leakage: float  # [m³/s] at hot idle, or the stated condition
     leakage_interval: Interval  # [m³/s]
     rule: Rule | None  # the wear limits on the common clearance; None where the set has none
@@ -351,6 +353,7 @@ def _finding(
     readings = _last_state(group)
     lengths, factors = tests.length(number, lands), tests.position(number, lands)
     cubes = _cubes(tests, readings, lands, number, lengths, factors)
+    sizes = np.array([land.nominal_diameter for land in lands])
     drawn, clearance = np.cbrt(cubes), float(np.cbrt(cubes.mean()))
     new, widest, high = (_common(lands, name) for name in ("new_clearance", "widest_new", "mounting_high"))
     rule = None
@@ -359,6 +362,8 @@ def _finding(
         reached = tuple(float(np.mean(drawn / high - 1.0 >= limit)) for _, limit in wear.levels)
         where = Sentence("{target}", target=Name(readings[-1].target))
         rule = Rule(RuleKind.WEAR, None, clearance / high - 1.0, wear, where=where, reached=reached)
+    usual = np.array([[land.contact_length] for land in lands])
+    passes = _cubes(tests, readings, lands, number, usual, 1.0) * float(np.sum(1.0 / usual[:, 0] * sizes))
     flows = _service_flow(cubes, lands, lengths, unit, tests.assumptions, number)
     last = readings[-1]
     gauge = tests.assumptions.vacuum_gauge
@@ -371,6 +376,8 @@ def _finding(
         new_clearance=new,
         widest_new=widest,
         each=_shares(tests, last, lands, number, lengths, factors) if len(lands) > 1 else (),
+        passes=float(passes.mean()),
+        u_passes=float(passes.std()),
         leakage=float(flows.mean()),
         leakage_interval=interval_of(flows, COVERAGE),
         rule=rule,
@@ -547,7 +554,7 @@ def _targets(controller: Controller) -> Iterator[tuple[str, str | None, tuple[La
     sealed = {land.key for land in controller.lands if land.seal}
     if controller.circuits:
         for circuit in controller.circuits:
-            lands = tuple(land for land in lands_of_circuit(controller, circuit.id) if land.key not in sealed)
+            lands = tuple(land for land in controller.lands_around(circuit.id) if land.key not in sealed)
             if lands:
                 yield Name(circuit.name), circuit.id, lands
         return
@@ -555,20 +562,6 @@ def _targets(controller: Controller) -> Iterator[tuple[str, str | None, tuple[La
         lands = tuple(land for land in controller.lands_of(component) if land.key not in sealed)
         if lands:
             yield component, None, lands
-
-
-def lands_of_circuit(controller: Controller, circuit: str) -> tuple[Land, ...]:
-    """Return the lands past which air comes into a plugged circuit: those that part it from anything else.
-
-    Parameters
-    ----------
-    controller
-        the valve body.
-    circuit
-        its id.
-    """
-    keys = {gap.key for gap in controller.gaps if circuit in (gap.section, gap.high.section, gap.low.section)}
-    return tuple(land for land in controller.lands if land.key in keys)
 
 
 def _mark(

@@ -131,8 +131,7 @@ class _Targets:
         return self.circuits.get(tuple(words(text).split()))
 
     def _lands_of(self, circuit: str) -> tuple[LandKey, ...]:
-        """Return the lands that leak from a circuit, in the controller's order."""
-        return tuple(dict.fromkeys(gap.key for gap in self.controller.gaps if gap.section == circuit))
+        return tuple(land.key for land in self.controller.lands_around(circuit))
 
 
 _LAND = Sentence("component/land such as 8/1, several joined with +")

@@ -59,7 +59,7 @@ boost_valve/1 + pressure_regulator/2,-20,,0.5,
 
 
 def test_the_stand_and_its_readings_in_si(unit: Controller) -> None:
-    lands = tuple(dict.fromkeys(gap.key for gap in unit.gaps if gap.section == "forward_clutch"))
+    lands = tuple(land.key for land in unit.lands_around("forward_clutch"))
     component = unit.lands[0].component
     table = read(TABLE.replace("manual_valve/1", f"{component}/1"), unit)
     stand = table.stand
