@@ -20,6 +20,7 @@ if diagnosis.without_sheet:
     if diagnosis.pressures is not None:
         st.subheader(say("diagnosis.gauges"))
         show.gauges(diagnosis.pressures)
+    show.before_opening(diagnosis)
     if diagnosis.log is not None:
         road.alone(diagnosis)
     files.take_along(case, diagnosis, record)
@@ -51,6 +52,7 @@ if order.open:
 if diagnosis.pressures is not None:
     st.subheader(say("diagnosis.gauges"))
     show.gauges(diagnosis.pressures)
+show.before_opening(diagnosis)
 if diagnosis.log is not None:
     st.subheader(say("diagnosis.road"))
     road.findings(diagnosis)

@@ -33,7 +33,7 @@ def _add_diagnose(commands: Any, name: str) -> None:
         commands,
         name,
         _diagnose,
-        usage="atleak diagnose [READINGS] [--road-test LOG] [--pressures FILE] [options]",
+        usage="atleak diagnose [READINGS] [--road-test LOG] [--pressures FILE] [--vacuum FILE] [--flows FILE] …",
         examples=(
             "diagnose sheet.xlsx",
             "diagnose sheet.xlsx --road-test log.csv --pdf report.pdf --xlsx report.xlsx",
@@ -65,7 +65,7 @@ def _add_evidence(commands: Any, name: str) -> None:
         commands,
         name,
         _evidence,
-        usage="atleak evidence [READINGS] [--pressures FILE] [--road-test LOG] --controller ID|FILE [options]",
+        usage="atleak evidence [READINGS] [--pressures FILE] [--vacuum FILE] [--flows FILE] --controller ID|FILE …",
         examples=(
             "evidence --pressures gauges.csv --controller five_speed_2005",
             "evidence --complaint slips_hot --controller five_speed_2005",

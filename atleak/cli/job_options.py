@@ -57,7 +57,7 @@ def add_choices(parser: argparse.ArgumentParser) -> None:
 
 
 _OF_ONE_JOB: dict[str, Any] = {
-    **dict.fromkeys(("readings", "road_test", "pressures", "mileage", "complaint")),
+    **dict.fromkeys(("readings", "road_test", "pressures", "vacuum", "flows", "mileage", "complaint")),
     **dict.fromkeys(("pump_side_clearance", "pump_tip_clearance")),
     "repair": [],
 }
@@ -78,6 +78,10 @@ def _add_measured(group: CommandOptions) -> None:
         )
     help = "gauge readings of the standing vehicle: xlsx or csv; the measuring sheet's own tab unless given"
     group.add_argument("--pressures", metavar="FILE", help=help)
+    help = "vacuum test: what a stand's gauge showed of circuits and lands, xlsx or csv"
+    group.add_argument("--vacuum", metavar="FILE", help=help)
+    help = "flows caught in a jug, the cooler's at hot idle for one: xlsx or csv"
+    group.add_argument("--flows", metavar="FILE", help=help)
 
 
 def add_sheet(group: CommandOptions) -> None:
@@ -154,26 +158,27 @@ def _fluid_state(text: str) -> str:
 
 def input_files(options: argparse.Namespace) -> tuple[str | None, ...]:
     """Return the files that the command line names, for `atleak.cli.shared.Outputs`."""
-    from atleak.job.case import SLOTS
+    from atleak.job.case import OWN_FILES, SLOTS
 
-    given = (options.readings, options.road_test, options.pressures, options.job)
-    return (*given, *(getattr(options, name) for name in SLOTS))
+    return (options.job, *(getattr(options, name) for name in (*OWN_FILES, *SLOTS)))
 
 
 def chosen_job(options: argparse.Namespace, *, may_be_new: bool = False) -> tuple[Case, Job | None]:
     """Return the files and choices that the command line names, and the record; what it says counts where they do not.
 
-    Without a sheet, a log and gauge readings the command ends with a word on its usage, unless it ``may_be_new``: a
-    unit of which nothing was measured.
+    Where nothing was measured the command ends with a word on its usage, unless it ``may_be_new``: a unit of which
+    nothing was.
     """
-    if not may_be_new and options.readings is None and options.road_test is None and options.pressures is None:
+    from atleak.job.case import OWN_FILES, SLOTS, Reader, with_record
+
+    if not may_be_new and all(getattr(options, name) is None for name in OWN_FILES):
         problem = "there is nothing to diagnose: neither a measuring sheet nor a road test nor gauge readings are given"
-        options.refuse(f"{problem}; expected READINGS, --road-test LOG or --pressures FILE")
+        named = "READINGS, --road-test LOG, --pressures FILE, --vacuum FILE or --flows FILE"
+        options.refuse(f"{problem}; expected {named}")
     case = chosen_case(options)
     if options.job is None:
         return case, None
     from atleak.analysis.record_doubts import check_decisions
-    from atleak.job.case import SLOTS, Reader, with_record
     from atleak.job.zip_file import load_job
 
     job = load_job(options.job)

@@ -303,7 +303,7 @@ def add_parser(commands: Any, name: str) -> None:
         "add",
         _add,
         "diagnose a job and put it into the book; prints its id",
-        usage="atleak jobs add [READINGS] [--road-test LOG] [--pressures FILE] [options]",
+        usage="atleak jobs add [READINGS] [--road-test LOG] [--pressures FILE] [--vacuum FILE] [--flows FILE] …",
         examples=("jobs add sheet.xlsx --road-test log.csv --job job.toml",),
         quiet=False,
     )

@@ -29,12 +29,11 @@ UNIT_KINDS: Mapping[str, Sentence] = {  # as sentences name them
     "speed": Sentence("speed"),
     "time": Sentence("time"),
     "ratio": Sentence("ratio"),
-    "air_pressure": Sentence("air pressure"),
     "area": Sentence("area"),
     "flow": Sentence("flow"),
     "volume": Sentence("volume"),
 }
-_IN_NO_LOG = {"air_pressure", "area", "flow", "volume"}  # kinds by which no column of a log is known
+_IN_NO_LOG = {"area", "flow", "volume"}  # kinds by which no column of a log is known
 _UNKNOWN = {
     "length": Sentence("unknown unit of length"),
     "pressure": Sentence("unknown unit of pressure"),
@@ -43,7 +42,6 @@ _UNKNOWN = {
     "speed": Sentence("unknown unit of speed"),
     "time": Sentence("unknown unit of time"),
     "ratio": Sentence("unknown unit of ratio"),
-    "air_pressure": Sentence("unknown unit of air pressure"),
     "area": Sentence("unknown unit of area"),
     "flow": Sentence("unknown unit of flow"),
     "volume": Sentence("unknown unit of volume"),

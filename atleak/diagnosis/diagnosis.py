@@ -17,6 +17,7 @@ from atleak.catalogue.repairs import Complaint, LandKey, Repair
 from atleak.common.errors import Message
 from atleak.common.verdicts import Band, Verdict, worst
 from atleak.diagnosis.consequence import Consequence, consequences
+from atleak.diagnosis.flows import FlowFinding
 from atleak.diagnosis.gauge_card import GaugeCard
 from atleak.diagnosis.gauge_check import PressureCheck
 from atleak.diagnosis.land import (
@@ -41,6 +42,7 @@ from atleak.engine.profile import Profile
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.engine.road_pressure import SLUMP_SPAN, TemperatureClass, temperature_classes
+from atleak.measurements.flow_readings import FlowTable
 from atleak.measurements.readings import MeasuringTemperature, Readings
 from atleak.measurements.road_test import RoadTest
 from atleak.measurements.vacuum import VacuumTable
@@ -98,6 +100,10 @@ class Diagnosis:
         what every plug of a vacuum test tells, of one land or of several together.
     logged
         what is missing of main pressure where a log shows it, the vehicle standing.
+    flow_table
+        flows that were caught in a jug; None without any.
+    flows
+        what each of them says of what the line leaves over.
     uncertainty
         of flows, shares and totals; None without readings.
     total_rules
@@ -142,6 +148,8 @@ class Diagnosis:
     pressures: PressureCheck | None
     vacuum: tuple[VacuumFinding, ...]
     logged: tuple[Missing, ...] = field(compare=False)
+    flow_table: FlowTable | None
+    flows: tuple[FlowFinding, ...]
     uncertainty: UnitUncertainty | None
     total_rules: tuple[Rule, ...]
     pressure_rules: tuple[Rule, ...]

@@ -15,6 +15,7 @@ from atleak.catalogue.repairs import Complaint
 from atleak.common.errors import translates_refusals
 from atleak.common.memory import kept_with
 from atleak.diagnosis.diagnosis import Diagnosis, mileage_of
+from atleak.diagnosis.flows import find_flows, flow_messages
 from atleak.diagnosis.gauge_card import GaugeCard
 from atleak.diagnosis.gauge_check import check_pressures
 from atleak.diagnosis.land import diagnosed_land, diagnosed_pump
@@ -29,6 +30,7 @@ from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import BesideNew, project
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.measurements.clearances import clearances
+from atleak.measurements.flow_readings import FlowTable
 from atleak.measurements.gauge_readings import NO_GAUGES, PressureTable
 from atleak.measurements.readings import Readings
 from atleak.measurements.road_test import RoadTest
@@ -46,6 +48,7 @@ def diagnose(
     road_test: RoadTest | None = None,
     pressures: PressureTable | None = None,
     vacuum: VacuumTable | None = None,
+    flows: FlowTable | None = None,
     profile: Profile = WORKSHOP,
     condition: OperatingPoint | None = None,
     mileage: float | None = None,
@@ -76,6 +79,8 @@ def diagnose(
         gauge readings of the standing vehicle.
     vacuum
         readings of a vacuum stand: a plug on one land measures it, beside or instead of its diameters.
+    flows
+        caught in a jug: they bound or measure what the line leaves over.
     profile
         how the engine computes.
     condition
@@ -162,11 +167,13 @@ def diagnose(
             guard_factor=guard_factor,
         )
     )
+    caught = find_flows(flows, unit.model, assumptions)
     messages = [
         *messages_of(unit, road, readings),
         *limits.doubts,
         *(checked.messages if checked else ()),
         *road.messages,
+        *(() if flows is None else (*flows.messages, *flow_messages(caught))),
         *([fresh_assumed(fluid)] if fluid_state_assumed else ()),
         *sheet_messages(readings, measured_at, uncertainty, road_test, mileage),
         *(vacuum.messages if vacuum else ()),
@@ -195,6 +202,8 @@ def diagnose(
         pressures=checked if pressures else None,
         vacuum=findings,
         logged=checked.logged if checked else (),
+        flow_table=flows,
+        flows=caught,
         uncertainty=uncertainty,
         total_rules=rules.totals,
         pressure_rules=rules.pressures,

@@ -32,7 +32,7 @@ from atleak.common.errors import AtleakError, InputError, Message, Place, one_of
 from atleak.common.file_faults import faults_together, validated
 from atleak.common.sentences import Sentence
 from atleak.fleet.units import TABLE, FleetUnit, travelling
-from atleak.job.case import SLOTS, Case, CaseChoice, SourceFile, pairs_of, with_log_choices, with_record
+from atleak.job.case import OWN_FILES, SLOTS, Case, CaseChoice, SourceFile, pairs_of, with_log_choices, with_record
 from atleak.job.zip_file import load_job
 from atleak.measurements.job_card import Job
 from atleak.readers.cells.sheet import Cell
@@ -256,7 +256,7 @@ _KEY = 16  # hexadecimal digits
 _START = 64 << 10  # bytes of a log in which its header stands
 _LOOKED_AT = 20  # rows by which it is seen what a column holds
 _GEAR = AskedNumber(Sentence("gear"), "", 3.0, (-9.0, 20.0))
-_MEASURED = Sentence("a measuring sheet, a log, gauge readings or a job file")
+_MEASURED = Sentence("a measuring sheet, a log, gauge readings, a vacuum test, flows or a job file")
 
 
 class TableUnits:
@@ -370,7 +370,7 @@ class TableUnits:
         return unit
 
     def _case(self, read: RowCells, job: Job) -> Case:
-        changes: dict[str, Any] = {name: read.file(name) for name in ("readings", "road_test", "pressures")}
+        changes: dict[str, Any] = {name: read.file(name) for name in OWN_FILES}
         if not any(_text_of(read.cell(name)) for name in changes):
             raise InputError(Sentence("the row names nothing to diagnose"), place=read.place(), expected=_MEASURED)
         changes |= {name: self._choice(read, name) for name in SLOTS}

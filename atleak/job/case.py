@@ -43,12 +43,16 @@ from atleak.diagnosis.uncertainty.sources import sources_of_sheet
 from atleak.engine.profile import PROFILES, Profile, find_profile
 from atleak.engine.projection import stated_condition
 from atleak.engine.road_leakage import OPERATING_POINTS, with_assumed_pressure
+from atleak.measurements.flow_readings import FlowTable
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.job_card import Job
 from atleak.measurements.readings import Readings
 from atleak.measurements.road_test import RoadTest
+from atleak.measurements.vacuum import VacuumTable
 from atleak.readers.dates import words
+from atleak.readers.gauges.flow_table import read_flow_table
 from atleak.readers.gauges.gauge_table import read_pressure_table
+from atleak.readers.gauges.vacuum_table import read_vacuum_table
 from atleak.readers.logs import NOT_LOGGED, Understood, default_path, recall, understand
 from atleak.readers.sheets.measuring_sheet import read_readings
 
@@ -157,7 +161,16 @@ SLOTS: Mapping[str, Slot] = MappingProxyType(
 )
 
 
-OWN_FILES = ("readings", "road_test", "pressures")  # of a job, besides what it takes from the catalogue
+OWN_FILES = (
+    "readings",
+    "road_test",
+    "pressures",
+    "vacuum",
+    "flows",
+)  # of a job, besides what it takes from the catalogue
+
+
+_ADDED_LATER = {"every": 1, "vacuum": None, "flows": None}  # choices that results kept before do not know
 
 
 @dataclass(frozen=True)
@@ -167,6 +180,8 @@ class Case:
     readings: SourceFile | None = None  # the measuring sheet
     road_test: SourceFile | None = None  # the log
     pressures: SourceFile | None = None  # gauge readings of a standing vehicle; the sheet's own tab unless given
+    vacuum: SourceFile | None = None  # a vacuum test of circuits and lands
+    flows: SourceFile | None = None  # flows that were caught in a jug
     controller: CaseChoice = "four_speed_2023"  # id or file, as of fluid, limits and instruments
     fluid: CaseChoice = "hipol_atf_iid"  # in the transmission
     fluid_state: FluidState | None = None  # None: nobody said; as its data are, fresh as a rule
@@ -201,8 +216,9 @@ class Case:
         """Return a key under which a result can be kept: equal for equal files and choices, and only for those."""
         files = {name: (file.name, file.sha256) for name, file in self._files()}
         values = {name: files.get(name, value) for name, value in vars(self).items() if not name.startswith("_")}
-        if self.every == 1:  # results that were kept before there was such a choice
-            del values["every"]
+        for name, unchosen in _ADDED_LATER.items():
+            if values[name] == unchosen:
+                del values[name]
         return hashlib.sha256(repr(sorted(values.items())).encode("utf-8", "backslashreplace")).hexdigest()
 
     def with_files(self, files: Mapping[str, SourceFile | None]) -> Self:
@@ -343,6 +359,8 @@ class Case:
             fluid_state=self.fluid_state,
             readings=readings if readings is not None and readings.readings else None,
             pressures=_one_table(pressures, readings),
+            vacuum=None if self.vacuum is None else loader.vacuum(self, controller),
+            flows=None if self.flows is None else loader.flows(self, controller),
             road_test=None if self.road_test is None else self._driven(loader.log(self), controller),
             profile=self.engine_profile,
             condition=self.condition(controller),
@@ -484,6 +502,30 @@ class Reader:
         file = case.pressures
         assert file is not None
         return read_pressure_table(file.given, controller, name=file.name)
+
+    def vacuum(self, case: Case, controller: Controller) -> VacuumTable:
+        """Read the job's vacuum test.
+
+        Raises
+        ------
+        VacuumTableError
+            as `read_vacuum_table`.
+        """
+        file = case.vacuum
+        assert file is not None
+        return read_vacuum_table(file.given, controller, name=file.name)
+
+    def flows(self, case: Case, controller: Controller) -> FlowTable:
+        """Read the flows that were caught in the job.
+
+        Raises
+        ------
+        FlowTableError
+            as `read_flow_table`.
+        """
+        file = case.flows
+        assert file is not None
+        return read_flow_table(file.given, controller, name=file.name)
 
 
 def with_log_choices(case: CaseKind, log: Understood) -> CaseKind:

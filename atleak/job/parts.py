@@ -144,7 +144,7 @@ class Choices(_Strict):
             constants=pairs_of(log.constants),
             every=log.every,
             remember=False,
-            assumptions=() if self.assumptions == DEFAULTS.settings else pairs_of(self.assumptions),
+            assumptions=() if self.assumptions.items() <= DEFAULTS.settings.items() else pairs_of(self.assumptions),
             guard_factor=None if self.guard_factor == GUARD_FACTOR else self.guard_factor,
         ).with_files(sources)
 
@@ -197,6 +197,8 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
         "readings": diagnosis.readings or (gauges if case.pressures is None else None),
         "road_test": diagnosis.log.road_test if diagnosis.log else None,
         "pressures": None if case.pressures is None else gauges,
+        "vacuum": diagnosis.vacuum_table,
+        "flows": diagnosis.flow_table,
     }
     own = {slot: _source(slot, getattr(case, slot), used[slot]) for slot in OWN_FILES if used[slot] is not None}
     sources = {**own, **_catalogue_files(diagnosis, case)}
@@ -406,6 +408,8 @@ def _encodable(value: Any) -> Any:
 _FILES = {
     "readings": Sentence("the measuring sheet"),
     "pressures": Sentence("the table of gauge readings"),
+    "vacuum": Sentence("the vacuum test"),
+    "flows": Sentence("the table of flows"),
     "road_test": Sentence("the road-test log"),
     "controller": Sentence("the file of the controller"),
     "fluid": Sentence("the file of the fluid"),

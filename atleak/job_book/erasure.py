@@ -24,7 +24,7 @@ from atleak.job.parts import JobFile, JobParts, job_parts
 from atleak.job_book.book import Book, JobRow, StoredJob, drop_files, keep_log_table, packed
 from atleak.job_book.database import in_words, kept_before
 from atleak.job_book.merges import lead, root_of
-from atleak.job_book.plain_files import PlainLog, plain_gauges, plain_log, plain_sheet
+from atleak.job_book.plain_files import PlainLog, plain_flows, plain_gauges, plain_log, plain_sheet, plain_vacuum
 from atleak.job_book.search import Query
 from atleak.job_book.tables import job_files, jobs, key_of_row, metadata, results, units, visits
 from atleak.job_book.units import drop_empty, rows_of_unit, unit_key, unit_of_job
@@ -36,7 +36,13 @@ _OF_DECISION = ("decision", "date", "price", "hours")  # besides component, land
 _LEVELS = ("verdict", "decision", "band", "atleak", "measured")  # keys of a result whose words are atleak's own
 Of = TypeVar("Of")
 
-_CALLED = {"readings": "measuring sheet", "pressures": "gauge readings", "road_test": "road-test log"}
+_CALLED = {
+    "readings": "measuring sheet",
+    "pressures": "gauge readings",
+    "vacuum": "vacuum test",
+    "flows": "flows",
+    "road_test": "road-test log",
+}
 _SHORT = 4  # characters: shorter names stand in any text
 
 
@@ -99,6 +105,12 @@ def _plain_files(
         gauges = _read(reader.pressures, case, controller)
     if gauges is not None or case.pressures is not None:
         files["pressures"] = None if gauges is None else plain_gauges(gauges, controller)
+    if case.vacuum is not None:
+        vacuum = _read(reader.vacuum, case, controller)
+        files["vacuum"] = None if vacuum is None else plain_vacuum(vacuum, controller)
+    if case.flows is not None:
+        flows = _read(reader.flows, case, controller)
+        files["flows"] = None if flows is None else plain_flows(flows, controller)
     log = None
     if case.road_test is not None:
         understood = _read(reader.log, case)

@@ -8,8 +8,9 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields, is_dataclass
+from functools import partial
 from itertools import pairwise, zip_longest
 from typing import Any
 
@@ -18,12 +19,17 @@ import numpy as np
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import AtleakError
-from atleak.common.units import KPA, RPM, Unit, kinds_of, unit
+from atleak.common.units import DM3_MIN, KPA, MM, RPM, Unit, kinds_of, unit
 from atleak.job.case import Pairs, SourceFile
+from atleak.measurements.flow_readings import FlowTable
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.readings import OwnLands, Reading, Readings
 from atleak.measurements.road_test import QUANTITIES, Channel, RoadTest
+from atleak.measurements.vacuum import VacuumTable
+from atleak.readers.cells.sheet_file import csv_bytes
+from atleak.readers.gauges.flow_table import read_flow_table
 from atleak.readers.gauges.gauge_table import read_pressure_table
+from atleak.readers.gauges.vacuum_table import read_vacuum_table
 from atleak.readers.logs import understand
 from atleak.readers.logs.timeline import gap_limit
 from atleak.readers.sheets.measuring_sheet import read_readings
@@ -222,3 +228,55 @@ def _gauged(table: PressureTable) -> list[tuple[str, ...]]:
         texts = ["" if number is None else f"{number:.9g}" for number in numbers]
         found.append((each.cell.range, each.cell.engine.value, each.cell.tap, str(each.repeat), *texts))
     return sorted(found)
+
+
+# --- a vacuum test, and flows
+
+
+def plain_vacuum(table: VacuumTable, controller: Controller) -> SourceFile | None:
+    """Return a vacuum test of the same stand and readings; None where it would be read otherwise."""
+    stand = table.stand
+    head = [("supply", stand.supply, "Pa"), ("ambient", stand.ambient, "Pa"), ("temperature", stand.temperature, "°C")]
+    if stand.flow_area is not None:
+        head.append(("flow area", stand.flow_area * MM**2, "mm²"))
+    rows = [[name, _digits(value), unit_name] for name, value, unit_name in head]
+    for each in stand.calibrations:
+        own = [] if each.fitted is None else [_digits(each.fitted * MM), "mm"]
+        rows.append(["calibration", _digits(each.orifice * MM), "mm", _digits(each.vacuum), "Pa", *own])
+    rows.append(["circuit", "reading [Pa]", "orifice [mm]", "state"])
+    for reading in table.readings:
+        lands = "+".join(f"{component}/{land}" for component, land in reading.lands)
+        orifice = "" if reading.orifice is None else _digits(reading.orifice * MM)
+        state = "repaired" if reading.repaired else "worn"
+        rows.append([reading.circuit or lands, _digits(reading.vacuum), orifice, state])
+    return _plain_table("vacuum test.csv", rows, table, partial(read_vacuum_table, controller=controller))
+
+
+def plain_flows(table: FlowTable, controller: Controller) -> SourceFile | None:
+    """Return a table of the same flows; None where it would be read otherwise."""
+    rows = [["condition", "what", "value [l/min]"]]
+    rows += [[each.condition, each.what, _digits(each.flow * DM3_MIN)] for each in table.readings]
+    return _plain_table("flows.csv", rows, table, partial(read_flow_table, controller=controller))
+
+
+def _plain_table(name: str, rows: list[list[str]], table: Any, read: Callable[..., Any]) -> SourceFile | None:
+    """Return a file of rows; None where its readings, or its stand, differ from those of the table."""
+    file = SourceFile(name, csv_bytes(rows))
+    try:
+        again = read(file.content, name=name)
+    except AtleakError:
+        return None
+    parts = ((each.readings, getattr(each, "stand", None)) for each in (table, again))
+    return file if _alike(*parts) else None
+
+
+def _alike(one: Any, other: Any) -> bool:
+    """Return whether readings say the same, whatever is their place and how their target is written."""
+    if isinstance(one, float) and isinstance(other, float):
+        return math.isclose(one, other, rel_tol=_SAME)
+    if is_dataclass(one):
+        names = (field.name for field in fields(one) if field.name not in ("place", "target"))
+        return all(_alike(getattr(one, name), getattr(other, name)) for name in names)
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(map(_alike, one, other))
+    return bool(one == other)

@@ -29,7 +29,7 @@ _SHORT = 4  # letters: shorter ones are near to anything
 UNCLEAR = "unclear"
 """The meaning of a heading that can be understood in two ways: its column is not taken, and nothing is guessed."""
 
-MEASURED = ("job_file", "readings", "road_test", "pressures")
+MEASURED = ("job_file", "readings", "road_test", "pressures", "vacuum", "flows")
 """The columns of which a row fills at least one: what a unit is diagnosed by."""
 
 _OF_HEAD = {"job": "number", "vin": "vin", "serial": "serial", "mileage": "mileage", "technician": "technician"}
@@ -81,7 +81,7 @@ _DELIMITERS = ";\t,|"
 _LOOKED_AT = 20  # rows among which the headings are sought: titles may stand above them
 _EXPECTED = Sentence(
     "a row of headings over one row for each unit, with a column of measuring sheets (sheet), logs (log), gauge "
-    "readings (pressures) or job files (job file)"
+    "readings (pressures), vacuum tests (vacuum), flows (flows) or job files (job file)"
 )
 _KINDS = Sentence("a table of units as CSV, xlsx or Parquet")
 

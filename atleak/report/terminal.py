@@ -31,6 +31,7 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.measurements.gauge_readings import LINE_TAP
 from atleak.measurements.readings import LENGTHS_MEASURED, REPAIR_FITTED
 from atleak.report.tables.answer import answer_facts, missing_table
+from atleak.report.tables.before_opening import before_opening
 from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
 from atleak.report.tables.first_sentence import impossible_part, may_parts, pump_sentence, shown_verdict, worn_pump
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
@@ -117,6 +118,10 @@ def _diagnosis(diagnosis: Diagnosis, say: Wording) -> Iterator[str | RenderableT
     if not diagnosis.without_sheet:
         yield from _unit(diagnosis, say)
     yield from _gauges(diagnosis, say)
+    for section in before_opening(diagnosis, say):
+        yield section.title
+        for part in section.parts:
+            yield from (laid_out(part),) if isinstance(part, Table) else _lines(part)
     if diagnosis.log is not None:
         yield from _log(diagnosis, diagnosis.log, say)
     if diagnosis.missing_flagged:

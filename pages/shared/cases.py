@@ -48,6 +48,8 @@ _CHOICES = {  # those that belong to one file, and go with it
     "readings": ("sheet_name", "sheet_unit", "sheet_where", "sheet_fill_down"),
     "road_test": ("columns", "units", "constants", "every", "remember"),
     "pressures": (),
+    "vacuum": (),
+    "flows": (),
 }
 FITTED: dict[str, dict[str, Any]] = {  # the same, as a fresh job has them
     slot: {name: getattr(Case, name) for name in names} for slot, names in _CHOICES.items()

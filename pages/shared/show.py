@@ -34,6 +34,7 @@ from atleak.report.charts.drawing import on_dark
 from atleak.report.charts.figure import Figure
 from atleak.report.charts.screen import drawn
 from atleak.report.tables.answer import answer_facts, missing_table
+from atleak.report.tables.before_opening import before_opening as before_opening_of
 from atleak.report.tables.first_sentence import first_sentence as first_sentence_of
 from atleak.report.tables.first_sentence import shown_verdict
 from atleak.report.tables.gauges import gauge_table
@@ -249,6 +250,13 @@ def _sorted_verdict(level: Verdict | Band, say: Wording) -> str:
 def gauges(check: PressureCheck) -> None:
     """Show gauge readings with their verdicts; one that nothing judges has none."""
     table(gauge_table(check, reader.say()))
+
+
+def before_opening(diagnosis: Diagnosis) -> None:
+    """Show what was measured before the unit was opened, besides gauge readings."""
+    for content in before_opening_of(diagnosis, reader.say()):
+        st.subheader(content.title)
+        section(content, content.name)
 
 
 def gauge_banner(check: PressureCheck) -> None:

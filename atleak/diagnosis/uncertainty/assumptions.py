@@ -61,6 +61,8 @@ class Assumptions:
     high_lines: float = _percent(0.1)  # that are set higher than the file states
     line_rise: float = _percent(0.1)  # by how much, relative, exponential
     feed: float = _percent(0.02)  # relative, of the flow through a feed orifice
+    consumer_flow: float = _percent(0.2)  # relative, of what the file states that a consumer takes
+    caught_flow: float = _percent(0.04)  # relative, of a flow that was caught in a jug
     gauged_temperature: float = _k(3.0)  # [K] of the fluid while gauges are read
     # of a vacuum test
     vacuum_gauge: float = _in_hg(0.5 / IN_HG)  # [Pa] half width about a reading, any value alike likely

@@ -222,7 +222,7 @@ class _Reader:
             problem = Sentence("unknown unit") if amount.unit else Sentence("no unit stands with this value")
             self.rows.refuse(problem, place, amount.unit or shown, expected=one_of(unit_names(of)))
             return None
-        number = in_si(_without_sign(amount.cell) if of == "air_pressure" else amount.cell, asked, of, known)
+        number = in_si(_without_sign(amount.cell) if of == "pressure" else amount.cell, asked, of, known)
         if number.value is None:
             self.rows.refuse(Sentence("not accepted as {name}", name=asked.name), place, shown, expected=number.reason)
         elif asked is _SUPPLY:
@@ -236,11 +236,11 @@ class _Reader:
             self.calibrated = {at: inside[1] for at, inside in texts if inside}
             return
         kinds = [_kind_of(amount.unit) for amount in amounts]
-        if None in kinds and "air_pressure" not in kinds and len(kinds) > 1:
+        if None in kinds and "pressure" not in kinds and len(kinds) > 1:
             free = [at for at, kind in enumerate(kinds) if kind is None]
-            kinds[next((at for at in free if at > 0), free[0])] = "air_pressure"
-        sizes = [amount for amount, kind in zip(amounts, kinds, strict=True) if kind != "air_pressure"]
-        shown = [amount for amount, kind in zip(amounts, kinds, strict=True) if kind == "air_pressure"]
+            kinds[next((at for at in free if at > 0), free[0])] = "pressure"
+        sizes = [amount for amount, kind in zip(amounts, kinds, strict=True) if kind != "pressure"]
+        shown = [amount for amount, kind in zip(amounts, kinds, strict=True) if kind == "pressure"]
         if not sizes or len(shown) != 1:
             place = self.table.place(row, column)
             expected = Sentence("the known orifice and what the stand showed: calibration, 0.5 mm, 21.6 in-Hg")
@@ -248,7 +248,7 @@ class _Reader:
             return
         mm = unit("mm", "length")
         orifices = [self._in_si(row, each, _ORIFICE, "length", mm) for each in sizes[:2]]
-        vacuum = self._in_si(row, shown[0], _VACUUM, "air_pressure", self.rows.unit)
+        vacuum = self._in_si(row, shown[0], _VACUUM, "pressure", self.rows.unit)
         if vacuum is not None and orifices[0] is not None and None not in orifices:
             fitted = orifices[1] if len(orifices) > 1 else None
             self.rows.calibrations.append(Calibration(orifices[0], vacuum, fitted, self.table.place(row, column)))
@@ -299,11 +299,11 @@ class _Reader:
         """Return what the gauge showed [Pa]; never more than the supply, as far as that is known."""
         cell, table = self.table.cell(row, "reading"), self.table
         vacuum = table.value(
-            self.rows, row, "reading", _VACUUM, "air_pressure", self.rows.unit, unit_beside=True, changed=_without_sign
+            self.rows, row, "reading", _VACUUM, "pressure", self.rows.unit, unit_beside=True, changed=_without_sign
         )
         supply = self.rows.stated.get("supply", USUAL_SUPPLY)
         if vacuum is not None and vacuum > supply + _OVER_SUPPLY:
-            shown = self.rows.unit or unit("in-Hg", "air_pressure")
+            shown = self.rows.unit or unit("in-Hg", "pressure")
             expected = Sentence("0 to {supply:.4g} {unit}", supply=shown.from_si(supply), unit=shown.name)
             problem = Sentence("more than the stand's supply")
             self.rows.refuse(problem, table.place_of(row, "reading"), text_of(cell), expected=expected)
@@ -312,8 +312,8 @@ class _Reader:
 
 
 _OF_STAND: dict[str, tuple[AskedNumber, str, str]] = {
-    "supply": (_SUPPLY, "air_pressure", ""),
-    "ambient": (_AMBIENT, "air_pressure", ""),
+    "supply": (_SUPPLY, "pressure", ""),
+    "ambient": (_AMBIENT, "pressure", ""),
     "temperature": (_TEMPERATURE, "temperature", "°C"),
     "orifice": (_ORIFICE, "length", "mm"),
     "flow_area": (_FLOW_AREA, "area", "mm²"),
@@ -321,7 +321,7 @@ _OF_STAND: dict[str, tuple[AskedNumber, str, str]] = {
 
 
 def _kind_of(said: str) -> str | None:
-    return next((kind for kind in ("length", "air_pressure") if said and find_unit(said, kind)), None)
+    return next((kind for kind in ("length", "pressure") if said and find_unit(said, kind)), None)
 
 
 def _without_sign(cell: Cell) -> Cell:
@@ -386,7 +386,7 @@ def read_vacuum_table(source: str | Path | bytes, controller: Controller, *, nam
 
 def _assumed(rows: _Rows, place: Place) -> Iterator[Message]:
     """Yield what of the stand is assumed because the table does not say it."""
-    shown = rows.unit or unit("in-Hg", "air_pressure")
+    shown = rows.unit or unit("in-Hg", "pressure")
     stated = {
         "supply": (USUAL_SUPPLY, Sentence("the table states no supply vacuum: {value:.4g} {unit} assumed")),
         "ambient": (STANDARD_ATMOSPHERE, Sentence("the table states no ambient pressure: {value:.4g} {unit} assumed")),

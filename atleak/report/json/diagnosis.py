@@ -33,6 +33,7 @@ from atleak.report.json.conditions import (
     scaled,
     unit_rule_record,
 )
+from atleak.report.tables.before_opening import flow_record
 from atleak.report.tables.complaint import explanations, finding, measure_first, reason
 from atleak.report.tables.gauges import gauge_record
 from atleak.report.tables.lands import LandAtCondition, MatrixRow, condition_matrix
@@ -86,6 +87,7 @@ def _record(diagnosis: Diagnosis) -> dict[str, Any]:
         "repair_plan_ends": _repair_ends(plan),
         "road_test": road_record(diagnosis),
         "pressure_table": gauge_record(diagnosis),
+        "flows": [flow_record(each) for each in diagnosis.flows],
         "messages": [message_record(message) for message in diagnosis.messages],
     }
 

@@ -40,12 +40,14 @@ from atleak.report.pdf.blocks import (
     passage,
     picture,
     printed,
+    section_blocks,
     text,
     with_notes,
 )
 from atleak.report.pdf.conditions import Conditions, Pressures, RoadTestSection
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.answer import missing_table
+from atleak.report.tables.before_opening import before_opening
 from atleak.report.tables.estimate import open_words
 from atleak.report.tables.gauges import gauge_table, pattern_sentences, tap_text
 from atleak.report.tables.names import components_words
@@ -118,14 +120,22 @@ def gauge_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
         yield printed(missing_table(diagnosis, say))
 
 
+def before_opening_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
+    """Yield what was measured before the unit was opened."""
+    for section in before_opening(diagnosis, say):
+        yield text(section.title, leads=True)
+        yield from section_blocks(section, lambda drawn: printed_chart(drawn.chart, say), say)["blocks"]
+
+
 # those that say what was measured of lands, and what follows from it
 _OF_LANDS = (
     "picture", "flagged", "matrix", "pressures", "repair_order", "all", "shares", "again", "decisions", "readings",
     "budget",
 )  # fmt: skip
 PDF_SECTIONS = (
-    *_OF_LANDS[:8], "gauges", "road_test", "repair", "estimate", "condition", "photos", "notes", "conditions", "limits",
-    "decisions", "assumptions", "messages", "method", "readings", "budget", "provenance", "signatures",
+    *_OF_LANDS[:8], "gauges", "before_opening", "road_test", "repair", "estimate", "condition", "photos", "notes",
+    "conditions", "limits", "decisions", "assumptions", "messages", "method", "readings", "budget", "provenance",
+    "signatures",
 )  # fmt: skip
 _ELSEWHERE = ("sleeve", "spool", "effective", "leakage", "interval")  # of lands: in the table of all of them
 CATALOGUE_LANGUAGE = "en"  # of the sources that the catalogue's files name
@@ -176,6 +186,7 @@ class Body(PrintedPart):
             "pressures": Pressures(names).blocks,
             "repair_order": conditions.repair_order,
             "gauges": partial(gauge_blocks, self.diagnosis, self.say),
+            "before_opening": partial(before_opening_blocks, self.diagnosis, self.say),
             "road_test": RoadTestSection(names, self.series).blocks,
             "estimate": partial(estimate_blocks, names),
             "decisions": annex.decisions,

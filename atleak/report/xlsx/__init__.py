@@ -18,6 +18,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
 from atleak.report.json.diagnosis import FORMAT, head_record
 from atleak.report.sheets.paging import UNDATED, workbook
+from atleak.report.tables.before_opening import before_opening
 from atleak.report.tables.road_test import event_table
 from atleak.report.xlsx.book import ReportBook
 from atleak.report.xlsx.circuits import CIRCUITS
@@ -26,7 +27,7 @@ from atleak.report.xlsx.constants import CONSTANTS
 from atleak.report.xlsx.lands import LANDS_SHEET, LiveSheets
 from atleak.report.xlsx.reader_units import in_reader_units
 from atleak.report.xlsx.readings import DIRECTIONS_SHEET, READINGS
-from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets, write_gauges
+from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets, write_gauges, write_sections
 from atleak.report.xlsx.road_sheet import ROAD_SHEET as GAUGES
 from atleak.report.xlsx.rules import LIMITS_SHEET, RULES
 from atleak.report.xlsx.sheets import ESTIMATE_SHEET as ESTIMATE
@@ -91,6 +92,9 @@ def _write(book: ReportBook, diagnosis: Diagnosis, job: Job) -> None:
         _write_unit(book, diagnosis, live, rest)
     if diagnosis.pressures is not None:
         write_gauges(book, book.sheet(GAUGES, frozen=(1, 2)), diagnosis)
+    sections = list(before_opening(diagnosis, book.say))
+    if sections:
+        write_sections(book, book.sheet(Sentence("Before opening")), sections)
     if diagnosis.log is not None:
         road = RoadSheets(book, diagnosis, diagnosis.log)
         road.write(book.sheet(ROAD_TEST))

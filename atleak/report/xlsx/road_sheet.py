@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
@@ -18,6 +18,7 @@ from atleak.report.tables.answer import missing_table
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.road_test import instant_table, place_table, road_series
 from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
+from atleak.report.tables.table import Section, Table, Text
 from atleak.report.xlsx.book import ReportBook, cell_span
 from atleak.report.xlsx.live_sheet import FLOW
 
@@ -150,6 +151,21 @@ def write_gauges(book: ReportBook, sheet: Worksheet, diagnosis: Diagnosis) -> No
     for row, (name, text) in enumerate((note for note in notes if note[1]), start=free + 1):
         book.put(sheet, row, 0, name, book.bold)
         book.put(sheet, row, 1, text)
+
+
+def write_sections(book: ReportBook, sheet: Worksheet, sections: Iterable[Section]) -> None:
+    """Write sections below one another: their titles, tables and paragraphs."""
+    row = 0
+    for section in sections:
+        book.put(sheet, row, 0, section.title, book.title)
+        row += 1
+        for part in section.parts:
+            if isinstance(part, Table):
+                row = book.table(sheet, row, part)
+            elif isinstance(part, Text):
+                book.put(sheet, row, 0, part.words)
+                row += 1
+        row += 1
 
 
 def _sources(diagnosis: Diagnosis) -> list[str]:
