@@ -3,10 +3,10 @@
 A part is worn in a draw of the unit where its clearance has grown past its first limit for wear. What is said of it are
 shares of the draws, weighed by gauges, log, flows and plugs (`atleak.diagnosis.uncertainty.weighing`).
 
-A reading is worth the expected fall of what is lost by wrong decisions when it becomes known with its own uncertainty:
-the draws fall into bins of it, and in each bin every land is repaired where that costs less on average. To open a sound
-land costs 1; to leave a worn one what its wear costs the unit, in first limits of a circuit's loss and of a pair's
-share of the pump. Readings are chosen one after the other, each beside those before it.
+A reading is worth the expected fall of what wrong decisions cost when it becomes known with its own uncertainty: the
+draws fall into bins of it, and in each bin every land is repaired where that costs less on average. A worn land that is
+left costs what its wear takes from the unit, in first limits of a circuit's loss and of a pair's share of the pump; to
+open a land costs `PRICE` of that. Readings are chosen one after the other, each beside those before it.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ _EDGES = 0.5, 0.75, 0.88, 0.95  # of the bins of a reading, as parts of all that
 _BINS = len(_EDGES) + 1
 _SMOOTH = 4.0  # effective draws that the draws around a bin stand for beside its own
 _BESIDE = 2  # readings before, beside which the value of one is worked out
-_RARE, _DEAREST = 0.01, 10.0  # least probability of a worn land, most that it costs [first limits]
+PRICE = 0.3  # of opening a land, in first limits that a worn one costs: choice of this project
 _USUAL_SHARE = 0.02  # of the pump's flow, where no limit is set
 _TELLS = 0.1  # of a probability, by which evidence moves it at least: choice of this project
 PUMP_WORN = 0.5  # growth of its slip from which on a pump is called worn: choice of this project
-WORTH = 0.02  # needless repairs, or as much, that a further reading spares at least: choice of this project
+WORTH = 0.005  # first limits that a reading spares at least, to be worth its time: choice of this project
 
 _THIN = Sentence(
     "Nothing that was read sets a land or a circuit apart: this is what is assumed of any used unit. Read gauges at "
@@ -88,7 +88,7 @@ class NextReading:
     """A land to measure next."""
 
     land: Land
-    value: float  # what its reading spares on average: 1 is a sound land opened, or a worn one left at its limit
+    value: float  # what its reading spares on average; 1 is a worn land left that costs a first limit
 
 
 @dataclass(frozen=True)
@@ -164,6 +164,12 @@ class _Finder:
     def explains(self, key: LandKey) -> float:
         """Return what a land costs the pressure that loses most by it, on average [Pa]."""
         return max((each.get(key, 0.0) for each in self._pressure), default=0.0)
+
+    def costs(self, told: Told, key: LandKey) -> np.ndarray:
+        """Return what the wear of a land costs the unit in each draw, in first limits: as its clearance cubed grows."""
+        growth = np.maximum(told.now[key] ** 3 - told.new[key] ** 3, 0.0)
+        mean = float(growth.mean())
+        return growth * (self.cost(key) / mean) if mean > 0.0 else growth
 
     def cost(self, key: LandKey) -> float:
         """Return what a land costs the unit on average, in first limits."""
@@ -284,14 +290,14 @@ class _Part:
     def __init__(self, finder: _Finder, told: Told) -> None:
         self._keys = [key for key in told.now if key in finder.diagnosis.open_lands]
         size, error = told.slip.size, finder.error_of_a_reading
-        self._worn = np.array([finder.worn(told, key) for key in self._keys], float).reshape(-1, size)
-        cost = np.array([finder.cost(key) for key in self._keys])
-        self._weights = np.minimum(cost / np.maximum(self._worn.mean(axis=1), _RARE), _DEAREST)
+        self._costs = np.array([finder.costs(told, key) for key in self._keys], float).reshape(-1, size)
         self._bins = {
             key: _binned(told.now[key] + error * np.random.default_rng(number).standard_normal(size))
             for number, key in enumerate(self._keys)
         }
-        self._read: list[LandKey] = []
+        self._one_circuit, self._read = told.one_circuit, list[LandKey]()
+        alike = next(iter(told.now.values()), np.zeros(size))  # of the same draw, chosen more than once
+        self._fold = np.unique(alike, return_inverse=True)[1] % 2 == 0
         self._counts = min(told.effective / size, 1.0)  # of a draw
 
     @property
@@ -305,26 +311,33 @@ class _Part:
 
     def _value(self, key: LandKey) -> float:
         """Return what the reading of a land spares beside those of the lands read before that tell most of the same."""
-        worn = self._worn[self._keys.index(key)]
-        telling = sorted(self._read, key=lambda each: -abs(_tells(self._bins[each], worn)))[:_BESIDE]
-        cells = np.zeros(worn.size, int)
-        for each in telling:
-            cells = cells * _BINS + self._bins[each]
-        before = self._chance(cells, self._worn.mean(axis=1)[:, None])
-        after = self._chance(cells * _BINS + self._bins[key], np.repeat(before, _BINS, axis=1))
-        return self._lost(cells, before) - self._lost(cells * _BINS + self._bins[key], after)
+        place = self._keys.index(key)
+        own = self._costs[place]
+        costs = self._costs if self._one_circuit else self._costs[[place]]  # elsewhere it tells of itself alone
+        telling = sorted(self._read, key=lambda each: -abs(_covariance(self._bins[each], own)))[:_BESIDE]
+        cells = np.zeros((1, own.size), int)
+        for each in (*telling, key):
+            cells = np.vstack([cells, cells[-1] * _BINS + self._bins[each]])
+        return self._lost(costs, cells[:-1]) - self._lost(costs, cells)
 
-    def _chance(self, cells: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """Return the probability in each cell that each land is worn, near that around it where few draws are."""
-        count = near.shape[1] if near.shape[1] > 1 else int(_BINS ** np.ceil(np.log(cells.max() + 1) / np.log(_BINS)))
-        draws = self._counts * np.bincount(cells, minlength=count)
-        sums = np.array([self._counts * np.bincount(cells, each, count) for each in self._worn])
-        return np.asarray((sums + _SMOOTH * near) / (draws + _SMOOTH))
+    def _lost(self, costs: np.ndarray, cells: np.ndarray) -> float:
+        """Return what decisions cost on average, each taken by what lands cost in a cell of other draws than it meets.
 
-    def _lost(self, cells: np.ndarray, chance: np.ndarray) -> float:
-        """Return what wrong decisions cost on average, each taken by the draws of its cell."""
-        share = np.bincount(cells, minlength=chance.shape[1]) / cells.size
-        return float(np.sum(np.minimum(self._weights[:, None] * chance, 1.0 - chance) @ share))
+        ``cells`` of shape (levels, draws), each level finer than the one before it; where few draws are in a cell, what
+        a land costs in it is near what it costs in the cell around it.
+        """
+        lost = 0.0
+        for fold in (True, False):
+            taken, met = self._fold == fold, self._fold != fold
+            around = np.zeros((len(costs), 1))
+            for level, cell in enumerate(cells):
+                around = np.repeat(around, _BINS if level else 1, axis=1)
+                draws = self._counts * np.bincount(cell[taken], minlength=around.shape[1])
+                sums = [self._counts * np.bincount(cell[taken], each[taken], around.shape[1]) for each in costs]
+                smooth = _SMOOTH if level else 0.0
+                around = (np.array(sums) + smooth * around) / (draws + smooth)
+            lost += float(np.sum(np.where(around[:, cells[-1][met]] > PRICE, PRICE, costs[:, met])))
+        return lost / self._fold.size
 
 
 def _binned(shown: np.ndarray) -> np.ndarray:
@@ -332,6 +345,6 @@ def _binned(shown: np.ndarray) -> np.ndarray:
     return np.searchsorted(np.quantile(shown, _EDGES), shown)
 
 
-def _tells(bins: np.ndarray, worn: np.ndarray) -> float:
-    """Return the covariance of a reading's bin with what is worn."""
-    return float(np.mean(bins * worn) - np.mean(bins) * np.mean(worn))
+def _covariance(bins: np.ndarray, cost: np.ndarray) -> float:
+    """Return the covariance of a reading's bin with what a land costs."""
+    return float(np.mean(bins * cost) - np.mean(bins) * np.mean(cost))

@@ -172,7 +172,7 @@ def job_of(case: Case, body: str, number: int) -> Job:
     for _ in range(TRIES):
         faults = case.draw(rng, controller)
         true = true_unit(np.random.default_rng(seed), controller, fluid, faults)
-        read = _read(rng, case, controller, true), _table(rng, case, controller, true)
+        read = sheet_of(rng, true), _table(rng, case, controller, true)
         job = Job(
             case, controller, fluid, true, *read, _told(rng, controller, faults) if case.described else NO_CLEARANCES
         )
@@ -200,7 +200,7 @@ def _told(rng: np.random.Generator, controller: Controller, faults: Faults) -> P
     return PumpClearances(side=math.cbrt(pump.clearances.side**3 + opened) + PLAY * rng.normal())
 
 
-def _read(rng: np.random.Generator, case: Case, controller: Controller, true: TrueUnit) -> Readings:
+def sheet_of(rng: np.random.Generator, true: TrueUnit) -> Readings:
     """Return a measuring sheet of all lands."""
     found = []
     for state in true.now.clearances:

@@ -93,6 +93,7 @@ class Told:
     new: Mapping[LandKey, np.ndarray]  # [m] when it was new
     slip: np.ndarray  # growth of the pump's slip as a fraction; 0 of one that was measured
     effective: float  # number of draws that the weights are worth
+    one_circuit: bool  # they belong to circuits that gauges read; else to the line, or to what nobody read
 
 
 class Posterior:
@@ -180,7 +181,7 @@ class _WeighedDraws:
     def __init__(
         self, unit: PosteriorUnit, circuits: frozenset[str], shown: Sequence[Shown], flows: Sequence[FlowShown]
     ) -> None:
-        self.unit, self.flows, self.near = unit, flows, unit.near(circuits)
+        self.unit, self.circuits, self.flows, self.near = unit, circuits, flows, unit.near(circuits)
         feeds = zip(unit.quantities, self.near[0], strict=True)
         taps = {*circuits, LINE, *(each[1] for each, acts in feeds if acts and each[0] == "feed")}
         self.by_line = any(each.tap == LINE for each in shown) or bool(flows)
@@ -250,7 +251,7 @@ class _WeighedDraws:
         drawn = self.equally_likely(_TOLD)
         clearances = self.unit.clearances(drawn)
         now, new = ({key: clearances[key][place] for key in lands} for place in (0, 1))
-        return Told(now, new, self.unit.growth_of_slip(drawn), self.effective)
+        return Told(now, new, self.unit.growth_of_slip(drawn), self.effective, bool(self.circuits))
 
     def lost(self, circuit: str, point: OperatingPoint) -> Lost:
         """Return what a circuit has lost against new at an operating point."""
