@@ -5,16 +5,14 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from atleak.catalogue.written_numbers import MILEAGE
 from atleak.cli.job_options import add_job_options, chosen_job, input_files
 from atleak.cli.parser import add_command
 from atleak.cli.shared import (
     Outputs,
-    add_controller,
     add_force,
     add_print,
     chosen_controller,
-    number_of_argument,
+    doubt_option,
     print_font,
     print_options,
 )
@@ -44,9 +42,13 @@ def _add_template(commands: Any, name: str) -> None:
     examples = (
         "template -o sheet.xlsx",
         "template --controller five_speed_2005 --number 2026-0417 --mileage 212000 -o sheet.xlsx",
+        "template --quick --pressures gauges.csv --controller five_speed_2005 -o quick.xlsx",
     )
-    parser = add_command(commands, name, _template, examples=examples)
-    add_controller(parser)
+    usage = "atleak template [--controller ID|FILE] [--quick [READINGS] [--pressures FILE] ...] [options] -o FILE.xlsx"
+    parser = add_command(commands, name, _template, examples=examples, usage=usage)
+    help = "only the few lands whose reading tells most, by what is known of the unit; each once, in that order"
+    parser.add_argument("--quick", action="store_true", help=help)
+    add_job_options(parser)
     parser.add_argument("-o", "--output", metavar="FILE.xlsx", required=True, help="the sheet")
     parser.add_argument(
         "--language", choices=languages(), default="en", help="of the sheet; any is read back: en unless given"
@@ -54,20 +56,32 @@ def _add_template(commands: Any, name: str) -> None:
     parser.add_argument("--units", choices=tuple(SYSTEMS), default="metric", help="of the sheet: metric unless given")
     add_force(parser)
     head = parser.add_argument_group("what is known of the job: it stands in the sheet's head, with a QR code to scan")
-    head.add_argument("--job", metavar="RECORD", help="what the workshop wrote down (TOML or JSON)")
     for name, what in _TEXTS.items():
         head.add_argument(f"--{name}", metavar="TEXT", help=f"{what}; as the job record says unless given")
-    asked = "of the vehicle [km]; as the job record says unless given"
-    head.add_argument("--mileage", metavar="KM", type=number_of_argument(MILEAGE), help=asked)
 
 
 def _template(options: argparse.Namespace) -> int:
     """Write the sheet."""
-    outputs = Outputs(options, [options.controller, options.job], "measuring sheet")
+    outputs = Outputs(options, input_files(options), "measuring sheet")
     known = {"fields": _fields(options), "language": options.language, "units": options.units}
-    outputs.write(output=lambda: write_template(chosen_controller(options), **known))
+    if options.quick:
+        outputs.write(output=lambda: _quick_sheet(options, known))
+    else:
+        for name in ("READINGS", "--pressures", "--road-test", "--complaint"):
+            if getattr(options, name.strip("-").replace("-", "_").lower()) is not None:
+                doubt_option(name, ["--quick"])
+        outputs.write(output=lambda: write_template(chosen_controller(options), **known))
     outputs.say_written()
     return 0
+
+
+def _quick_sheet(options: argparse.Namespace, known: dict[str, Any]) -> bytes:
+    """Return the sheet of the lands that tell most of a unit by what is known of it."""
+    from atleak.diagnosis.evidence import quick_pass
+
+    case, _ = chosen_job(options, may_be_new=True)
+    diagnosis = case.diagnose()
+    return write_template(diagnosis.controller, plan=quick_pass(diagnosis), **known)
 
 
 def _add_gauge_card(commands: Any, name: str) -> None:

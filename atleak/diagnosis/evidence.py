@@ -21,6 +21,7 @@ import numpy as np
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.controller import Land
 from atleak.catalogue.repairs import LandKey
+from atleak.common.errors import InputError
 from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -29,6 +30,7 @@ from atleak.diagnosis.missing import Row
 from atleak.diagnosis.uncertainty import Assumptions
 from atleak.diagnosis.uncertainty.weighing import Lost, Told
 from atleak.engine.operation import LINE
+from atleak.measurements.measuring_plan import QUICK_LANDS, Plan
 
 NEXT = 3  # lands that are named to be measured next
 _ENDS = 0.025, 0.5, 0.975
@@ -282,6 +284,20 @@ def readings_by_value(diagnosis: Diagnosis, most: int) -> tuple[NextReading, ...
         found.append(NextReading(diagnosis.controller.land(*key), value))
         part.read(key)
     return tuple(found)
+
+
+def quick_pass(diagnosis: Diagnosis) -> Plan:
+    """Return which lands to measure of a unit where not all are to be: the one whose reading is worth most first.
+
+    Raises
+    ------
+    InputError
+        where no land that was not measured is worth a reading.
+    """
+    lands = [each.land.key for each in readings_by_value(diagnosis, QUICK_LANDS)]
+    if not lands:
+        raise InputError(Sentence("no further land is worth a reading: it would hardly change what is decided"))
+    return Plan.quick(lands)
 
 
 class _Part:

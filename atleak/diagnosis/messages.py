@@ -436,8 +436,9 @@ def messages_of(unit: BesideNew, road: RoadDiagnosis, readings: Readings | None)
         yield Message("warning", "no_readings", text)
     else:
         yield from readings.messages
+    said_once = {"one_direction"} if readings is not None and readings.one_direction else set()  # of all lands together
     for state in unit.states:
-        yield from state.messages
+        yield from (message for message in state.messages if message.code not in said_once)
     temperatures = [projection.condition.temperature for projection in unit.now]
     if road.log is not None and road.leakage is not None:
         temperatures += road.log.temperatures or ()

@@ -16,16 +16,18 @@ from atleak.catalogue.repairs import LandKey
 DIRECTIONS = (0.0, 90.0)  # [°] of the printed sheet, and of a plan unless another number is chosen
 REPEATS = 2
 MOST_DIRECTIONS, MOST_REPEATS = 4, 5  # that a plan can have: choice of this project
+QUICK_LANDS = 10  # of a quick pass at the most: choice of this project
 PLAN_PARTS: tuple[Part, ...] = ("spool", "sleeve")
 CellKey = tuple[str, Part, str, float | None, int]
 
 
 class Order(StrEnum):
-    """What is measured first: every spool, every part of a component, or every part of a land."""
+    """What is measured first: every spool, every part of a component or of a land, or the lands that tell most."""
 
     PARTS = "parts"
     COMPONENTS = "components"
     LANDS = "lands"
+    QUICK = "quick"  # the lands of the plan as it lists them, each in its middle plane
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,11 @@ class Plan:
     planes: Annotated[int, Field(ge=1)] | None = None  # of each land, the first ones; None: all
     lands: tuple[LandKey, ...] = ()  # none: every land
 
+    @classmethod
+    def quick(cls, lands: Iterable[LandKey]) -> Plan:
+        """Return the plan of lands one after the other, each read once: in one plane, in one direction."""
+        return cls(Order.QUICK, directions=1, repeats=1, lands=tuple(lands))
+
     def angles(self) -> tuple[float, ...]:
         """Return the directions [°].
 
@@ -68,10 +75,12 @@ class Plan:
 
     def of_land(self, land: Land) -> tuple[PlanCell, ...]:
         """Return the cells that the plan asks of a land."""
+        middle = (len(land.planes) - 1) // 2
+        planes = land.planes[middle : middle + 1] if self.order is Order.QUICK else land.planes[: self.planes]
         return tuple(
             PlanCell(land.component, part, plane, angle, repeat)
             for part in PLAN_PARTS
-            for plane in land.planes[: self.planes]
+            for plane in planes
             for angle in self.angles()
             for repeat in range(1, self.repeats + 1)
         )
@@ -99,6 +108,8 @@ class Plan:
             for number, plane in enumerate(land.planes)
         }
 
+        listed = {key: number for number, key in enumerate(self.lands)}
+
         def place(cell: PlanCell) -> tuple[Any, ...]:
             component, part = components[cell.component], PLAN_PARTS.index(cell.part)
             land, plane = planes[cell.component, cell.plane]
@@ -106,6 +117,7 @@ class Plan:
                 Order.PARTS: (part, component, land),
                 Order.COMPONENTS: (component, part, land),
                 Order.LANDS: (component, land, part),
+                Order.QUICK: (listed.get((cell.component, land), len(listed)), component, land, part),
             }[self.order]
             return *first, plane, -1.0 if cell.direction is None else cell.direction, cell.repeat
 

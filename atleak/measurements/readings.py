@@ -201,6 +201,12 @@ class Readings:
     unworn: tuple[Reading, ...] = ()
 
     @property
+    def one_direction(self) -> bool:
+        """Tell whether every part was read in one direction alone, as in a quick pass."""
+        stations = {reading.station for reading in self.readings}
+        return 0 < len(stations) == len({station[:3] for station in stations})
+
+    @property
     def when_new(self) -> Readings:
         """Return the readings that tell what pairs were when new.
 

@@ -33,6 +33,7 @@ from atleak.measurements.readings import LENGTHS_MEASURED, REPAIR_FITTED
 from atleak.report.tables.answer import answer_facts, missing_table
 from atleak.report.tables.before_opening import before_opening
 from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
+from atleak.report.tables.evidence import next_sentence
 from atleak.report.tables.first_sentence import impossible_part, may_parts, pump_sentence, shown_verdict, worn_pump
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.lands import ON_PAPER, leaking_worst_first, matrix_table, pair_table
@@ -114,6 +115,8 @@ def _diagnosis(diagnosis: Diagnosis, say: Wording) -> Iterator[str | RenderableT
     said = "; ".join(filter(None, (nothing_now(diagnosis, say), *may_parts(diagnosis, say))))
     if said:
         yield f"{begun(said)}."
+    if readings is not None and readings.one_direction and diagnosis.open_lands:
+        yield next_sentence(diagnosis, say)
     yield from _complaint(diagnosis, say)
     if not diagnosis.without_sheet:
         yield from _unit(diagnosis, say)

@@ -21,7 +21,7 @@ from atleak.catalogue.instruments import Part
 from atleak.common.sentences import Sentence
 from atleak.common.style import SHEET_COLOURS
 from atleak.common.wording import Wording
-from atleak.measurements.measuring_plan import DIRECTIONS, PLAN_PARTS, REPEATS
+from atleak.measurements.measuring_plan import DIRECTIONS, PLAN_PARTS, REPEATS, Plan
 from atleak.measurements.readings import NOMINAL_HEADING, Reading
 from atleak.report.sheets.paging import RowBlock
 
@@ -185,6 +185,15 @@ def rows_of_form(controller: Controller, readings: Iterable[Reading], blank_rows
     components = dict.fromkeys(land.component for land in controller.lands)
     parts = [rows_of_part(component, part) for component in components for part in PLAN_PARTS]
     return [row for rows in parts for row in sorted(rows, key=lambda row: row.repeat)]
+
+
+def rows_of_plan(controller: Controller, plan: Plan) -> list[FormRow]:
+    """Return an empty row for every reading of a plan, in its order."""
+    return [
+        FormRow(land, cell.part, cell.plane, cell.direction, cell.repeat, None)
+        for cell in plan.cells(controller)
+        if (land := controller.land_of_plane(cell.component, cell.plane)) is not None
+    ]
 
 
 def runs_of_cells(

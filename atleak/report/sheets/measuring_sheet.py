@@ -18,7 +18,7 @@ from atleak.common.sentences import Name, Sentence
 from atleak.common.units import MM, UM, Quantity
 from atleak.common.wording import Wording, wording
 from atleak.measurements.gauge_readings import PressureTable
-from atleak.measurements.measuring_plan import PLAN_PARTS
+from atleak.measurements.measuring_plan import PLAN_PARTS, Plan
 from atleak.measurements.readings import OwnLands, Reading
 from atleak.report.sheets.lands_sheet import LANDS, write_lands
 from atleak.report.sheets.measuring_columns import (
@@ -38,6 +38,7 @@ from atleak.report.sheets.measuring_columns import (
     of_part,
     of_plane,
     rows_of_form,
+    rows_of_plan,
     runs_of_cells,
 )
 from atleak.report.sheets.measuring_head import (
@@ -66,8 +67,10 @@ _TOPICS = (
     "bores", "unworn_ends", "not_measured", "more_rows", "lands", "pressures", "check", "refused", "nominal_values",
 )  # fmt: skip
 
+_WHOLE = "in_which_order", "drawing", "how_often"  # topics of a whole sheet alone
 
-def _write_instructions(tab: Tab, controller: Controller, far: float) -> None:
+
+def _write_instructions(tab: Tab, controller: Controller, far: float, *, quick: bool) -> None:
     """Write a row for every topic, as high as its text is long.
 
     Parameters
@@ -78,6 +81,8 @@ def _write_instructions(tab: Tab, controller: Controller, far: float) -> None:
         whose representative values are named as such.
     far
         how far from the nominal diameter a cell is coloured [µm].
+    quick
+        whether every land is measured once, in the order of the rows.
     """
     sheet, formats, say = tab.sheet, tab.formats, tab.say
     values = {
@@ -94,7 +99,8 @@ def _write_instructions(tab: Tab, controller: Controller, far: float) -> None:
     tabs = {"lands": LANDS, "pressures": PRESSURES_TITLE}
     Paging(_WIDTHS).set_up(sheet)
     sheet.write_string(0, 0, say.sentence(MEASURING_INSTRUCTIONS), formats["title"])
-    for number, topic in enumerate(_TOPICS if controller.representative else _TOPICS[:-1]):
+    left_out = {*(_WHOLE if quick else ()), *(() if controller.representative else _TOPICS[-1:])}
+    for number, topic in enumerate(topic for topic in _TOPICS if topic not in left_out):
         row, title = 2 * number + 2, say(f"how_to_measure.{topic}_title")
         key = "in_inches" if topic == "what_to_write" and say.unit("length") != "mm" else topic
         said = say(f"how_to_measure.{key}", tab=say.sentence(tabs.get(topic, "")), **values)
@@ -126,6 +132,7 @@ _MEASURED = (FormColumn.X1, FormColumn.X2, FormColumn.DIAMETER)
 def write_template(
     controller: Controller,
     *,
+    plan: Plan | None = None,
     fields: Mapping[str, str] | None = None,
     language: str = "en",
     units: str = "metric",
@@ -136,6 +143,8 @@ def write_template(
     ----------
     controller
         whose lands are to be measured.
+    plan
+        of a quick pass, `atleak.diagnosis.evidence.quick_pass`: its readings alone, in its order.
     fields
         what is known of the job, by the names of `FIELDS`, such as `atleak.report.sheets.measuring_head.fields_of`
         gives; the code of the job stands beside it.
@@ -149,13 +158,14 @@ def write_template(
     bytes
         of an .xlsx workbook; the same controller gives the same bytes.
     """
-    return write_readings(controller, (), fields=fields, language=language, units=units)
+    return write_readings(controller, (), plan=plan, fields=fields, language=language, units=units)
 
 
 def write_readings(
     controller: Controller,
     readings: Iterable[Reading],
     *,
+    plan: Plan | None = None,
     fields: Mapping[str, str] | None = None,
     blank_rows: bool = True,
     pressures: PressureTable | None = None,
@@ -172,6 +182,8 @@ def write_readings(
     readings
         to fill in; coordinates are written where a reading has them, its diameter otherwise. A reading of a plane that
         the controller does not have is left out.
+    plan
+        whose readings the sheet asks for instead, where it is empty.
     fields
         what to write at the head of the sheet, by the names of `FIELDS`.
     blank_rows
@@ -191,11 +203,11 @@ def write_readings(
     """
     readings, say = list(readings), wording(language, units)
     empty = not readings and not fields and pressures is None and own_lands == OwnLands()
-    rows = rows_of_form(controller, readings, blank_rows)
+    rows = rows_of_form(controller, readings, blank_rows) if plan is None else rows_of_plan(controller, plan)
 
     def write(book: xlsxwriter.Workbook) -> None:
         formats = formats_of(book, say)
-        sheet = _Sheet(book.add_worksheet(say.sentence(SHEET)), formats, controller, say)
+        sheet = _Sheet(book.add_worksheet(say.sentence(SHEET)), formats, controller, say, quick=plan is not None)
         sheet.head(fields or {})
         sheet.body(rows, drawn=blank_rows)
         sheet.set_up(len(rows), (fields or {}).get(JOB, ""))
@@ -205,7 +217,7 @@ def write_readings(
         )
         write_lands(lands, controller, own_lands)
         write_pressures(gauges, controller, pressures)
-        _write_instructions(instructions, controller, _FAR)
+        _write_instructions(instructions, controller, _FAR, quick=plan is not None)
 
     font = {"default_format_properties": {"font_name": "Arial", "font_size": 10}}  # as wide in every program
     return workbook(write, _title(controller, say), mark="measuring sheet" if empty else None, options=font)
@@ -218,9 +230,15 @@ def _title(controller: Controller, say: Wording) -> str:
 class _Sheet:
     """Writes the sheet of measurements."""
 
-    def __init__(self, sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, say: Wording) -> None:
+    def __init__(
+        self, sheet: Worksheet, formats: Mapping[str, Format], controller: Controller, say: Wording, *, quick: bool
+    ) -> None:
         self.sheet, self.formats, self.controller, self.say = sheet, formats, controller, say
-        paging = Paging(tuple(column.width(say) for column in FormColumn))
+        self.quick = quick  # a land has two rows: too low for an id to stand upright
+        widths = [column.width(say) for column in FormColumn]
+        if quick:
+            widths[FormColumn.COMPONENT] = max(widths[0], 1 + max(map(len, controller.components)))
+        paging = Paging(tuple(widths))
         fields = (paging.row_height,) * (MEASURING_HEADER - len(TITLE_HEIGHTS))  # for a pencil too
         self.paging, self.breaks = replace(paging, above=(*TITLE_HEIGHTS, *fields, _HEADINGS_ROW)), list[int]()
 
@@ -231,7 +249,7 @@ class _Sheet:
             id=controller.id,
             unit=say.unit("length"),
         )
-        told_all = f"{say.sentence(told)}\n{say('how_to_measure.order')}"
+        told_all = f"{say.sentence(told)}\n{say('how_to_measure.quick' if self.quick else 'how_to_measure.order')}"
         titles = ((_title(controller, say), "title"), (told_all, "wrap"), (say.name(controller.representative), "note"))
         for row, (text, form) in enumerate(titles):
             sheet.merge_range(row, 0, row, PICTURES - 1, "", formats[form])
@@ -274,7 +292,11 @@ class _Sheet:
         for first, (last, component) in on_pages.items():
             name = self.say.name(self.controller.components[component])
             self._label(
-                first, last, FormColumn.COMPONENT, component, "text" if len(component) <= _NUMBER else "upright"
+                first,
+                last,
+                FormColumn.COMPONENT,
+                component,
+                "text" if self.quick or len(component) <= _NUMBER else "upright",
             )
             self._label(first, last, FormColumn.NAME, name, "on top" if first in on_top else "text")
         for first, last, entry in runs_of_cells(numbered, pages, of_part):

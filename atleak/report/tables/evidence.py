@@ -31,11 +31,20 @@ def evidence_sections(diagnosis: Diagnosis, say: Wording) -> dict[str, Section]:
         "title": words.lead(),
         "lands": words.lands(),
         "circuits": words.circuits(),
-        "next": words.next(),
+        "next": [Text(said)] if (said := next_sentence(diagnosis, say)) else (),
         "assumed": words.assumed(),
     }
     made = {name: Section(name, say(f"evidence.{name}"), tuple(of_name)) for name, of_name in parts.items()}
     return {name: section for name, section in made.items() if section.parts}
+
+
+def next_sentence(diagnosis: Diagnosis, say: Wording) -> str:
+    """Say which lands to measure next, or that no further one is worth it; "" where nothing is known to say so."""
+    evidence = evidence_of(diagnosis)
+    lands = ", ".join(land_words(diagnosis.controller, each.land.key, say) for each in evidence.next)
+    if lands:
+        return say("evidence.measure", lands=lands)
+    return say("evidence.enough") if evidence.thin is None else ""
 
 
 class _Words:
@@ -154,14 +163,6 @@ class _Words:
             times = [say.number(1.0 + each, 1) for each in (pump.growth, pump.low, pump.high)]
             said = dict(zip(("value", "low", "high"), times, strict=True))
             yield Text(say("evidence.pump", **said, percent=self._percent(pump.probability)))
-
-    def next(self) -> Iterator[Text]:
-        controller, say = self.diagnosis.controller, self.say
-        lands = ", ".join(land_words(controller, each.land.key, say) for each in self.evidence.next)
-        if lands:
-            yield Text(say("evidence.measure", lands=lands))
-        elif self.evidence.thin is None:
-            yield Text(say("evidence.enough"))
 
     def assumed(self) -> Iterator[SectionPart]:
         say, rows = self.say, self.evidence.assumptions.priors

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -94,3 +95,72 @@ def test_a_gauge_card_needs_no_readings_and_takes_a_sheet(run: Run, tmp_path: Pa
     status, _, err = run("gauge-card", "-o", tmp_path / "card.xlsx")
     assert status == 2
     assert ".pdf" in err
+
+
+@pytest.fixture
+def gauges(tmp_path: Path) -> Path:
+    path = tmp_path / "gauges.csv"
+    path.write_text("tap,range,slow idle [kPa]\nline,D,857\nforward clutch,D,610\n", encoding="utf-8")
+    return path
+
+
+def _filled(sheet: Path, lands: int) -> None:
+    """Fill in the first lands of a quick sheet as new ones, two rows each."""
+    book = openpyxl.load_workbook(sheet)
+    page = book.worksheets[0]
+    heading = next(row for row in page.iter_rows() if any("Diameter" in str(cell.value) for cell in row))
+    column = {str(cell.value).split("\n")[0].split(" [")[0]: cell.column for cell in heading}
+    for row in range(heading[0].row + 1, heading[0].row + 1 + 2 * lands):
+        page.cell(row, column["Diameter"]).value = page.cell(row, column["Nominal"]).value
+    book.save(sheet)
+
+
+def test_a_quick_sheet_asks_for_the_lands_that_tell_most_in_their_order(run: Run, tmp_path: Path, gauges: Path) -> None:
+    sheet, five = tmp_path / "quick.xlsx", ("--controller", "five_speed_2005", "--pressures", gauges)
+    assert run("template", "--quick", *five, "-o", sheet)[0] == 0
+    told = json.loads(run("evidence", *five, "--json", "-")[1])["next"]
+    page = openpyxl.load_workbook(sheet).worksheets[0]
+    rows = [row[:6] for row in page.iter_rows(min_row=8, values_only=True) if row[5] is not None]
+    assert 2 * len(told) <= len(rows) <= 20
+    asked = [(row[0], row[3]) for row in rows if row[0] is not None]
+    assert asked[:3] == [(each["component"], each["land"]) for each in told], (
+        "a land of this unit has the plane of its number"
+    )
+    assert {row[4:] for row in rows} == {(0, 1)}
+    assert "in this order" in str(page["A2"].value)
+
+
+def test_a_quick_sheet_reads_back_and_says_whether_more_is_worth_it(
+    run: Run, tmp_path: Path, gauges: Path, record_of: RecordOf
+) -> None:
+    sheet, five = tmp_path / "quick.xlsx", ("--controller", "five_speed_2005", "--pressures", gauges)
+    run("template", "--quick", *five, "-o", sheet)
+    _filled(sheet, 3)
+    record = record_of(sheet, *five)
+    assert record["readings"]["lands_measured"] == 3
+    assert [each["verdict"] for each in record["lands"]].count("not_measured") == 31
+    codes = [each["code"] for each in record["messages"]]
+    assert "one_direction" not in codes
+    assert codes.count("clearance_lower_bound") == 1, "one direction is said once of all lands"
+    assert "in this order" in " ".join(run("diagnose", sheet, *five)[1].split())
+    measured = [each["measured"] for each in json.loads(run("evidence", sheet, *five, "--json", "-")[1])["lands"]]
+    assert measured.count(True) == 3
+    again = tmp_path / "again.xlsx"
+    assert run("template", "--quick", sheet, *five, "-o", again)[0] == 0
+    first = [row[0] for row in openpyxl.load_workbook(sheet).worksheets[0].iter_rows(min_row=8, values_only=True)]
+    next_ones = [row[0] for row in openpyxl.load_workbook(again).worksheets[0].iter_rows(min_row=8, values_only=True)]
+    assert first[:6] != next_ones[:6], "what was measured is not asked for again"
+
+
+def test_where_every_land_was_measured_no_quick_sheet_is_written(run: Run, tmp_path: Path) -> None:
+    whole, quick, minimal = tmp_path / "whole.xlsx", tmp_path / "quick.xlsx", ("--controller", "minimal_example")
+    run("template", "--quick", *minimal, "-o", whole)
+    _filled(whole, 5)
+    status, _, err = run("template", "--quick", whole, *minimal, "-o", quick)
+    assert (status, quick.exists()) == (2, False)
+    assert "no further land is worth a reading" in err
+
+
+def test_what_only_a_quick_sheet_rests_on_is_doubted_without_it(run: Run, tmp_path: Path, gauges: Path) -> None:
+    err = run("template", "--controller", "five_speed_2005", "--pressures", gauges, "-o", tmp_path / "sheet.xlsx")[2]
+    assert "--pressures does nothing without --quick" in err

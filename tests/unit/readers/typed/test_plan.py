@@ -58,3 +58,14 @@ def test_what_is_held_beyond_the_plan_stays(minimal: Controller) -> None:
     assert third in cells
     assert elsewhere not in cells
     assert cells.index(third) == 2  # between 0° and 90°
+
+
+def test_a_quick_pass_takes_the_lands_as_listed_once_each_in_the_middle_plane(four_speed: Controller) -> None:
+    """The sleeve follows its spool at once: one land is read before the next."""
+    several = [land for land in four_speed.lands if len(land.planes) > 2]
+    lands = [*several[:1], *(land for land in four_speed.lands if len(land.planes) == 1)][:3][::-1]
+    cells = Plan.quick(land.key for land in lands).cells(four_speed)
+    assert [(cell.component, cell.part, cell.plane) for cell in cells] == [
+        (land.component, part, land.planes[(len(land.planes) - 1) // 2]) for land in lands for part in PLAN_PARTS
+    ]
+    assert {(cell.direction, cell.repeat) for cell in cells} == {(0.0, 1)}
