@@ -4,9 +4,10 @@ A part is worn in a draw of the unit where its clearance has grown past its firs
 shares of the draws, weighed by gauges, log, flows and plugs (`atleak.diagnosis.uncertainty.weighing`).
 
 A reading is worth the expected fall of what wrong decisions cost when it becomes known with its own uncertainty: the
-draws fall into bins of it, and in each bin every land is repaired where that costs less on average. A worn land that is
-left costs what its wear takes from the unit, in first limits of a circuit's loss and of a pair's share of the pump; to
-open a land costs `PRICE` of that. Readings are chosen one after the other, each beside those before it.
+draws fall into bins of it, and in each bin every land is repaired where that is the likelier to be right. To leave a
+land costs what its wear takes from the unit, 1 where that reaches a first limit of a circuit's loss or of a pair's
+share of the pump; to open it costs what is left of 1. Readings are chosen one after the other, each beside those before
+it.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from atleak.diagnosis.missing import Row
 from atleak.diagnosis.uncertainty import Assumptions
 from atleak.diagnosis.uncertainty.weighing import Lost, Told
 from atleak.engine.operation import LINE
+from atleak.measurements.gauge_readings import LINE_TAP
 from atleak.measurements.measuring_plan import QUICK_LANDS, Plan
 
 NEXT = 3  # lands that are named to be measured next
@@ -38,11 +40,10 @@ _EDGES = 0.5, 0.75, 0.88, 0.95  # of the bins of a reading, as parts of all that
 _BINS = len(_EDGES) + 1
 _SMOOTH = 4.0  # effective draws that the draws around a bin stand for beside its own
 _BESIDE = 2  # readings before, beside which the value of one is worked out
-PRICE = 0.3  # of opening a land, in first limits that a worn one costs: choice of this project
 _USUAL_SHARE = 0.02  # of the pump's flow, where no limit is set
 _TELLS = 0.1  # of a probability, by which evidence moves it at least: choice of this project
 PUMP_WORN = 0.5  # growth of its slip from which on a pump is called worn: choice of this project
-WORTH = 0.005  # first limits that a reading spares at least, to be worth its time: choice of this project
+WORTH = 0.02  # wrong decisions that a reading spares at least, to be worth its time: choice of this project
 
 _THIN = Sentence(
     "Nothing that was read sets a land or a circuit apart: this is what is assumed of any used unit. Read gauges at "
@@ -59,6 +60,7 @@ class LandEvidence:
     clearance: float  # [m] as likely more as less
     low: float  # [m] between which it lies in 95 of 100 cases
     high: float
+    loss: float  # [Pa] that it costs the pressure that loses most by it of those that gauges read, on average
     group: int | None  # the lands with this number cannot be told apart; None: by itself
     measured: bool
 
@@ -90,12 +92,12 @@ class NextReading:
     """A land to measure next."""
 
     land: Land
-    value: float  # what its reading spares on average; 1 is a worn land left that costs a first limit
+    value: float  # wrong decisions that its reading spares on average
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """What is likely worn, the likeliest first."""
+    """What is likely worn: lands that cost most on average first, circuits that have most likely lost most."""
 
     lands: tuple[LandEvidence, ...]
     circuits: tuple[CircuitEvidence, ...]
@@ -132,8 +134,8 @@ class _Finder:
 
     @property
     def evidence(self) -> Evidence:
-        lands = sorted(self._lands(), key=lambda each: -each.probability)
-        circuits = sorted(self._circuits(), key=lambda each: -each.probability)
+        lands = sorted(self._lands(), key=lambda each: (-each.loss, -each.probability))
+        circuits = sorted(self._circuits(), key=lambda each: (-each.probability, -each.loss))
         return Evidence(
             lands=tuple(lands),
             circuits=tuple(circuits),
@@ -153,7 +155,9 @@ class _Finder:
                 land = self.controller.land(*key)
                 measured = key not in self.diagnosis.open_lands
                 probability = float(np.mean(self.worn(told, key)))
-                yield LandEvidence(land, probability, middle, low, high, groups.get(key), measured)
+                yield LandEvidence(
+                    land, probability, middle, low, high, self.explains(key, read=True), groups.get(key), measured
+                )
 
     def worn(self, told: Told, key: LandKey) -> np.ndarray:
         """Return in which draws a land is worn: its clearance has grown past its first limit for wear."""
@@ -163,9 +167,11 @@ class _Finder:
         level, fraction = steps.levels[0]
         return np.asarray(now - new >= np.maximum(fraction * new, steps.at_least.get(level, 0.0)))
 
-    def explains(self, key: LandKey) -> float:
-        """Return what a land costs the pressure that loses most by it, on average [Pa]."""
-        return max((each.get(key, 0.0) for each in self._pressure), default=0.0)
+    def explains(self, key: LandKey, *, read: bool = False) -> float:
+        """Return what a land costs the pressure that loses most by it, or of those that gauges read, on average [Pa]."""
+        taps = {LINE if each == LINE_TAP else each for each in self.read} if read and self.read else None
+        costs = (each.get(key, 0.0) for tap, each in self._pressure if taps is None or tap in taps)
+        return max(costs, default=0.0)
 
     def costs(self, told: Told, key: LandKey) -> np.ndarray:
         """Return what the wear of a land costs the unit in each draw, in first limits: as its clearance cubed grows."""
@@ -180,8 +186,8 @@ class _Finder:
         return self.explains(key) / self._limit + share / limit
 
     @cached_property
-    def _pressure(self) -> list[dict[LandKey, float]]:
-        return [_of_lands(each.split.lands) for each in self.weighed.lost.values()]
+    def _pressure(self) -> list[tuple[str, dict[LandKey, float]]]:
+        return [(section, _of_lands(lost.split.lands)) for (section, _), lost in self.weighed.lost.items()]
 
     @cached_property
     def _flow(self) -> dict[LandKey, float]:
@@ -306,7 +312,8 @@ class _Part:
     def __init__(self, finder: _Finder, told: Told) -> None:
         self._keys = [key for key in told.now if key in finder.diagnosis.open_lands]
         size, error = told.slip.size, finder.error_of_a_reading
-        self._costs = np.array([finder.costs(told, key) for key in self._keys], float).reshape(-1, size)
+        costs = [np.minimum(finder.costs(told, key), 1.0) for key in self._keys]
+        self._costs = np.array(costs, float).reshape(-1, size)
         self._bins = {
             key: _binned(told.now[key] + error * np.random.default_rng(number).standard_normal(size))
             for number, key in enumerate(self._keys)
@@ -352,7 +359,7 @@ class _Part:
                 sums = [self._counts * np.bincount(cell[taken], each[taken], around.shape[1]) for each in costs]
                 smooth = _SMOOTH if level else 0.0
                 around = (np.array(sums) + smooth * around) / (draws + smooth)
-            lost += float(np.sum(np.where(around[:, cells[-1][met]] > PRICE, PRICE, costs[:, met])))
+            lost += float(np.sum(np.where(around[:, cells[-1][met]] > 0.5, 1.0 - costs[:, met], costs[:, met])))
         return lost / self._fold.size
 
 

@@ -115,7 +115,7 @@ def test_where_no_reading_is_worth_it_that_is_said(gauged: Diagnosis, monkeypatc
 
 def test_the_record_is_in_order_and_in_its_units(gauged: Diagnosis) -> None:
     evidence, record = evidence_of(gauged), evidence_record(gauged)
-    assert all(one["probability_worn"] >= other["probability_worn"] for one, other in pairwise(record["lands"]))
+    assert all(one.loss >= other.loss for one, other in pairwise(evidence.lands))
     assert {(each["component"], each["land"]) for each in record["lands"]} == {
         each.key for each in load_controller("five_speed_2005").lands if not each.seal
     }
