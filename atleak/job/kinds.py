@@ -24,6 +24,8 @@ from atleak.readers.cells.sheet import Sheet
 from atleak.readers.cells.sheet_file import read_sheets
 from atleak.readers.controller_workbook import describes_controller
 from atleak.readers.gauges import gauge_table
+from atleak.readers.gauges.flow_table import flow_finder
+from atleak.readers.gauges.vacuum_table import vacuum_finder
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.layout import find_tables
 from atleak.readers.sheets.words import is_word
@@ -44,6 +46,8 @@ class TableKind(StrEnum):
     READINGS = "readings"
     ROAD_TEST = "road_test"
     PRESSURES = "pressures"
+    VACUUM = "vacuum"
+    FLOWS = "flows"
     CONTROLLER = "controller"
 
 
@@ -68,12 +72,16 @@ def table_kind(data: bytes, controller: Controller) -> TableKind:
     if not is_workbook:
         data = data[:_START].rpartition(b"\n")[0] if len(data) > _START else data
     names, likeness = ControllerNames(controller), gauge_table.likeness_of(controller)
+    of_rows = {TableKind.VACUUM: vacuum_finder(controller), TableKind.FLOWS: flow_finder(controller)}
 
     def diameters(sheet: Sheet) -> float:
         return max((table.score for table in find_tables(sheet, names) if table.complete), default=0.0)
 
+    def score(sheet: Sheet) -> float:
+        return max(diameters(sheet), likeness(sheet), *(finder.likeness(sheet) for finder in of_rows.values()))
+
     try:
-        sheets = read_sheets(data, "", lambda sheet: max(diameters(sheet), likeness(sheet)), is_word, only_look=True)
+        sheets = read_sheets(data, "", score, is_word, only_look=True)
     except _REFUSED as error:
         if is_own_fault(error):
             raise
@@ -84,6 +92,9 @@ def table_kind(data: bytes, controller: Controller) -> TableKind:
         return TableKind.READINGS
     if gauge_table.find_tabs(sheets, controller).tables:
         return TableKind.PRESSURES
+    for kind, finder in of_rows.items():
+        if any(finder.rows_of(sheet) for sheet in sheets if finder.find(sheet)):
+            return kind
     return TableKind.ROAD_TEST if any(sheet.rows for sheet in sheets) else TableKind.READINGS
 
 
@@ -100,6 +111,8 @@ class FileKind(StrEnum):
     READINGS = "readings"
     ROAD_TEST = "road_test"
     PRESSURES = "pressures"
+    VACUUM = "vacuum"
+    FLOWS = "flows"
     PICTURE = "picture"
 
 

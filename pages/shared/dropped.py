@@ -17,7 +17,7 @@ from pages.shared.state import Refusal, job, open_job, pick, put_file, put_job, 
 from pages.shared.undo import Told
 
 _ORDER = tuple(FileKind)  # a job before what is added to it, its valve body before the sheet
-_OF_JOB = (FileKind.READINGS, FileKind.ROAD_TEST, FileKind.PRESSURES)
+_OF_JOB = (FileKind.READINGS, FileKind.ROAD_TEST, FileKind.PRESSURES, FileKind.VACUUM, FileKind.FLOWS)
 
 
 def take(files: Sequence[SourceFile]) -> None:

@@ -32,7 +32,7 @@ from pages.shared.state import (
 
 PAGES = Path(__file__).resolve().parents[1]
 _STEPS = {path.stem.partition("_")[2].lower(): path for path in PAGES.glob("[1-9]_*.py")}
-WHERE = {"readings": "Readings", "road_test": "In_the_car", "pressures": "In_the_car"}
+WHERE = {"readings": "Readings", **dict.fromkeys(("road_test", "pressures", "vacuum", "flows"), "In_the_car")}
 RPM = unit("rpm", "rotational_speed")
 LOOKS = Path(__file__).with_name("page.css")
 
@@ -119,6 +119,9 @@ def _about(slot: str, result: Diagnosis, say: Wording) -> str:
         return say("panel.lands_measured", measured=result.measured, lands=len(result.lands))
     if slot == "pressures":
         return say("panel.gauge_readings", count=len(result.pressures.readings) if result.pressures else 0)
+    if slot in ("vacuum", "flows"):
+        table = result.vacuum_table if slot == "vacuum" else result.flow_table
+        return say(f"panel.{slot}_read", count=len(table.readings) if table else 0)
     if result.log is None:
         return ""
     test = result.log.road_test

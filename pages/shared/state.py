@@ -14,10 +14,12 @@ from atleak.analysis.record_doubts import taken_from_sheet, with_sheet
 from atleak.common.errors import (
     AtleakError,
     CatalogueError,
+    FlowTableError,
     OtherControllerError,
     PressureTableError,
     ReadingsError,
     RoadTestError,
+    VacuumTableError,
 )
 from atleak.common.memory import give_back_soon
 from atleak.common.sentences import Sentence
@@ -328,7 +330,13 @@ def _without(case: PageCase, slot: str, before: PageCase) -> PageCase:
 
 def _at_fault(now: Session, error: AtleakError) -> str:
     """Return the file that is tried and cannot be used, or which kind of choice cannot be."""
-    files = {PressureTableError: ("pressures", "readings"), ReadingsError: ("readings",), RoadTestError: ("road_test",)}
+    files = {
+        PressureTableError: ("pressures", "readings"),
+        VacuumTableError: ("vacuum",),
+        FlowTableError: ("flows",),
+        ReadingsError: ("readings",),
+        RoadTestError: ("road_test",),
+    }
     slots = next((slots for kind, slots in files.items() if isinstance(error, kind)), None)
     if slots is None and isinstance(error, CatalogueError):
         return "catalogue"

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 
 from atleak.catalogue.controller import Controller
@@ -23,7 +22,7 @@ from atleak.measurements.flow_readings import FlowReading, FlowTable
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Cell, text_of
 from atleak.readers.dates import words
-from atleak.readers.gauges.value_table import Faults, ValueFile, ValueTable, find_value_table, first_cell, phrases
+from atleak.readers.gauges.value_table import Faults, ValueFile, ValueFinder, ValueTable, first_cell, phrases
 
 _FLOW = AskedNumber(Sentence("flow"), "l/min", 3.8, (0.0, 100.0))
 _ORDER = ("condition", "what", "value", "unit")
@@ -95,7 +94,12 @@ _NOT_UNDERSTOOD = {  # what is said of an empty cell, and of one that names noth
     "what": (Sentence("nothing says what flowed in this row"), Sentence("no such consumer of this unit")),
 }
 
-__all__ = ["read_flow_table"]
+__all__ = ["flow_finder", "read_flow_table"]
+
+
+def flow_finder(controller: Controller) -> ValueFinder:
+    """Return what finds tables of flows."""
+    return ValueFinder("flow_columns", ("condition", "what", "value"), _ORDER, _Names.of(controller).begins)
 
 
 @own_errors_only(FlowTableError, "name", "source")
@@ -124,11 +128,8 @@ def read_flow_table(source: str | Path | bytes, controller: Controller, *, name:
         file as a whole holds no such table, or none filled in.
     """
     names = _Names.of(controller)
-    find = partial(
-        find_value_table, table="flow_columns", needed=("condition", "value"), order=_ORDER, begins=names.begins
-    )
     missing = FlowTableError(Sentence("holds no table of flows"), expected=_HEADINGS)
-    held = ValueFile.open(source, name, find, names.begins, missing, _WANTED)
+    held = ValueFile.open(source, name, flow_finder(controller), missing, _WANTED)
     rows = _Rows()
     for table in held.tables:
         _read(table, names, rows)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import datetime as dt
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 
 from atleak.catalogue.controller import Controller
@@ -36,8 +35,8 @@ from atleak.readers.gauges.gauge_headings import GaugeWords, is_blank_heading
 from atleak.readers.gauges.value_table import (
     Faults,
     ValueFile,
+    ValueFinder,
     ValueTable,
-    find_value_table,
     first_cell,
     in_si,
     is_number,
@@ -90,10 +89,13 @@ class _Targets:
         self.controller, self.names = controller, ControllerNames(controller)
         self.circuits = {name: tap for name, tap in GaugeWords.of(controller).taps.items() if tap != LINE_TAP}
 
-    def begins(self, cell: Cell) -> bool:
-        """Return whether a cell begins a row about the stand, or names a circuit or a land."""
-        if label_of(_label(cell), "vacuum_stand") is not None:
-            return True
+    @property
+    def finder(self) -> ValueFinder:
+        """Return what finds the tables that name them."""
+        return ValueFinder("vacuum_columns", ("target", "reading"), _ORDER, self._begins)
+
+    def _begins(self, cell: Cell) -> bool:
+        """Return whether a cell names a circuit or a land."""
         if not isinstance(cell, str):
             return False
         try:
@@ -331,7 +333,12 @@ def _without_sign(cell: Cell) -> Cell:
     return cell.strip().lstrip("-−– ") if isinstance(cell, str) else cell
 
 
-__all__ = ["read_vacuum_table"]
+__all__ = ["read_vacuum_table", "vacuum_finder"]
+
+
+def vacuum_finder(controller: Controller) -> ValueFinder:
+    """Return what finds tables of vacuum tests."""
+    return _Targets(controller).finder
 
 
 @own_errors_only(VacuumTableError, "name", "source")
@@ -359,10 +366,9 @@ def read_vacuum_table(source: str | Path | bytes, controller: Controller, *, nam
         with all problems found: an unknown circuit, land, state or unit, a cell that is no vacuum, more vacuum than
         the supply; or where the file as a whole holds no such table, or none filled in.
     """
-    targets, needed = _Targets(controller), ("target", "reading")
-    find = partial(find_value_table, table="vacuum_columns", needed=needed, order=_ORDER, begins=targets.begins)
+    targets = _Targets(controller)
     missing = VacuumTableError(Sentence("holds no table of a vacuum test"), expected=_HEADINGS)
-    held = ValueFile.open(source, name, find, targets.begins, missing, _WANTED)
+    held = ValueFile.open(source, name, targets.finder, missing, _WANTED)
     rows = _Rows()
     for table in held.tables:
         _Reader(table, targets, rows).read()

@@ -10,7 +10,6 @@ import hashlib
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 
 from atleak.catalogue.written_numbers import AskedNumber, WrittenNumber, possible_values, read_number
@@ -210,7 +209,7 @@ class ValueTable:
                 return None
         else:
             known = usual
-            if known is None:
+            if known is None and is_number(cell):
                 expected = Sentence("{units}, behind the number or in a column of units", units=one_of(unit_names(of)))
                 rows.refuse(Sentence("no unit stands with this value"), place, text_of(cell), expected=expected)
                 return None
@@ -222,39 +221,56 @@ class ValueTable:
         return number.value
 
 
-def find_value_table(
-    sheet: Sheet, table: str, needed: Sequence[str], order: Sequence[str], begins: Callable[[Cell], bool]
-) -> ValueTable | None:
-    """Return the table of a sheet; None where there is none.
-
-    Parameters
-    ----------
-    table
-        of the vocabulary, which says what the headings mean.
-    needed
-        kinds of columns that its headings must name.
-    order
-        of the columns, where no row holds headings.
-    begins
-        tells whether a cell may be the first of a row of the table.
-    """
-    for row in range(min(len(sheet.rows), _SEARCHED)):
-        columns: dict[str, int] = {}
-        for column in range(sheet.width):
-            kind = label_of(sheet.filled(row, column), table)
-            if kind is not None:
-                columns.setdefault(kind, column)
-        if columns.keys() >= set(needed):
-            return ValueTable(sheet, columns, row)
-    if any(begins(first_cell(sheet, row)[0]) for row in range(len(sheet.rows))):
-        return ValueTable(sheet, {kind: column for column, kind in enumerate(order)})
-    return None
-
-
 def first_cell(sheet: Sheet, row: int) -> tuple[Cell, int]:
     """Return the first cell of a row that holds anything, with its column; "" in an empty row."""
     filled = ((cell, column) for column, cell in enumerate(sheet.rows[row]) if not is_blank_heading(cell))
     return next(filled, ("", 0))
+
+
+@dataclass(frozen=True)
+class ValueFinder:
+    """Finds the tables of one kind.
+
+    Parameters
+    ----------
+    table
+        of the vocabulary, which says what the headings mean
+    needed
+        kinds of columns that its headings must name
+    order
+        of the columns, where no row holds headings
+    begins
+        tells whether a cell is what the first of a row of the table may be
+    """
+
+    table: str
+    needed: Sequence[str]
+    order: Sequence[str]
+    begins: Callable[[Cell], bool]
+
+    def find(self, sheet: Sheet) -> ValueTable | None:
+        """Return the table of a sheet; None where there is none."""
+        for row in range(min(len(sheet.rows), _SEARCHED)):
+            columns: dict[str, int] = {}
+            for column in range(sheet.width):
+                kind = label_of(sheet.filled(row, column), self.table)
+                if kind is not None:
+                    columns.setdefault(kind, column)
+            if columns.keys() >= set(self.needed):
+                return ValueTable(sheet, columns, row)
+        return ValueTable(sheet, {kind: at for at, kind in enumerate(self.order)}) if self.rows_of(sheet) else None
+
+    def rows_of(self, sheet: Sheet) -> int:
+        """Count the rows of a sheet that begin as those of the table."""
+        rows = range(len(sheet.rows))
+        return sum(len(sheet.rows[row]) > 1 and self.begins(first_cell(sheet, row)[0]) for row in rows)
+
+    def likeness(self, sheet: Sheet) -> float:
+        """Return how much of a sheet is understood as such a table: of a text, whether it is split the right way."""
+        table = self.find(sheet)
+        if table is None:
+            return 0.0
+        return float(len(table.columns) if table.row is not None else 1) + min(self.rows_of(sheet), 20)
 
 
 @dataclass(frozen=True)
@@ -270,8 +286,7 @@ class ValueFile:
         cls,
         source: str | Path | bytes,
         name: str | None,
-        find: Callable[[Sheet], ValueTable | None],
-        begins: Callable[[Cell], bool],
+        finder: ValueFinder,
         missing: InputError,
         wanted: Sentence,
     ) -> ValueFile:
@@ -279,13 +294,11 @@ class ValueFile:
 
         Parameters
         ----------
-        find, begins
-            as `find_value_table` has them.
         wanted
             the kinds of file that can be read.
         """
-        data, file, sheets = open_sheets(source, name, partial(_likeness, find, begins), type(missing), wanted)
-        found = (find(sheet) for sheet in sheets if not sheet.hidden)
+        data, file, sheets = open_sheets(source, name, finder.likeness, type(missing), wanted)
+        found = (finder.find(sheet) for sheet in sheets if not sheet.hidden)
         tables = [table for table in found if table is not None]
         if not tables:
             missing.rename_file(lambda _: file)
@@ -302,12 +315,3 @@ class ValueFile:
         """Return how a text was read."""
         notes = dict.fromkeys(table.sheet.note for table in self.tables if table.sheet.note)
         return tuple(Message("info", "read_as", note, Place(self.file)) for note in notes)
-
-
-def _likeness(find: Callable[[Sheet], ValueTable | None], begins: Callable[[Cell], bool], sheet: Sheet) -> float:
-    """Return how much of a sheet is understood as such a table: of a text, whether it is split the right way."""
-    table = find(sheet)
-    if table is None:
-        return 0.0
-    rows = sum(begins(first_cell(sheet, row)[0]) and len(sheet.rows[row]) > 1 for row in range(len(sheet.rows)))
-    return float(len(table.columns) if table.row is not None else 1) + min(rows, 20)

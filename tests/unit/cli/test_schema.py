@@ -43,6 +43,7 @@ def files(tmp_path: Path, small_sheet: Callable[..., Path]) -> dict[str, Path]:
     texts = {
         "JOB": ("job.toml", JOB),
         "LOW": ("low.csv", "tap,range,slow idle [kPa]\nline,D,570\nforward clutch,D,330\n"),
+        "FLOWS": ("flows.csv", "condition,what,value\nhot_idle,cooler,3.7 l/min\nhot_idle,cooler,1 l/min\n"),
         "GAUGES": ("gauges.csv", "range;slow idle [bar];stall [bar]\nD;3,9;11\n1;2,9;\n"),
         "STUDY": ("study.csv", "\n".join(["part,operator,trial,reading [mm]", *readings])),
     }
@@ -58,6 +59,7 @@ MINIMAL = ("--controller", "minimal_example")
     ("output", "command"),
     [
         ("diagnose", ("diagnose", "SHEET", *MINIMAL, "--job", "JOB")),
+        ("diagnose", ("diagnose", "--flows", "FLOWS", "--controller", "five_speed_2005")),
         ("diagnose", ("diagnose", "--road-test", "LOG", "--profile", "paper")),
         ("diagnose", ("diagnose", "--pressures", "GAUGES", "--complaint", "slips_hot")),
         ("evidence", ("evidence", *MINIMAL)),
