@@ -415,7 +415,8 @@ def _messages(
 
 def _too_fine(lands: Sequence[LandUncertainty]) -> list[Message]:
     """Name the lands that are left open because their limit is finer than the gauges, with gauges that would do."""
-    first = [(land, rule.at_first_level) for land in lands for rule in land.rules]
+    by_gauges = [land for land in lands if land.sources.state.leak_weight < 1.0]
+    first = [(land, rule.at_first_level) for land in by_gauges for rule in land.rules]
     fine = [(land, rule) for land, rule in first if rule.conditional and not land.measurable(rule)]
     if not fine:
         return []

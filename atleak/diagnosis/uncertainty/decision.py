@@ -331,6 +331,8 @@ def advise(rule: RuleDecision, name: str, way: Remedy, land: LandSources, limit_
     tools = _tools(land)
     if not way.measurable:
         text = f"{name}: the {limit_text} is not measurable with {tools} ({guard_text})."
+        if way.first is None and land.state.leak is not None:
+            return f"{text} Measure its diameters."
         return f"{text} {_ways_to_decide(way)}"
     text = f"{name} is {side} the {limit_text}, but within what {tools} can tell ({guard_text})"
     if way.reading_part < 0.5:
@@ -341,6 +343,8 @@ def advise(rule: RuleDecision, name: str, way: Remedy, land: LandSources, limit_
             f"{text}: the readings carry only {_percent(way.reading_part)} of the uncertainty, the rest is {rest}. "
             "Measuring again will not settle it."
         )
+    if way.first is None and land.state.leak is not None:
+        return f"{text}: measure its diameters, which no place of the spool changes."
     if way.first is None:
         return f"{text}: nothing of this pair was measured."
     if not way.decides:
@@ -376,6 +380,8 @@ def _percent(fraction: float) -> str:
 
 
 def _tools(land: LandSources) -> str:
+    if land.state.leak_weight == 1.0:
+        return "the vacuum test"
     spool, sleeve = land.instruments.spool, land.instruments.sleeve
     names = [land.instruments.of(part).name.lower() for part in PARTS if part in land.plans]
     if len(names) == 2 and spool != sleeve:

@@ -33,6 +33,7 @@ from atleak.diagnosis.uncertainty.sources import (
     MEASURING_TEMPERATURE_SOURCE,
     MOUNTING,
     OF_A_DIAMETER,
+    VACUUM_KINDS,
     LandSources,
     RepeatSpread,
     UncertaintySource,
@@ -124,7 +125,7 @@ def _line(land: LandSources, source: UncertaintySource, fraction: float) -> Budg
 def _input_kind(source: UncertaintySource) -> InputKind:
     if source.kind == MEASURING_TEMPERATURE_SOURCE:
         return "temperature"
-    return "clearance" if source.kind == MOUNTING else "diameter"
+    return "clearance" if source.kind in (MOUNTING, *VACUUM_KINDS) else "diameter"
 
 
 def _input_uncertainty(land: LandSources, source: UncertaintySource, kind: InputKind) -> float:
@@ -133,6 +134,8 @@ def _input_uncertainty(land: LandSources, source: UncertaintySource, kind: Input
         return rectangular(land.assumptions.room_temperature)
     members = [each for each in land.sources if source.group is not None and each.group == source.group] or [source]
     u = max(abs(each.standard_uncertainty) for each in members)
+    if source.kind not in VACUUM_KINDS and land.state.leak is not None:
+        u /= 1.0 - land.state.leak_weight  # by as much diameters count beside a vacuum test
     return u if kind == "clearance" else u / OF_A_DIAMETER
 
 

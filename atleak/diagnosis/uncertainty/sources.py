@@ -53,6 +53,12 @@ SourceKind = Literal[
     "contact length in the vacuum test",
 ]
 
+VACUUM_KINDS: tuple[SourceKind, ...] = (
+    "vacuum gauge",
+    "vacuum stand",
+    "spool position in the vacuum test",
+    "contact length in the vacuum test",
+)
 TOLERANCE_HOLDS = 0.95  # of the pairs of a type, as a tolerance of the mounting clearance is stated
 AVERAGED_FROM = 0.6  # of a step: readings that spread more average their rounding out, but for 3e-8 of its variance
 ENOUGH_DEGREES = 6  # of freedom, from which on the repeats are trusted alone: choice of this project
@@ -238,7 +244,11 @@ class LandSources:
             times = (repeats or {}).get(part, plan.repeats) / plan.repeats
             if part in four_directions:
                 plan = replace(plan, two_lobe=0.0, residual=min(plan.residual, 0.5))
-            changed += _part_sources(self.state, part, instrument, chosen, plan, spread, self.assumptions, times)
+            counts = 1.0 - self.state.leak_weight
+            changed += [
+                replace(each, standard_uncertainty=counts * each.standard_uncertainty)
+                for each in _part_sources(self.state, part, instrument, chosen, plan, spread, self.assumptions, times)
+            ]
         changed += [source for source in self.sources if source.part is None]
         return LandSources(self.state, tuple(changed), {}, {}, chosen, self.assumptions).standard_uncertainty ** 2
 
@@ -359,12 +369,13 @@ def _with_leak(state: LandClearance, sources: Iterable[UncertaintySource]) -> It
     mean = max(state.radial_clearance, leak.clearance if weight == 1.0 else 0.0)
     by_leak = weight * (leak.clearance / mean) ** 2 if mean else weight
     kept = [replace(each, standard_uncertainty=each.standard_uncertainty * (1.0 - weight)) for each in sources]
+    of_leak = zip(VACUUM_KINDS, (leak.u_reading, leak.u_stand, leak.u_position, leak.u_length), strict=True)
     return [
         *(each for each in kept if weight < 1.0),
-        UncertaintySource("vacuum gauge", None, by_leak * leak.u_reading),
-        UncertaintySource("vacuum stand", None, by_leak * leak.u_stand, "vacuum stand"),
-        UncertaintySource("spool position in the vacuum test", None, by_leak * leak.u_position),
-        UncertaintySource("contact length in the vacuum test", None, by_leak * leak.u_length),
+        *(
+            UncertaintySource(kind, None, by_leak * u, "vacuum stand" if kind == "vacuum stand" else None)
+            for kind, u in of_leak
+        ),
     ]
 
 

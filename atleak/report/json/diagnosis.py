@@ -39,6 +39,7 @@ from atleak.report.tables.gauges import gauge_record
 from atleak.report.tables.lands import LandAtCondition, MatrixRow, condition_matrix
 from atleak.report.tables.repairs import cost_record, option_record, plan_ends
 from atleak.report.tables.road_record import road_record
+from atleak.report.tables.vacuum import vacuum_records
 from atleak.version import __version__
 
 FORMAT = 1
@@ -87,6 +88,7 @@ def _record(diagnosis: Diagnosis) -> dict[str, Any]:
         "repair_plan_ends": _repair_ends(plan),
         "road_test": road_record(diagnosis),
         "pressure_table": gauge_record(diagnosis),
+        "vacuum": vacuum_records(diagnosis),
         "flows": [flow_record(each) for each in diagnosis.flows],
         "messages": [message_record(message) for message in diagnosis.messages],
     }

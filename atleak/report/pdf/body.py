@@ -133,9 +133,9 @@ _OF_LANDS = (
     "budget",
 )  # fmt: skip
 PDF_SECTIONS = (
-    *_OF_LANDS[:8], "gauges", "before_opening", "road_test", "repair", "estimate", "condition", "photos", "notes",
-    "conditions", "limits", "decisions", "assumptions", "messages", "method", "readings", "budget", "provenance",
-    "signatures",
+    *_OF_LANDS[:8], "gauges", "before_opening", "road_test", "repair", "estimate", "condition", "photos",
+    "notes", "conditions", "limits", "decisions", "assumptions", "messages", "method", "readings", "budget",
+    "provenance", "signatures",
 )  # fmt: skip
 _ELSEWHERE = ("sleeve", "spool", "effective", "leakage", "interval")  # of lands: in the table of all of them
 CATALOGUE_LANGUAGE = "en"  # of the sources that the catalogue's files name

@@ -109,6 +109,8 @@ class PrintedNames:
         )
         if remedy.measurable and remedy.reading_part < _MOSTLY:
             return doubt, say("advice.elsewhere", fraction=say.percent(remedy.reading_part, 0))
+        if remedy.first is None and land.state.leak is not None:
+            return doubt, say("advice.diameters")
         return doubt, " ".join(self._ways(remedy)) if remedy.decides else say("advice.judgement")
 
     def _ways(self, remedy: Remedy) -> Iterable[str]:

@@ -1,4 +1,4 @@
-"""Say what was measured before a unit was opened: flows that were caught in a jug."""
+"""Say what was measured before a unit was opened: a vacuum test, and flows that were caught in a jug."""
 
 from __future__ import annotations
 
@@ -12,10 +12,13 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.flows import FlowFinding
 from atleak.report.json.conditions import scaled
 from atleak.report.tables.table import Column, Section, Table, Text
+from atleak.report.tables.vacuum import vacuum_section
 
 
 def before_opening(diagnosis: Diagnosis, say: Wording) -> Iterator[Section]:
     """Yield a section for each kind of measurement that there is."""
+    if diagnosis.vacuum:
+        yield vacuum_section(diagnosis, say)
     if diagnosis.flows:
         assumed = diagnosis.gauge_card.assumptions
         spread = {"usual": assumed.consumer_flow, "jug": assumed.caught_flow}

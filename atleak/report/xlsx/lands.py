@@ -110,11 +110,28 @@ def _clearances(live: LiveSheets, *, uncertain: bool) -> Iterable[LiveColumn]:
         return readings.mean(land.key, "spool", here[EXPANSIONS["spool"]])
 
     def sleeve(land: LandDiagnosis, here: LiveCells) -> str:
+        if land.state.status == "vacuum":
+            return f"{here['spool']}+2*{here['c_v']}*0.001"
         as_new = f"{here['nominal']}+2*{here['c_n']}*0.001" if "nominal" in here else ""
         return readings.mean(land.key, "sleeve", here[EXPANSIONS["sleeve"]]) or as_new
 
     def nominal(land: LandDiagnosis) -> float | None:
         return None if land.state.status in ("measured", "sleeve_only") else land.state.land.nominal_diameter
+
+    def clearance(land: LandDiagnosis, here: LiveCells) -> str:
+        """Return the formula of the clearance: by diameters, by its leak, or by both, in the mean of the cubes."""
+        own, weight = f"({here['sleeve']}-{here['spool']})/2*1000", land.state.leak_weight
+        if land.state.leak is None or land.state.status == "vacuum":
+            return own
+        seen = live.directions.moment(land.key, 2) is not None
+        cube = f"({own})^3" + (f"+MAX(3*({own})*{here['m2']}+{here['m3']},0)" if seen else "")
+        mean = f"(1-{here['w_v']})*({cube})+{here['w_v']}*{here['c_v']}^3"
+        if weight in (0.0, 1.0):  # they contradict one another
+            mean = f"{here['c_v']}^3" if weight else cube
+        square = f"MAX({here['m2']},1E-9)" if seen else ""
+        if seen:  # the root of c³ + 3 c m₂ + m₃
+            return f"2*SQRT({square})*SINH(ASINH(({mean}-{here['m3']})/(2*{square}^1.5))/3)"
+        return f"({mean})^(1/3)"
 
     def form(power: int, land: LandDiagnosis) -> float:
         return land.state.form_moments[power - 2]
@@ -130,8 +147,13 @@ def _clearances(live: LiveSheets, *, uncertain: bool) -> Iterable[LiveColumn]:
     if any(nominal(land) is not None for land in lands):
         yield LiveColumn("nominal", Sentence("nominal diameter, of a sleeve not measured [{unit}]", unit=LENGTH), "mm",
                          nominal, times=MM, look=CHANGEABLE)
+    if any(land.state.leak for land in lands):
+        yield LiveColumn("c_v", Sentence("clearance by the vacuum test [{unit}]", unit=CLEARANCE), "um",
+                         lambda land: land.state.leak and land.state.leak.clearance, times=UM, look=CHANGEABLE)
+        yield LiveColumn("w_v", Sentence("its weight in the mean of the cubes"), "plain",
+                         lambda land: land.state.leak and land.state.leak_weight, look=CHANGEABLE)
     yield LiveColumn("c_r", Sentence("radial clearance c_r [{unit}]", unit=CLEARANCE), "um",
-                     lambda land: land.state.radial_clearance, "({sleeve}-{spool})/2*1000", UM)
+                     lambda land: land.state.radial_clearance, clearance, UM)
     if uncertain:
         yield LiveColumn("U", Sentence("standard uncertainty u(c_r) as issued [{unit}]", unit=CLEARANCE), "um",
                          lambda land: land.uncertainty and land.uncertainty.u_clearance, times=UM)

@@ -391,14 +391,15 @@ class _Budget:
 
     def _slope(self, line: BudgetLine) -> float:
         """Return the change of c_r = (D − d)/2 with what a source is about; none of an error that both parts share."""
+        counts = 1.0 - self.land.state.leak_weight  # of the diameters beside a vacuum test
         if line.input_kind == "clearance":
             return 1.0
         if line.source.kind != "common calibration":
-            return OF_A_DIAMETER
-        return 0.0 if line.source.part is None else SLOPES[line.source.part]
+            return counts * OF_A_DIAMETER
+        return 0.0 if line.source.part is None else counts * SLOPES[line.source.part]
 
-    def _input(self, line: BudgetLine) -> str:
-        """Return the formula of the standard uncertainty of what a source is about [µm, or K]."""
+    def _input(self, line: BudgetLine) -> str | None:
+        """Return the formula of the standard uncertainty of a source [µm, or K]; none of a vacuum test."""
         source, part = line.source, line.source.part or PARTS[0]
         match source.kind:
             case "common calibration":
@@ -417,6 +418,8 @@ class _Budget:
                 return names.NOMINAL_DIAMETER
             case "mounting clearance":
                 return self._mounting()
+            case _:
+                return None
 
     def _form(self, part: Part) -> str:
         """Return the formula of what the form leaves uncertain of a diameter; see `uncertainty.sources`."""
@@ -440,7 +443,8 @@ class _Budget:
             for part, sign in signs.items()
             if part in self.sources.plans
         ]
-        return f"({''.join(terms)})/2*0.001"
+        counts = f"*{1.0 - self.land.state.leak_weight}" if self.land.state.leak else ""
+        return f"({''.join(terms)})/2*0.001{counts}"
 
     # --- what the readings of the land give
 

@@ -87,6 +87,8 @@ _FUNCTIONS = {
     "LOG10": math.log10,
     "EXP": np.exp,
     "SQRT": math.sqrt,
+    "SINH": math.sinh,
+    "ASINH": math.asinh,
     "AND": lambda *v: all(_flat(v)),
     "OR": lambda *v: any(_flat(v)),
     "ISNUMBER": lambda v: isinstance(v, int | float) and not math.isnan(v),
