@@ -1,7 +1,7 @@
 """A table of flows that were caught in a jug (workbook or text) → readings, each with its place.
 
 Each row has the operating point, what flowed (the cooler, or a consumer of the valve body's file), and how much, as
-``3.8 l/min``, ``946 ml/15 s``, ``1 qt in 20 s`` or ``1.0 gpm``; see ``docs/flow-table.md``.
+``3.8 l/min``, ``946 ml/15 s``, ``1 qt in 20 s`` or ``1.0 gpm``; see ``docs/vacuum-and-flows.md``.
 """
 
 from __future__ import annotations

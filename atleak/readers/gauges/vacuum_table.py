@@ -1,7 +1,7 @@
 """A table of a vacuum test (workbook or text) → the stand and its readings, each with its place.
 
 Rows about the stand begin with ``supply``, ``ambient``, ``temperature``, ``orifice``, ``flow area`` or ``calibration``;
-all others are readings of a circuit or of lands, see ``docs/vacuum-test.md``. Everything wrong is listed at once.
+all others are readings of a circuit or of lands, see ``docs/vacuum-and-flows.md``. Everything wrong is listed at once.
 """
 
 from __future__ import annotations
