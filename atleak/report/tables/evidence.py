@@ -11,6 +11,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.evidence import CircuitEvidence, Evidence, LandEvidence, evidence_of
 from atleak.engine.profile import UNKNOWN
 from atleak.report.json.conditions import of_land
+from atleak.report.tables.before_opening import before_opening, flow_record
 from atleak.report.tables.names import land_number, land_words
 from atleak.report.tables.table import Column, Section, SectionPart, Table, Text, span
 from atleak.version import __version__
@@ -22,7 +23,8 @@ _NAMED = 3  # parts that a sentence names
 
 
 def evidence_sections(diagnosis: Diagnosis, say: Wording) -> dict[str, Section]:
-    """Return the sections by their names: what is likely, lands, circuits, what to measure next, what is assumed.
+    """Return the sections by their names: what is likely, lands, circuits, what was measured with everything closed,
+    what to measure next, what is assumed.
 
     Where nothing that was read tells more than what is assumed, that is said first, and nothing is ranked.
     """
@@ -34,8 +36,9 @@ def evidence_sections(diagnosis: Diagnosis, say: Wording) -> dict[str, Section]:
         "next": [Text(said)] if (said := next_sentence(diagnosis, say)) else (),
         "assumed": words.assumed(),
     }
-    made = {name: Section(name, say(f"evidence.{name}"), tuple(of_name)) for name, of_name in parts.items()}
-    return {name: section for name, section in made.items() if section.parts}
+    made = [Section(name, say(f"evidence.{name}"), tuple(of_name)) for name, of_name in parts.items()]
+    made[3:3] = before_opening(diagnosis, say)
+    return {section.name: section for section in made if section.parts}
 
 
 def next_sentence(diagnosis: Diagnosis, say: Wording) -> str:
@@ -210,7 +213,7 @@ def evidence_record(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "clutch_seals": [*map(_circuit_record, evidence.seals)],
         "vacuum": [],
-        "flows": [],
+        "flows": [flow_record(each) for each in diagnosis.flows],
         "warm_up": None,
         "next": [{**of_land(each.land.key), "value": each.value} for each in evidence.next],
         "effective_samples": evidence.effective_samples,

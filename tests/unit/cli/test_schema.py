@@ -63,7 +63,7 @@ MINIMAL = ("--controller", "minimal_example")
         ("diagnose", ("diagnose", "--road-test", "LOG", "--profile", "paper")),
         ("diagnose", ("diagnose", "--pressures", "GAUGES", "--complaint", "slips_hot")),
         ("evidence", ("evidence", *MINIMAL)),
-        ("evidence", ("evidence", "--pressures", "LOW", "--controller", "five_speed_2005")),
+        ("evidence", ("evidence", "--pressures", "LOW", "--flows", "FLOWS", "--controller", "five_speed_2005")),
         ("import-log", ("import-log", "LOG")),
         ("gauge-study", ("gauge-study", "STUDY", "--tolerance", "0.02")),
         ("controller-learn", ("controller", "learn", "SHEET", *MINIMAL)),
