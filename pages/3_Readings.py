@@ -31,12 +31,12 @@ typing, clearances = st.tabs(
 )
 if typing.open:
     with typing:
-        measuring_form.draw(case, diagnosis)
+        plan = measuring_form.draw(case, diagnosis)
         fields = {} if case.sample else fields_of(state.job(), say.units)
         language = reader.pick_language(st.container(), "template-language")
         st.download_button(
             say("readings.template"),
-            lambda: write_template(controller, fields=fields, language=language, units=say.units),
+            lambda: write_template(controller, plan=plan, fields=fields, language=language, units=say.units),
             f"measuring_sheet_{controller.id}.xlsx",
             on_click="ignore",
             help=say("readings.template_help"),

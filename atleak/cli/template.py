@@ -16,6 +16,8 @@ from atleak.cli.shared import (
     print_font,
     print_options,
 )
+from atleak.common.errors import InputError
+from atleak.common.sentences import Sentence
 from atleak.common.translations import languages
 from atleak.common.units import SYSTEMS
 from atleak.job.zip_file import load_job
@@ -81,7 +83,10 @@ def _quick_sheet(options: argparse.Namespace, known: dict[str, Any]) -> bytes:
 
     case, _ = chosen_job(options, may_be_new=True)
     diagnosis = case.diagnose()
-    return write_template(diagnosis.controller, plan=quick_pass(diagnosis), **known)
+    plan = quick_pass(diagnosis)
+    if plan is None:
+        raise InputError(Sentence("no further land is worth a reading: it would hardly change what is decided"))
+    return write_template(diagnosis.controller, plan=plan, **known)
 
 
 def _add_gauge_card(commands: Any, name: str) -> None:

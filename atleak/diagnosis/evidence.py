@@ -22,7 +22,6 @@ import numpy as np
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.controller import Land
 from atleak.catalogue.repairs import LandKey
-from atleak.common.errors import InputError
 from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -292,18 +291,10 @@ def readings_by_value(diagnosis: Diagnosis, most: int) -> tuple[NextReading, ...
     return tuple(found)
 
 
-def quick_pass(diagnosis: Diagnosis) -> Plan:
-    """Return which lands to measure of a unit where not all are to be: the one whose reading is worth most first.
-
-    Raises
-    ------
-    InputError
-        where no land that was not measured is worth a reading.
-    """
+def quick_pass(diagnosis: Diagnosis) -> Plan | None:
+    """Return the plan of the few lands that tell most, the one whose reading is worth most first; None without one."""
     lands = [each.land.key for each in readings_by_value(diagnosis, QUICK_LANDS)]
-    if not lands:
-        raise InputError(Sentence("no further land is worth a reading: it would hardly change what is decided"))
-    return Plan.quick(lands)
+    return Plan.quick(lands) if lands else None
 
 
 class _Part:

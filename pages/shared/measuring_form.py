@@ -11,14 +11,17 @@ from typing import Any
 import streamlit as st
 
 from atleak.common.errors import AtleakError
+from atleak.common.memory import kept_with
 from atleak.common.units import unit_names
 from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.evidence import quick_pass
 from atleak.job.case import SourceFile
-from atleak.measurements.measuring_plan import MOST_DIRECTIONS, MOST_REPEATS, Order
+from atleak.measurements.measuring_plan import MOST_DIRECTIONS, MOST_REPEATS, Order, Plan
 from atleak.readers.gauges.typed_gauges import TYPED_GAUGES_FILE as TYPED_GAUGES
 from atleak.readers.gauges.typed_gauges import TypedGauges
 from atleak.readers.typed_sheet import TYPED_FILE, JudgedEntry, Typed, judge, typed_in, written_sheet
 from atleak.report.measuring_grid import Grid, grid_record
+from atleak.report.tables.evidence import next_sentence
 from pages.shared import book, fields, pairs, reader, show
 from pages.shared.cases import PageCase, controller_of, diagnosis_of, instruments_of, readings_of
 from pages.shared.state import new_job, put_file, remember, session
@@ -49,16 +52,22 @@ class _Kept:
     name: tuple[int, str, str | None] | None = None
     typed: Typed = Typed()  # noqa: RUF009  frozen, so safe to share
     answer: dict[str, Any] | None = None
+    quick: tuple[str, Plan | None] = ("", None)  # the quick pass last offered, and of what
     session: str = field(default_factory=partial(secrets.token_hex, 6))  # by which the browser tells sessions apart
 
 
-def draw(case: PageCase, diagnosis: Diagnosis) -> None:
-    """Draw the choices of what is measured, and the grid; the sample's can only be looked at."""
+def draw(case: PageCase, diagnosis: Diagnosis) -> Plan | None:
+    """Draw the choices of what is measured, and the grid; the sample's can only be looked at.
+
+    Return the plan where it is that of a quick pass.
+    """
     say, typed = reader.say(), _typed(case)
     if case.sample:
         with st.container(horizontal=True, vertical_alignment="center"):
             st.info(say("measuring.sample"))
             st.button(say("measuring.begin"), on_click=new_job, key="measuring-begin")
+    with st.container():  # one element whatever is asked: the grid below keeps its place
+        _how_much(typed, diagnosis)
     _choices(typed, diagnosis)
     key = f"measuring-{session().generation}"
     grid = Grid(typed.plan.cells(diagnosis.controller, typed.entries), typed, _judged(typed, case), diagnosis)
@@ -74,6 +83,52 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> None:
         "answer": _kept().answer,
     }
     _GRID(key=key, data=data, on_batch_change=lambda: _take(key))
+    if typed.plan.order is not Order.QUICK:
+        return None
+    if grid.counting and all(grid.counting[key] in (0, asked) for key, asked in grid.asked.items()):
+        st.info(show.plain(next_sentence(diagnosis, say)))
+    return typed.plan
+
+
+def _how_much(typed: Typed, diagnosis: Diagnosis) -> None:
+    """Ask whether the few lands that tell most are measured or all; those few stay until somebody chooses anew."""
+    say, controller, plan = reader.say(), diagnosis.controller, typed.plan
+    key = f"pass{session().generation}-{controller.sha256[:12]}"
+    if plan.order is Order.QUICK:
+        _kept().quick = key, plan
+    elif not typed.entries:
+        _kept().quick = key, kept_with(diagnosis, "quick pass", "", lambda: quick_pass(diagnosis), most=1)
+    of, quick = _kept().quick
+    if of == key and quick is None:
+        return
+
+    def label(name: str) -> str:
+        asked = quick if name == "quick" and of == key else Plan() if name == "whole" else None
+        if asked is None:
+            return say("measuring.quick_pass")
+        counts = {"lands": len(asked.lands or controller.lands), "readings": len(asked.cells(controller))}
+        return say(f"measuring.{name}_counted", **counts)
+
+    def chosen() -> None:
+        now, picked = _typed(session().case), st.session_state[key]
+        if picked == "whole" and now.plan.order is Order.QUICK:
+            _choose(replace(now, plan=Plan()))
+        elif picked == "quick" and now.plan.order is not Order.QUICK:
+            found = quick_pass(diagnosis)
+            if found is None:
+                st.toast(say("evidence.enough"))
+            else:
+                _choose(replace(now, plan=found))
+
+    st.session_state[key] = "quick" if plan.order is Order.QUICK else "whole"
+    st.segmented_control(
+        say("measuring.how_much"),
+        ["quick", "whole"],
+        format_func=label,
+        key=key,
+        on_change=chosen,
+        help=say("measuring.quick_help"),
+    )
 
 
 def _take(key: str) -> None:
@@ -119,7 +174,8 @@ def _choices(typed: Typed, diagnosis: Diagnosis) -> None:
 
     with fields.fold(say("measuring.choices"), key=f"{owner}-fold"):
         places = st.columns(4)
-        ask(places[0], "order", list(Order), lambda order: say(f"measuring.order_{order}"))
+        orders = [order for order in Order if order is not Order.QUICK or plan.order is order]
+        ask(places[0], "order", orders, lambda order: say(f"measuring.order_{order}"))
         ask(places[1], "directions", list(range(1, MOST_DIRECTIONS + 1)))
         ask(places[2], "repeats", list(range(1, MOST_REPEATS + 1)))
         units = [name for name in unit_names("length") if name in _TYPED_UNITS]

@@ -148,3 +148,43 @@ def test_a_choice_that_is_sent_once_more_leaves_the_sheet_the_file_that_it_is(op
         app.run().run()
         assert not app.exception
         assert (sheet_of(app) == before) is same
+
+
+def how_much(app: AppTest) -> Any:
+    (widget,) = (each for each in app.button_group if each.label == "How much is measured")
+    return widget
+
+
+def test_the_quick_pass_is_offered_first_and_stays_as_it_is_while_it_is_typed(opened: Opened) -> None:
+    app = opened("PageCase(controller='minimal_example')")
+    quick, whole = how_much(app).options
+    whole_cells = len(app.session_state["seen"]["cells"])
+    assert quick.startswith("Quick pass: ")
+    assert whole == f"Whole sheet: 5 lands, {whole_cells} readings"
+    how_much(app).set_value("quick").run()
+    assert not app.exception
+    cells = [tuple(cell["key"]) for cell in app.session_state["seen"]["cells"]]
+    assert quick == f"Quick pass: {len(cells) // 2} lands, {len(cells)} readings"
+    assert len(set(cells)) == len(cells) <= 10 < whole_cells
+    assert not app.info, "nothing was read yet"
+    send(app, 1, put([*cells[0]], "20,000"))
+    assert not app.info, "a land is half read"
+    send(app, 2, put([*cells[1]], "20,030"))
+    assert [tuple(cell["key"]) for cell in app.session_state["seen"]["cells"]] == cells
+    assert "in this order" in app.info[0].value or "No further land" in app.info[0].value
+    how_much(app).set_value("whole").run()
+    assert len(app.session_state["seen"]["cells"]) == whole_cells
+    assert len(shown(app)) == 2, "what was typed stays"
+
+
+def test_beside_a_sheet_that_holds_every_land_no_quick_pass_is_worked_out(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from atleak.diagnosis import evidence
+
+    def never(*_: Any) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(evidence, "readings_by_value", never)
+    app = opened("None")
+    assert how_much(app).options[0] == "Quick pass", "no number before it is asked for"
