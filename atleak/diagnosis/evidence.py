@@ -167,10 +167,10 @@ class _Finder:
         return np.asarray(now - new >= np.maximum(fraction * new, steps.at_least.get(level, 0.0)))
 
     def explains(self, key: LandKey, *, read: bool = False) -> float:
-        """Return what a land costs the pressure that loses most by it, or of those that gauges read, on average [Pa]."""
-        taps = {LINE if each == LINE_TAP else each for each in self.read} if read and self.read else None
-        costs = (each.get(key, 0.0) for tap, each in self._pressure if taps is None or tap in taps)
-        return max(costs, default=0.0)
+        """Return what a land costs the pressure that loses most by it, of all or of those that gauges read [Pa]."""
+        taps = {LINE if tap == LINE_TAP else tap for tap in self.read}
+        shown = (each for tap, each in self._pressure if tap in taps or not (read and taps))
+        return max((each.get(key, 0.0) for each in shown), default=0.0)
 
     def costs(self, told: Told, key: LandKey) -> np.ndarray:
         """Return what the wear of a land costs the unit in each draw, in first limits: as its clearance cubed grows."""
