@@ -25,7 +25,7 @@ from atleak.catalogue.repairs import LandKey
 from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.gauge_check import Weighed, weigh
+from atleak.diagnosis.gauge_check import Beside, Weighed, weigh
 from atleak.diagnosis.missing import Row
 from atleak.diagnosis.uncertainty import Assumptions
 from atleak.diagnosis.uncertainty.weighing import Lost, Told
@@ -125,10 +125,8 @@ class _Finder:
     def __init__(self, diagnosis: Diagnosis) -> None:
         self.diagnosis, card = diagnosis, diagnosis.gauge_card
         self.controller, self.assumptions = diagnosis.controller, card.assumptions
-        check = diagnosis.pressures
-        self.weighed: Weighed = (
-            check.weighed if check else weigh(card, diagnosis.limits, diagnosis.log, diagnosis.projections)
-        )
+        check, beside = diagnosis.pressures, Beside(diagnosis.log, diagnosis.flows, diagnosis.vacuum)
+        self.weighed: Weighed = check.weighed if check else weigh(card, diagnosis.limits, beside, diagnosis.projections)
         self.read = {each.cell.tap for each in check.readings} if check else set()
 
     @property

@@ -17,7 +17,7 @@ from atleak.common.memory import kept_with
 from atleak.diagnosis.diagnosis import Diagnosis, mileage_of
 from atleak.diagnosis.flows import find_flows, flow_messages
 from atleak.diagnosis.gauge_card import GaugeCard
-from atleak.diagnosis.gauge_check import check_pressures
+from atleak.diagnosis.gauge_check import Beside, check_pressures
 from atleak.diagnosis.land import diagnosed_land, diagnosed_pump
 from atleak.diagnosis.messages import messages_of, sheet_messages
 from atleak.diagnosis.road import diagnosed_road
@@ -155,6 +155,7 @@ def diagnose(
     )
     better = pump_new.unit_rules if pump_new else ()
     card = GaugeCard(unit.model, unit.as_unworn, readings, instruments, assumptions)
+    caught = find_flows(flows, unit.model, assumptions)
     checked = (
         None
         if pressures is None and road.log is None
@@ -162,12 +163,11 @@ def diagnose(
             pressures or NO_GAUGES,
             card,
             limits,
-            log=road.log,
+            beside=Beside(road.log, caught, findings),
             projections=unit.now,
             guard_factor=guard_factor,
         )
     )
-    caught = find_flows(flows, unit.model, assumptions)
     messages = [
         *messages_of(unit, road, readings),
         *limits.doubts,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import cast
 
 import numpy as np
@@ -20,6 +20,7 @@ from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence, in_a_row
 from atleak.common.units import KPA, Quantity, gear_name
 from atleak.common.verdicts import Verdict, worst
+from atleak.diagnosis.flows import FlowFinding, log_likelihood
 from atleak.diagnosis.gauge_card import Expected, GaugeCard, StandsToExpected, held_at, point_of, standing_point
 from atleak.diagnosis.gauge_patterns import GaugeStanding, Pattern, Stands, find_patterns
 from atleak.diagnosis.missing import Cause, Missing
@@ -27,10 +28,12 @@ from atleak.diagnosis.road import RoadFindings
 from atleak.diagnosis.rules import Rule, permissible_steps
 from atleak.diagnosis.uncertainty import Assumptions, RuleDecision
 from atleak.diagnosis.uncertainty.decision import decide_normal, decide_rule
-from atleak.diagnosis.uncertainty.posterior import MOST_RISE, Fault, PosteriorUnit
-from atleak.diagnosis.uncertainty.weighing import SURELY, Lost, Posterior, Shown, Told
+from atleak.diagnosis.uncertainty.posterior import MOST_RISE, Fault, Plug, PosteriorUnit
+from atleak.diagnosis.uncertainty.weighing import SURELY, FlowShown, Lost, Posterior, Shown, Told
+from atleak.diagnosis.vacuum import VacuumFinding
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import LINE as LINE_SECTION
+from atleak.engine.operation import Operation, consumed
 from atleak.engine.projection import Projection, project
 from atleak.engine.road_pressure import AtTemperature
 from atleak.measurements.clearances import LandClearance
@@ -155,6 +158,21 @@ class CheckedReading:
         return max(self.decisions, key=lambda each: each.severity, default=None)
 
 
+@dataclass(frozen=True)
+class Beside:
+    """What else was shown of a unit, beside gauges and the readings of its lands."""
+
+    log: RoadFindings | None = None  # whose main pressure tells of it
+    flows: tuple[FlowFinding, ...] = ()  # in a jug
+    plugs: tuple[VacuumFinding, ...] = ()  # of a vacuum test
+
+    @property
+    def shared(self) -> tuple[Plug, ...]:
+        """Return the plugs on several lands: one on a single land measured it."""
+        several = (each for each in self.plugs if len(each.lands) > 1)
+        return tuple(Plug(tuple(land.key for land in each.lands), each.passes, each.u_passes) for each in several)
+
+
 @dataclass(frozen=True, eq=False)
 class Weighed:
     """What all evidence together tells of a unit: of line and circuits, of the line by the log alone, of its parts."""
@@ -202,7 +220,7 @@ def check_pressures(
     card: GaugeCard,
     limits: Limits,
     *,
-    log: RoadFindings | None = None,
+    beside: Beside,
     projections: Sequence[Projection] = (),
     guard_factor: float,
 ) -> PressureCheck:
@@ -216,15 +234,15 @@ def check_pressures(
         what gauges should show on the unit, with its clearances as measured and what it may be like.
     limits
         whose limits below the permissible pressure, and of circuits, are applied.
-    log
-        of the same unit, whose main pressure tells of it too.
+    beside
+        what else tells of the same unit.
     projections
         those at hand; at other conditions the model is asked.
     guard_factor
         k of the guard band of every limit.
     """
     at_hand = {projection.condition: projection for projection in projections}
-    checker = _Checker(table, card, limits, at_hand, guard_factor, log)
+    checker = _Checker(table, card, limits, at_hand, guard_factor, beside)
     taps, order = taps_of(checker.controller), ranges_of(checker.controller)
     taken = sorted(
         table.readings,
@@ -245,15 +263,15 @@ def check_pressures(
     return PressureCheck(table, judged, patterns, messages, checker.logged, weighed=checker.weighed)
 
 
-def weigh(card: GaugeCard, limits: Limits, log: RoadFindings | None, projections: Sequence[Projection]) -> Weighed:
-    """Weigh what a log, the readings of lands and what else is known tell of a unit whose gauges nobody read.
+def weigh(card: GaugeCard, limits: Limits, beside: Beside, projections: Sequence[Projection]) -> Weighed:
+    """Weigh what is known of a unit whose gauges nobody read.
 
     Parameters
     ----------
-    card, limits, log, projections
+    card, limits, beside, projections
         as of `check_pressures`.
     """
-    return _Checker(NO_GAUGES, card, limits, {each.condition: each for each in projections}, 0.0, log).weighed
+    return _Checker(NO_GAUGES, card, limits, {each.condition: each for each in projections}, 0.0, beside).weighed
 
 
 @dataclass
@@ -265,7 +283,7 @@ class _Checker:
     limits: Limits
     at_hand: dict[OperatingPoint, Projection]
     guard_factor: float
-    log: RoadFindings | None = None
+    beside: Beside
     logged: tuple[Missing, ...] = ()
     outside: list[DomainError] = field(default_factory=list)
 
@@ -311,10 +329,10 @@ class _Checker:
     @cached_property
     def weighed(self) -> Weighed:
         """Return it, kept with what it rests on."""
-        log = None if self.log is None else self.log.road_test
-        if self.table.readings:
-            return kept_with(self.table, "weighed", (self.card, log and log.sha256), self._weighed, most=1)
-        return self._weighed() if log is None else kept_with(log, "weighed", self.card, self._weighed, most=1)
+        log = None if self.beside.log is None else self.beside.log.road_test
+        rests_on = self.card, log and log.sha256, self.beside.flows, self.beside.plugs
+        owner = self.table if self.table.readings else log
+        return self._weighed() if owner is None else kept_with(owner, "weighed", rests_on, self._weighed, most=1)
 
     def _weighed(self) -> Weighed:
         """Return what line and circuits have lost wherever they were read, and the line where a log shows it.
@@ -334,18 +352,38 @@ class _Checker:
             wanted[section, point] = None
         in_log = [Shown(point, LINE_SECTION, at.pressure, _LOG) for point, at in self._in_log]
         wanted |= dict.fromkeys(self._not_read(wanted))
-        at = dict.fromkeys([*(each.point for each in (*shown, *in_log)), *(point for _, point in wanted)])
-        unit = PosteriorUnit(self.model, self.card.sources, self.assumptions, (self.at_hand[each] for each in at))
+        flows = [*self._flows()]
+        of_gauges, of_flows = ([each.point for each in (*shown, *in_log)], [each.point for each in flows])
+        at = dict.fromkeys([*of_gauges, *of_flows, *(point for _, point in wanted)])
+        projections = (self.at_hand[each] for each in at)
+        unit = PosteriorUnit(self.model, self.card.sources, self.assumptions, projections, self.beside.shared)
         by_log: dict[OperatingPoint, Lost] = {}
         for name in dict.fromkeys(each.point.name for each in in_log):
             alone = [each for each in in_log if each.point.name == name]
             of_log = Posterior(unit, alone)
             by_log |= {each.point: of_log.lost(LINE_SECTION, each.point) for each in alone}
-        posterior = Posterior(unit, shown)
+        posterior = Posterior(unit, shown, flows)
         lost = {each: posterior.lost(*each) for each in wanted}
         read = any(each.tap == LINE_SECTION for each in shown)
-        whole = posterior if read or not in_log else Posterior(unit, [*shown, *in_log])
+        whole = posterior if read or not in_log else Posterior(unit, [*shown, *in_log], flows)
         return Weighed(lost, by_log, whole.told())
+
+    def _flows(self) -> Iterator[FlowShown]:
+        """Yield every flow in a jug that tells what the line leaves for it."""
+        u = self.assumptions
+        for each in self.beside.flows:
+            point = self._drawn(each.point)
+            if point is not None and each.usual is not None and each.consumer is not None and each.consumer.after_line:
+                at = Operation.of(self.model, point)
+                others = consumed(at.network, at.held.required, at.held.required, after_line=True) - each.usual
+                likely = partial(
+                    log_likelihood,
+                    each.flow,
+                    usual=each.usual,
+                    spread=u.consumer_flow,
+                    reading=u.caught_flow,
+                )
+                yield FlowShown(point, float(others), likely)
 
     def _not_read(self, read: Iterable[tuple[str, OperatingPoint]]) -> Iterator[tuple[str, OperatingPoint]]:
         """Yield line and circuits that no gauge read: at an operating point at which others were, or else at idle."""
@@ -361,7 +399,7 @@ class _Checker:
     @cached_property
     def _in_log(self) -> tuple[tuple[OperatingPoint, AtTemperature], ...]:
         """Return where a log shows main pressure that is known as required, as cold and as hot as it was there."""
-        permitted = None if self.log is None else self.log.permitted
+        permitted = None if self.beside.log is None else self.beside.log.permitted
         found = []
         for place in permitted.places if permitted is not None else ():
             for shown in dict.fromkeys([*place.held[:1], *place.held[-1:]]) if place.state != "driving" else ():

@@ -82,7 +82,8 @@ class FlowShown:
     """One flow in a jug as evidence of what the line leaves to it."""
 
     point: OperatingPoint
-    log_likelihood: Callable[[np.ndarray], np.ndarray]  # of the reading, given what is left [m³/s] in each draw
+    others: float  # [m³/s] that is fed behind the line's regulator beside it
+    log_likelihood: Callable[[np.ndarray], np.ndarray]  # of the reading, given what is left for it [m³/s] in each draw
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +198,10 @@ class _WeighedDraws:
         for each in rounds:
             expected = [self._held(each, one.point, one.tap) for one in self.evidence]
             self._expected = np.concatenate([self._expected, np.reshape(expected, (-1, each.draws))], axis=1)
-            likely = [one.log_likelihood(self._held(each, one.point, LEFT)) for one in self.flows]
+            likely = [
+                one.log_likelihood(np.maximum(self._held(each, one.point, LEFT) - one.others, 0.0))
+                for one in self.flows
+            ]
             self._by_flows = np.concatenate([self._by_flows, sum(likely, np.zeros(each.draws))])
         self.rounds += rounds
         self._deviates = np.concatenate([each.drawn.deviates for each in self.rounds], axis=1)

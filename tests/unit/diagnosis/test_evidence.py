@@ -21,6 +21,7 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
 from atleak.job.case import Case, SourceFile
 from atleak.measurements.clearances import clearances
+from atleak.measurements.flow_readings import FlowReading, FlowTable
 from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, GaugeReading, PressureTable
 
 SAMPLES = Path(__file__).parents[3] / "sample_data"
@@ -169,3 +170,19 @@ def test_a_land_beside_its_plug_is_drawn_as_without_it(plugged) -> None:
     other = next(key for key in units[0].lands if key != keys[0])
     assert np.array_equal(drawn[0][other][0], drawn[1][other][0])
     assert not np.array_equal(drawn[0][keys[0]][0], drawn[1][keys[0]][0])
+
+
+def with_jug(litres_per_minute: float) -> Diagnosis:
+    controller = load_controller("five_speed_2005")
+    caught = FlowReading("hot_idle", "cooler", litres_per_minute / 60e3)
+    flows = FlowTable("made", "0" * 64, None, (caught,))
+    return diagnose(controller, load_fluid("hipol_atf_iid"), load_limits("project_default"), flows=flows)
+
+
+def test_a_jug_as_full_as_usual_says_little_and_one_that_stays_empty_makes_the_pump_likelier_worn() -> None:
+    usual = with_jug(1.0).flows[0].usual * 60e3
+    full, empty = (evidence_of(with_jug(part * usual)).pump.probability for part in (1.0, 0.05))
+    nothing = diagnose(load_controller("five_speed_2005"), load_fluid("hipol_atf_iid"), load_limits("project_default"))
+    before = evidence_of(nothing)
+    assert full <= before.pump.probability + 0.02
+    assert empty > before.pump.probability + 0.1
