@@ -36,6 +36,7 @@ from atleak.diagnosis.road import RoadFindings, leakage_over
 from atleak.diagnosis.rules import Rule, cannot_be, farthest_first
 from atleak.diagnosis.uncertainty import Decision, RuleDecision, UnitUncertainty, certainty
 from atleak.diagnosis.vacuum import VacuumFinding
+from atleak.diagnosis.warm_up import WarmUp
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import LINE, Losses
 from atleak.engine.profile import Profile
@@ -104,6 +105,8 @@ class Diagnosis:
         flows that were caught in a jug; None without any.
     flows
         what each of them says of what the line leaves over.
+    warm_up
+        what the log tells of leakage where main pressure was not held; None where it does not say enough for that.
     uncertainty
         of flows, shares and totals; None without readings.
     total_rules
@@ -150,6 +153,7 @@ class Diagnosis:
     logged: tuple[Missing, ...] = field(compare=False)
     flow_table: FlowTable | None
     flows: tuple[FlowFinding, ...]
+    warm_up: WarmUp | None = field(compare=False)
     uncertainty: UnitUncertainty | None
     total_rules: tuple[Rule, ...]
     pressure_rules: tuple[Rule, ...]

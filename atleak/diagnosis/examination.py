@@ -24,6 +24,7 @@ from atleak.diagnosis.road import diagnosed_road
 from atleak.diagnosis.rules import UnitRules, unit_rules
 from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR, Assumptions, UnitUncertainty, assess
 from atleak.diagnosis.vacuum import vacuum_findings, vacuum_messages, with_vacuum
+from atleak.diagnosis.warm_up import warm_up
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import pressure_losses
 from atleak.engine.profile import WORKSHOP, Profile
@@ -204,6 +205,7 @@ def diagnose(
         logged=checked.logged if checked else (),
         flow_table=flows,
         flows=caught,
+        warm_up=None if road_test is None else warm_up(road_test, card, condition),
         uncertainty=uncertainty,
         total_rules=rules.totals,
         pressure_rules=rules.pressures,

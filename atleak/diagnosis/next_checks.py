@@ -12,9 +12,11 @@ from typing import Literal
 
 from atleak.common.units import KPA, Quantity, gear_name
 from atleak.diagnosis.road import RoadFindings
+from atleak.diagnosis.warm_up import HOT, WarmUp
 from atleak.engine.road_pressure import SLUMP_SPAN, STATES, PlaceFinding, RoadPressure
 
 CheckSource = Literal["practice", "ford_2017", "study", "project"]
+_COLD = 40.0  # [°C] from which on a drive shows what leaks as it warms: choice of this project
 WARM, HOTTEST = 50.0, 80.0  # [°C] between which workshops have a transmission before its road test
 
 
@@ -28,7 +30,7 @@ class NextCheck:
 
 
 def next_checks(
-    findings: RoadFindings, commanded_limit: float | None, *, gauged: bool = False
+    findings: RoadFindings, commanded_limit: float | None, *, gauged: bool = False, warm_up: WarmUp | None = None
 ) -> tuple[NextCheck, ...]:
     """Return what to check next, the most telling first.
 
@@ -40,6 +42,8 @@ def next_checks(
         from which difference on [Pa] actual and commanded pressure disagree; None where no limit is set.
     gauged
         whether main pressure was gauged on the standing vehicle: then nothing asks for that again.
+    warm_up
+        what the log tells of leakage.
     """
     permitted = findings.permitted
     low = permitted is not None and permitted.below > 0.0
@@ -52,6 +56,7 @@ def next_checks(
         *_not_judged(findings, gauged=gauged),
         *_tests(findings),
         *_temperature(findings, low=low),
+        *_to_drive(findings, warm_up),
     ]
     return tuple(checks)
 
@@ -169,3 +174,10 @@ def _temperature(findings: RoadFindings, *, low: bool) -> Iterator[NextCheck]:
         reached, warm, hottest = (Quantity(each, "temperature") for each in (findings.temperatures[1], WARM, HOTTEST))
         values = {"highest": reached, "warm": warm, "hottest": hottest}
         yield NextCheck("warm_up", "practice", values)
+
+
+def _to_drive(findings: RoadFindings, warm_up: WarmUp | None) -> Iterator[NextCheck]:
+    """Say what to drive where the log could tell more of leakage; one that is cold throughout is to be warm first."""
+    if warm_up is not None and warm_up.lacks_range and findings.temperatures and findings.temperatures[1] >= WARM:
+        cold, hot = (Quantity(each, "temperature") for each in (_COLD, HOT))
+        yield NextCheck("drive_warm", "project", {"cold": cold, "hot": hot})

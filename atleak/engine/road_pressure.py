@@ -177,7 +177,7 @@ class _Permitted:
         self.engine_speed = np.asarray(road_test.values("engine_speed"))
         self.low, self.high = (np.full(len(self.time), np.nan) for _ in range(2))
         self.number = np.full(len(self.time), -1)  # of the limits in the valve body's file
-        states = _states(road_test, self.gear)
+        states = standing_states(road_test, self.gear)
         for number, permitted in enumerate(controller.permissible_in_gear):
             here = np.isin(self.gear, list(permitted.gears)) & states[permitted.state] & np.isfinite(self.pressure)
             self.number[here] = number
@@ -233,9 +233,16 @@ class _Permitted:
         )
 
 
-def _states(road_test: RoadTest, gear: np.ndarray) -> dict[StandingState, np.ndarray]:
+def standing_states(road_test: RoadTest, gear: np.ndarray) -> dict[StandingState, np.ndarray]:
     """Return at which samples the engine idles, the converter stalls and the car drives; none of it where unknown.
 
+    Parameters
+    ----------
+    gear
+        engaged at every sample.
+
+    Notes
+    -----
     Only a logged speed behind the gears shows that the car stands: where it rolls, the engine as slow as at idle, it
     coasts, for which there is no limit.
     """

@@ -48,7 +48,13 @@ from atleak.report.tables.repairs import (
     step_in_words,
 )
 from atleak.report.tables.road_test import instant_record, road_instants
-from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
+from atleak.report.tables.road_words import (
+    check_sentences,
+    log_sentences,
+    pressure_sentences,
+    test_sentences,
+    warm_up_section,
+)
 from atleak.report.tables.sentences import (
     because_of,
     caveat_marks,
@@ -302,13 +308,16 @@ def _cell(value: Any) -> str:
     return "–" if value is None else str(value)
 
 
-def _log(diagnosis: Diagnosis, log: RoadFindings, say: Wording) -> Iterator[str]:
+def _log(diagnosis: Diagnosis, log: RoadFindings, say: Wording) -> Iterator[str | RenderableType]:
     """Return what the log says by itself, the leakage over it, and what to check next, one line each."""
     yield f"Road test {log.road_test.file}:"
     for sentence in (*pressure_sentences(log, say), *test_sentences(log, say), *log_sentences(log, say)):
         yield f"  {sentence}"
     if diagnosis.road is not None and diagnosis.judged:  # else it is that of a new unit
         yield f"  {begun(_road(diagnosis.road, diagnosis.uncertainty, say))}"
+    section = warm_up_section(diagnosis, say)
+    for part in section.parts if section else ():
+        yield from ([laid_out(part)] if isinstance(part, Table) else (f"  {line}" for line in _lines(part)))
     checks = check_sentences(diagnosis, say)
     if checks:
         yield say("findings.check_next")

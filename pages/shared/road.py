@@ -20,6 +20,7 @@ from atleak.report.tables.road_words import (
     log_sentences,
     pressure_sentences,
     test_sentences,
+    warm_up_section,
 )
 from pages.shared import reader, show
 from pages.shared.show import plain
@@ -40,6 +41,10 @@ def findings(diagnosis: Diagnosis, *, said_above: bool = False) -> None:
         with st.expander(say("road_test.places")):
             show.table(place_table(log.permitted, say))
             st.caption(say("road_test.places_help"))
+    section = warm_up_section(diagnosis, say)
+    if section is not None:
+        st.markdown(f"**{plain(section.title)}**")
+        show.section(section, "warm_up")
     checks = check_sentences(diagnosis, say)
     if checks:
         st.markdown(f"**{plain(say('findings.check_next'))}**")

@@ -38,7 +38,7 @@ from atleak.diagnosis.uncertainty.propagation import SEED
 from atleak.diagnosis.uncertainty.sources import LandSources
 from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.network import SHARP, Network
-from atleak.engine.operation import LINE
+from atleak.engine.operation import LINE, consumed
 from atleak.engine.projection import Projection
 from atleak.engine.restrictions import Branch, GapBranch, Orifice, Restriction
 from atleak.equations.gap import eccentricity_factor
@@ -312,6 +312,28 @@ class PosteriorUnit:
         lands = [new_ if new else now for now, new_ in self._in_both_states(drawn)]
         counted, leakage = self._solved(drawn, given, lands, wear)
         return self._held(counted, leakage, wear, pump_new=new)
+
+    def demand(self, drawn: UnitDraws, point: OperatingPoint, required: float) -> tuple[np.ndarray, ...]:
+        """Return what leaves the pump in each draw at a line pressure that was measured, all slip included.
+
+        Parameters
+        ----------
+        point
+            with that pressure; as uncertain as the line's setting is among the assumptions.
+        required
+            what the line should hold there [Pa]: consumers take what is stated then, and less below it.
+
+        Returns
+        -------
+        tuple
+            the flow [m³/s] without consumers behind the line's regulator, the pressure [Pa] and the viscosity [Pa·s].
+        """
+        given, wear = self._given(drawn, point, 0.0), dict.fromkeys(self.causes, 0.0)
+        counted, leakage = self._solved(drawn, given, [now for now, _ in self._in_both_states(drawn)], wear)
+        main = given.pressures[LINE]
+        slip = self._pump(given, wear, new=False).slip(main, given.viscosity)
+        taken = consumed(counted.network, main, required, after_line=False)
+        return leakage + slip + taken, main, given.viscosity
 
     def _given(self, drawn: UnitDraws, point: OperatingPoint, fallen: Any) -> Drawn:
         """Return a condition with all that is drawn of it, the line fallen by so much through its regulator."""

@@ -38,7 +38,7 @@ from atleak.report.tables.complaint import explanations, finding, measure_first,
 from atleak.report.tables.gauges import gauge_record
 from atleak.report.tables.lands import LandAtCondition, MatrixRow, condition_matrix
 from atleak.report.tables.repairs import cost_record, option_record, plan_ends
-from atleak.report.tables.road_record import road_record
+from atleak.report.tables.road_record import road_record, warm_up_record
 from atleak.report.tables.vacuum import vacuum_records
 from atleak.version import __version__
 
@@ -90,6 +90,7 @@ def _record(diagnosis: Diagnosis) -> dict[str, Any]:
         "pressure_table": gauge_record(diagnosis),
         "vacuum": vacuum_records(diagnosis),
         "flows": [flow_record(each) for each in diagnosis.flows],
+        "warm_up": warm_up_record(diagnosis),
         "messages": [message_record(message) for message in diagnosis.messages],
     }
 

@@ -15,7 +15,7 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.charts.flows import FlowDiagram, flow_diagram, flow_svg, flow_words
 from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.charts.paper_curves import pump_chart, road_chart
-from atleak.report.pdf.blocks import Block, bullets, ends, joined, named_facts, picture, printed, text
+from atleak.report.pdf.blocks import Block, bullets, ends, joined, named_facts, picture, printed, section_blocks, text
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
 from atleak.report.tables.first_sentence import pump_sentence
@@ -25,7 +25,13 @@ from atleak.report.tables.names import land_number
 from atleak.report.tables.pressures import PumpOverSpeed, condition_table, held_table, pressure_chart, pump_over_speed
 from atleak.report.tables.repairs import RepairOptionRow, kit_words, option_table, order_table, plan_ends, totals_table
 from atleak.report.tables.road_test import RoadInstant, RoadSeries, event_table, instant_table, place_table
-from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
+from atleak.report.tables.road_words import (
+    check_sentences,
+    log_sentences,
+    pressure_sentences,
+    test_sentences,
+    warm_up_section,
+)
 from atleak.report.tables.sentences import circuit_sentence, shares_add_up
 from atleak.report.tables.table import Column, Table
 
@@ -243,6 +249,9 @@ class RoadTestSection(PrintedPart):
         if log.permitted is not None:
             yield printed(place_table(log.permitted, say).without("place_source"))
         yield from map(text, (*test_sentences(log, say), *log_sentences(log, say)))
+        section = warm_up_section(self.diagnosis, say)
+        if section is not None:
+            yield from section_blocks(section, lambda _: "", say)["blocks"]
         checks = check_sentences(self.diagnosis, say)
         if checks:
             yield text(say("findings.check_next"))

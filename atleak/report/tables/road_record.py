@@ -6,7 +6,7 @@ from typing import Any
 
 from atleak.catalogue.circuits import SECTIONS
 from atleak.catalogue.limits import RuleKind
-from atleak.common.units import KPA, PERCENT, RPM
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, UM
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.road import NO_LEAKAGE, RoadFindings
@@ -50,6 +50,60 @@ def road_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
         **_leakage(road, uncertainty, measured=diagnosis.judged > 0),
         "messages": [message_record(message) for message in (*test.messages, *messages)],
     }
+
+
+def warm_up_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """Return the record of what the log tells of leakage by main pressure; None where it does not say enough for that.
+
+    Where the line was held throughout only the high ends are known.
+    """
+    told, u = diagnosis.warm_up, diagnosis.gauge_card.assumptions
+    if told is None:
+        return None
+    bound, (cold, hot), at = told.found == "held", told.temperatures or (None, None), told.at
+    amounts: dict[str, Any] = {}
+    for name, unit, amount, times in (
+        ("gaps", "_dm3_min", told.gaps, DM3_MIN),
+        ("holes", "_dm3_min", told.holes, DM3_MIN),
+        ("total", "_dm3_min", told.total, DM3_MIN),
+        ("bore", "_um", told.bore, UM),
+        ("pump_side_clearance", "_um", told.side, UM),
+        ("pump_slip", "_times", told.slip, 1.0),
+    ):
+        for end, value in zip(("", "_low", "_high"), amount or (None,) * 3, strict=True):
+            amounts[f"{name}{end}{unit}"] = _scaled(None if bound and end != "_high" else value, times)
+    return {
+        "found": told.found,
+        "required": "commanded" if told.by_command else "permissible",
+        "temperature_low_c": cold,
+        "temperature_high_c": hot,
+        "at": None
+        if at is None
+        else {
+            "gear": at.like.gear,
+            "state": at.like.state,
+            "temperature_c": at.temperature,
+            "engine_rpm": at.engine_speed * RPM,
+            "measured_kpa": at.pressure * KPA,
+            "required_kpa": at.required * KPA,
+        },
+        **amounts,
+        "lands": [{"component": land.component, "land": land.land} for land in told.lands],
+        "told_apart": told.told_apart,
+        "left_dm3_min": _scaled(told.left, DM3_MIN),
+        "assumed": {
+            "displacement_percent": u.volumetric_efficiency * PERCENT,
+            "slip_percent": u.slip_coefficient * PERCENT,
+            "viscosity_percent": u.viscosity * PERCENT,
+            "main_pressure_percent": u.main_pressure * PERCENT,
+            "temperature_k": u.gauged_temperature,
+            "consumers": [each.id for each in diagnosis.controller.consumers if not each.after_line],
+        },
+    }
+
+
+def _scaled(value: float | None, times: float) -> float | None:
+    return None if value is None else value * times
 
 
 def _leakage(road: RoadLeakage | None, uncertainty: UnitUncertainty | None, *, measured: bool) -> dict[str, Any]:

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 from atleak.catalogue.limits import RuleKind
-from atleak.common.units import KPA, RPM, gear_name
+from atleak.common.units import DM3_MIN, KPA, RPM, UM, gear_name
 from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.missing import Amount
 from atleak.diagnosis.next_checks import NextCheck, next_checks
 from atleak.diagnosis.road import RoadFindings
+from atleak.diagnosis.warm_up import WarmUp
 from atleak.engine.road_pressure import Departure
 from atleak.measurements.events import AccelerationTest, Event
+from atleak.report.tables.table import Column, Section, SectionPart, Table, Text
 
 
 def pressure_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
@@ -156,13 +160,116 @@ def _slip_sentences(log: RoadFindings, say: Wording) -> Iterator[str]:
         yield say("findings.slip_commanded", seconds=seconds, slip=slips)
 
 
+def warm_up_section(diagnosis: Diagnosis, say: Wording) -> Section | None:
+    """Say what the log tells of leakage by main pressure, and what is taken for that; None where it does not."""
+    told = diagnosis.warm_up
+    if told is None:
+        return None
+    parts: list[SectionPart] = [Text(" ".join(_told_by_drive(diagnosis, told, say)))]
+    if told.at is not None and told.found != "unlike":
+        table, u = _warm_up_table(diagnosis, told, say), diagnosis.gauge_card.assumptions
+        off = {
+            "displacement": u.volumetric_efficiency,
+            "slip": u.slip_coefficient,
+            "viscosity": u.viscosity,
+            "pressure": u.main_pressure,
+        }
+        taken = say(
+            "warm_up.assumed",
+            required=say(f"warm_up.required_{'command' if told.by_command else 'permissible'}"),
+            temperature=say.quantity(u.gauged_temperature, "temperature_difference"),
+            **{name: say.percent(each, 0) for name, each in off.items()},
+        )
+        parts += [*([table] if told.found != "held" else []), Text(taken, small=True)]
+    return Section("warm_up", say("warm_up.title"), parts)
+
+
+def _told_by_drive(diagnosis: Diagnosis, told: WarmUp, say: Wording) -> Iterator[str]:
+    if told.at is None or told.found == "unlike":
+        yield say(f"warm_up.{told.found}")
+        return
+    basis, point = say(f"warm_up.{'measured' if diagnosis.gauge_card.measured else 'new'}"), told.at.point
+    at = say(
+        "warm_up.at",
+        temperature=say.value(point.temperature, "temperature", 0),
+        speed=say.number(point.engine_speed * RPM, 0),
+        gear=gear_name(point.gear),
+        state=say(f"states.{point.state}"),
+        pressure=say.value(point.main_pressure * KPA, "pressure", 0),
+    )
+
+    def flows(amount: Amount) -> dict[str, str]:
+        shown = (say.value(None if each is None else each * DM3_MIN, "flow", 1) for each in amount)
+        return dict(zip(("flow", "low", "high"), shown, strict=True))
+
+    if told.found == "held" and told.total is not None:
+        yield say("warm_up.held", at=at, basis=basis, flow=flows(told.total)["high"])
+        if told.left is not None:
+            condition = say.condition(diagnosis.projection.condition)
+            yield say("warm_up.left", left=say.value(told.left * DM3_MIN, "flow", 1), condition=condition)
+        return
+    if told.found == "thin" and told.total is not None:
+        yield say("warm_up.thin", at=at, basis=basis, **flows(told.total))
+    if told.gaps is not None:
+        yield say("warm_up.gaps", at=at, basis=basis, **flows(told.gaps))
+        named = _equivalents(diagnosis, told, say)
+        if named:
+            parts = named[0] if len(named) == 1 else say("warm_up.alternatives", first=named[0], second=named[-1])
+            yield say("warm_up.equivalent", parts=parts)
+            yield say(f"warm_up.{f'apart_{told.told_apart}' if told.told_apart else 'not_apart'}")
+    if told.holes is not None:
+        yield say("warm_up.holes", at=at, basis=basis, **flows(told.holes))
+
+
+def _equivalents(diagnosis: Diagnosis, told: WarmUp, say: Wording) -> list[str]:
+    """Name the clearances that leak as much: of the regulator's lands, and of the pump, or how its slip has grown."""
+    named = []
+    for name, amount in (("bore", told.bore), ("side", told.side), ("slip", None if told.side else told.slip)):
+        if amount is not None:
+            ends = [0.0 if each is None else each for each in amount]
+            shown = (say.number(x, 1) if name == "slip" else say.value(x * UM, "clearance", 0) for x in ends)
+            values = dict(zip(("value", "low", "high"), shown, strict=True))
+            named.append(say(f"warm_up.{name}", **values, **_regulator(diagnosis, told, say)))
+    return named
+
+
+def _regulator(diagnosis: Diagnosis, told: WarmUp, say: Wording) -> dict[str, str]:
+    component = say.name(diagnosis.controller.components[told.lands[0].component]) if told.lands else ""
+    return {"component": component, "lands": ", ".join(str(land.land) for land in told.lands)}
+
+
+def _warm_up_table(diagnosis: Diagnosis, told: WarmUp, say: Wording) -> Table:
+    """Return a row for each law by which leaks go, and for each clearance that leaks as much; bounds alone if held."""
+
+    def shown(kind: str, times: float) -> Callable[[float], str]:
+        return lambda value: say.quantity(value * times, kind, 1 if kind == "flow" else 0)
+
+    flow, clearance = shown("flow", DM3_MIN), shown("clearance", UM)
+    rows: list[tuple[str, Amount | None, Callable[[float], str]]] = [
+        ("gaps", told.gaps, flow),
+        ("holes", told.holes, flow),
+        ("total", None if told.gaps else told.total, flow),
+        ("bore", told.bore, clearance),
+        ("side", told.side, clearance),
+        ("slip", told.slip, lambda value: say("warm_up.times", value=say.number(value, 1))),
+    ]
+
+    def end(number: int) -> Callable[[Any], str | None]:
+        return lambda row: None if row[1][number] is None else row[2](row[1][number])
+
+    named = _regulator(diagnosis, told, say)
+    columns = [Column("leaks_as", width=190, of=lambda row: say(f"warm_up.row_{row[0]}", **named))]
+    columns += [Column(f"leaks_{key}", of=end(number)) for number, key in enumerate(("more", "low", "high"))]
+    return Table("warm_up", tuple(columns), [row for row in rows if row[1] is not None], say).filled
+
+
 def checks_of(diagnosis: Diagnosis) -> tuple[NextCheck, ...]:
     """Return what to check next after the road test; nothing without one."""
     if diagnosis.log is None:
         return ()
     steps = diagnosis.limits.commanded_pressure
     limit = None if steps is None else min(limit for _, limit in steps.levels)
-    return next_checks(diagnosis.log, limit, gauged=diagnosis.pressures is not None)
+    return next_checks(diagnosis.log, limit, gauged=diagnosis.pressures is not None, warm_up=diagnosis.warm_up)
 
 
 def check_sentences(diagnosis: Diagnosis, say: Wording) -> list[str]:

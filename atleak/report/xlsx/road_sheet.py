@@ -17,7 +17,13 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.tables.answer import missing_table
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
 from atleak.report.tables.road_test import instant_table, place_table, road_series
-from atleak.report.tables.road_words import check_sentences, log_sentences, pressure_sentences, test_sentences
+from atleak.report.tables.road_words import (
+    check_sentences,
+    log_sentences,
+    pressure_sentences,
+    test_sentences,
+    warm_up_section,
+)
 from atleak.report.tables.table import Section, Table, Text
 from atleak.report.xlsx.book import ReportBook, cell_span
 from atleak.report.xlsx.live_sheet import FLOW
@@ -48,7 +54,8 @@ class RoadSheets:
         row += 1
         if self.log.permitted is not None:
             row = self.book.table(sheet, row, place_table(self.log.permitted, self.book.say))
-        row += 1
+        section = warm_up_section(self.diagnosis, self.book.say)
+        row = write_sections(self.book, sheet, [section] if section else [], row + 1)
         if road is not None:
             self._leakage(sheet, row, road)
         sheet.set_column(0, 0, 36)
@@ -153,9 +160,8 @@ def write_gauges(book: ReportBook, sheet: Worksheet, diagnosis: Diagnosis) -> No
         book.put(sheet, row, 1, text)
 
 
-def write_sections(book: ReportBook, sheet: Worksheet, sections: Iterable[Section]) -> None:
-    """Write sections below one another: their titles, tables and paragraphs."""
-    row = 0
+def write_sections(book: ReportBook, sheet: Worksheet, sections: Iterable[Section], row: int = 0) -> int:
+    """Write sections below one another, their titles, tables and paragraphs; return the row below them."""
     for section in sections:
         book.put(sheet, row, 0, section.title, book.title)
         row += 1
@@ -166,6 +172,7 @@ def write_sections(book: ReportBook, sheet: Worksheet, sections: Iterable[Sectio
                 book.put(sheet, row, 0, part.words)
                 row += 1
         row += 1
+    return row
 
 
 def _sources(diagnosis: Diagnosis) -> list[str]:
