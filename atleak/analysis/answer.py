@@ -193,6 +193,8 @@ def _answer(diagnosis: Diagnosis) -> Answer:
     computed = max(_computed(diagnosis), key=_mean, default=None)
     if computed is not None and _mean(computed) > 0.0:
         return _of_pressure(diagnosis, computed)
+    if diagnosis.decided_by in diagnosis.vacuum_rules:  # which of the lands is worn, nobody knows
+        return Answer(diagnosis, Cause.NONE)
     if not diagnosis.judged:
         return Answer(diagnosis, Cause.UNEXPLAINED, missing=measured)
     return _of_flow(diagnosis)

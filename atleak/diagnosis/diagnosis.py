@@ -527,6 +527,7 @@ class Diagnosis:
         if self.judged:
             candidates += [self.worst_total] if self.worst_total.verdict.flagged else []
             candidates += farthest_first(self.pressure_rules)
+        candidates += farthest_first(self.vacuum_rules)
         candidates += [*farthest_first(self.gauge_rules), *farthest_first(self.log_rules)]
         return max(
             candidates,
@@ -624,7 +625,7 @@ class Diagnosis:
             one of the unit's.
         """
         shown = [*(self.pressures.decisions if self.pressures else ()), *(self.log.decisions if self.log else ())]
-        shown += self.pump.decisions
+        shown += [*self.pump.decisions, *(each.decided for each in self.vacuum if each.decided)]
         measured = next((each for each in shown if each.rule == rule), None)
         computed = self.uncertainty.on(rule) if self.uncertainty else None
         return measured or (computed if self.verdict_on(rule) != Verdict.NOT_MEASURED else None)
@@ -635,6 +636,12 @@ class Diagnosis:
         return self.pressures.rules if self.pressures else ()
 
     @property
+    def vacuum_rules(self) -> tuple[Rule, ...]:
+        """Return the rules that lands under one plug are past together; within them none of the lands is measured."""
+        of_several = [each.decided.rule for each in self.vacuum if each.decided and len(each.lands) > 1]
+        return tuple(rule for rule in of_several if rule.verdict.flagged)
+
+    @property
     def log_rules(self) -> tuple[Rule, ...]:
         """Return the rules that judge the log: main pressure beside what is permitted, and what was commanded."""
         return self.log.rules if self.log else ()
@@ -643,7 +650,7 @@ class Diagnosis:
     def unit_rules(self) -> tuple[Rule, ...]:
         """Return every rule that judges the whole unit: totals first, gauges and log last, alone without readings."""
         of_clearances = (*self.total_rules, *self.pressure_rules) if self.judged else ()
-        return (*of_clearances, *self.gauge_rules, *self.log_rules)
+        return (*of_clearances, *self.vacuum_rules, *self.gauge_rules, *self.log_rules)
 
     def pressure_rules_at(self, projection: Projection) -> tuple[Rule, ...]:
         """Return the rules of reserve, circuits and permissible pressure at a condition.

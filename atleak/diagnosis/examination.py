@@ -150,7 +150,7 @@ def diagnose(
     unit = BesideNew.of(LeakageModel(controller, states, fluid, profile), states, condition)
     road = diagnosed_road(road_test, unit.model, condition, limits, assumptions, guard_factor)
     measured = [state.land.key for state in states if state.measured]
-    findings = () if vacuum is None else vacuum_findings(vacuum, unit, limits, assumptions)
+    findings = () if vacuum is None else vacuum_findings(vacuum, unit, limits, assumptions, guard_factor)
     rules, uncertainty = _judged(
         unit, limits, road.leakage, pump_new, readings, vacuum, instruments, assumptions, guard_factor
     )

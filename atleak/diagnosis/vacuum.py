@@ -25,6 +25,7 @@ from atleak.common.units import IN_HG, Quantity
 from atleak.common.verdicts import Verdict
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty.assumptions import DEFAULTS, Assumptions
+from atleak.diagnosis.uncertainty.decision import GUARD_FACTOR, RuleDecision, decide_rule
 from atleak.diagnosis.uncertainty.draws import Interval, interval_of, stream_of
 from atleak.diagnosis.uncertainty.propagation import SEED
 from atleak.diagnosis.uncertainty.sources import find_sources
@@ -97,7 +98,7 @@ class VacuumFinding:
     u_passes: float  # [m³] standard uncertainty of it by gauge and stand
     leakage: float  # [m³/s] at hot idle, or the stated condition
     leakage_interval: Interval  # [m³/s]
-    rule: Rule | None  # the wear limits on the common clearance; None where the set has none
+    decided: RuleDecision | None  # by the wear limits on the common clearance; None where the set has none
     change: VacuumChange | None
     tight: bool  # as good as closed: an upper bound
     open: bool  # hardly any vacuum: a lower bound
@@ -110,7 +111,7 @@ class VacuumFinding:
     @property
     def verdict(self) -> Verdict:
         """Return the verdict of the wear limits on the common clearance."""
-        return Verdict.NOT_MEASURED if self.rule is None else self.rule.verdict
+        return Verdict.NOT_MEASURED if self.decided is None else self.decided.rule.verdict
 
 
 @dataclass(frozen=True)
@@ -314,7 +315,11 @@ def _cubes(
 
 
 def vacuum_findings(
-    vacuum: VacuumTable, unit: BesideNew, limits: Limits, assumptions: Assumptions = DEFAULTS
+    vacuum: VacuumTable,
+    unit: BesideNew,
+    limits: Limits,
+    assumptions: Assumptions = DEFAULTS,
+    guard_factor: float = GUARD_FACTOR,
 ) -> tuple[VacuumFinding, ...]:
     """Return what every plug tells: of one land, or of several together.
 
@@ -328,6 +333,8 @@ def vacuum_findings(
         whose wear limits judge the common clearance beside that when new.
     assumptions
         what is uncertain.
+    guard_factor
+        k of the guard band k·u around every limit.
 
     Raises
     ------
@@ -336,7 +343,7 @@ def vacuum_findings(
     """
     tests = _Tests(vacuum, unit.model.controller, assumptions)
     return tuple(
-        _finding(tests, group, lands, number, unit, limits)
+        _finding(tests, group, lands, number, unit, limits, guard_factor)
         for number, (group, lands) in enumerate(tests.groups)
         if lands
     )
@@ -349,6 +356,7 @@ def _finding(
     number: int,
     unit: BesideNew,
     limits: Limits,
+    guard_factor: float,
 ) -> VacuumFinding:
     readings = _last_state(group)
     lengths, factors = tests.length(number, lands), tests.position(number, lands)
@@ -356,12 +364,15 @@ def _finding(
     sizes = np.array([land.nominal_diameter for land in lands])
     drawn, clearance = np.cbrt(cubes), float(np.cbrt(cubes.mean()))
     new, widest, high = (_common(lands, name) for name in ("new_clearance", "widest_new", "mounting_high"))
-    rule = None
+    decided = None
     if limits.wear is not None and high > 0.0:
         wear = replace(limits.wear, levels=limits.wear.of_wear(high, widest - high))
         reached = tuple(float(np.mean(drawn / high - 1.0 >= limit)) for _, limit in wear.levels)
         where = Sentence("{target}", target=Name(readings[-1].target))
-        rule = Rule(RuleKind.WEAR, None, clearance / high - 1.0, wear, where=where, reached=reached)
+        rule = Rule(RuleKind.WEAR, None, clearance / high - 1.0, wear, where=where)
+        spread = float(drawn.std()) / high
+        ends = interval_of(drawn / high - 1.0, COVERAGE)
+        decided = decide_rule(rule, (spread,) * len(reached), reached, guard_factor, skewed=True, interval=ends)
     usual = np.array([[land.contact_length] for land in lands])
     passes = _cubes(tests, readings, lands, number, usual, 1.0) * float(np.sum(1.0 / usual[:, 0] * sizes))
     flows = _service_flow(cubes, lands, lengths, unit, tests.assumptions, number)
@@ -380,7 +391,7 @@ def _finding(
         u_passes=float(passes.std()),
         leakage=float(flows.mean()),
         leakage_interval=interval_of(flows, COVERAGE),
-        rule=rule,
+        decided=decided,
         change=_change(tests, group, lands, number, lengths),
         tight=last.vacuum >= tests.stand.supply - gauge,
         open=last.vacuum <= gauge,

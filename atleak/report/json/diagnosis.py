@@ -150,10 +150,14 @@ def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
     rule = decided_by if isinstance(decided_by, Rule) else decided_by.deciding
     component, land = decided_by.key if isinstance(decided_by, LandDiagnosis) else (None, None)
     kind = "pump" if isinstance(decided_by, PumpDiagnosis) else "land"
+    if decided_by in diagnosis.vacuum_rules:
+        kind = "vacuum"
+    elif isinstance(decided_by, Rule):
+        kind = _DECIDING.get(decided_by.kind, decided_by.kind)
     return {
         **verdict,
         "decided_by": {
-            "kind": _DECIDING.get(rule.kind, rule.kind) if isinstance(decided_by, Rule) and rule else kind,
+            "kind": kind,
             "condition": rule.condition.name if rule and rule.condition else None,
             "component": component,
             "land": land,

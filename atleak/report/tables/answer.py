@@ -99,6 +99,8 @@ class _Words:
             return "tight"
         if diagnosis.verdict is Verdict.NOT_MEASURED:
             return "not_measured"
+        if diagnosis.vacuum_rules:
+            return "vacuum"
         return "passed" if diagnosis.passed and not diagnosis.without_sheet else "so_far"
 
     def wrong(self) -> Iterator[str]:

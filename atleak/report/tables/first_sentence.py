@@ -31,12 +31,15 @@ from atleak.report.tables.sentences import (
     reserve_sentence,
     rule_reached,
 )
+from atleak.report.tables.vacuum import plugged
 
 
 def measured_sentence(diagnosis: Diagnosis, say: Wording) -> str | None:
     """Return what gauges or the log say where they decided or are all there is; None where clearances did."""
     decided_by, log = diagnosis.decided_by, diagnosis.log
     if isinstance(decided_by, Rule):
+        if decided_by in diagnosis.vacuum_rules:
+            return _of_plug(diagnosis, decided_by, say)
         if decided_by in diagnosis.gauge_rules:
             return _of_gauge(diagnosis, decided_by, say)
         if log is not None and decided_by in log.rules:
@@ -53,6 +56,18 @@ def _within(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
         yield say(f"gauges.{'within' if judged else 'unjudged'}", judged=judged, count=len(readings))
     if diagnosis.log is not None:
         yield of_log(diagnosis.log, None, say)
+
+
+def _of_plug(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str:
+    finding = next(each for each in diagnosis.vacuum if each.decided and each.decided.rule == rule)
+    return say(
+        "vacuum.decides",
+        target=plugged(diagnosis, finding, say),
+        count=len(finding.lands),
+        clearance=say.quantity(finding.clearance * UM, "clearance", 1),
+        new=say.quantity(finding.new_clearance * UM, "clearance", 1),
+        verdict=say.signed(rule.verdict),
+    )
 
 
 def _of_gauge(diagnosis: Diagnosis, rule: Rule, say: Wording) -> str:

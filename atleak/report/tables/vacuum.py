@@ -68,18 +68,21 @@ def vacuum_section(diagnosis: Diagnosis, say: Wording) -> Section:
     return Section("vacuum", say("vacuum.title"), (*words.readings(), *words.shares(), *words.changes()))
 
 
+def plugged(diagnosis: Diagnosis, finding: VacuumFinding, say: Wording) -> str:
+    """Return the name of what was plugged, for people: of a circuit, of a land, or as the table has it."""
+    controller, reading = diagnosis.controller, finding.reading
+    name = next((each.name for each in controller.circuits if each.id == reading.circuit), None)
+    if name is not None:
+        return say.name(name)
+    return land_words(controller, finding.lands[0].key, say) if len(finding.lands) == 1 else reading.target
+
+
 class _Words:
     def __init__(self, diagnosis: Diagnosis, say: Wording) -> None:
         self.diagnosis, self.say, self.findings = diagnosis, say, diagnosis.vacuum
 
     def _plugged(self, finding: VacuumFinding) -> str:
-        controller, reading = self.diagnosis.controller, finding.reading
-        name = next((each.name for each in controller.circuits if each.id == reading.circuit), None)
-        if name is not None:
-            return self.say.name(name)
-        if len(finding.lands) == 1:
-            return land_words(controller, finding.lands[0].key, self.say)
-        return reading.target
+        return plugged(self.diagnosis, finding, self.say)
 
     def _clearance(self, finding: VacuumFinding) -> str:
         end = finding.interval[1] if finding.tight and not finding.open else finding.clearance

@@ -98,8 +98,9 @@ class Sheets:
     ) -> None:
         self.book, self.diagnosis, self.record, self.job, self.live = book, diagnosis, record, job, live
         self.say = book.say
+        measured = (*diagnosis.gauge_rules, *diagnosis.log_rules)
         of_pump = (each.rule for each in diagnosis.pump.decisions)
-        shown = dict.fromkeys(rule.verdict for rule in (*diagnosis.gauge_rules, *diagnosis.log_rules, *of_pump))
+        shown = dict.fromkeys(rule.verdict for rule in (*diagnosis.vacuum_rules, *measured, *of_pump))
         shown |= {Verdict.WATCH: None} if diagnosis.too_tight else {}
         issued = "".join(f",{1 + RANKED.index(verdict)}" for verdict in shown)
         self.headline = Headline(diagnosis, live, f"MAX({live.rules.ranks}{issued})", self.say)

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from atleak.analysis.answer import answer_of
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
@@ -16,14 +17,18 @@ from atleak.catalogue.limits import Limits
 from atleak.common.errors import InputError, Place
 from atleak.common.units import IN_HG
 from atleak.common.verdicts import Verdict
+from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
+from atleak.diagnosis.missing import Cause
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.diagnosis.vacuum import GROWN, pass_marks
 from atleak.engine.profile import WORKSHOP
 from atleak.equations.vacuum import air_viscosity, circuit_pressure
 from atleak.measurements.readings import Readings
 from atleak.measurements.vacuum import Calibration, VacuumReading, VacuumStand, VacuumTable
+from atleak.report.json.diagnosis import diagnosis_record
+from atleak.report.tables.first_sentence import first_sentence
 
 STAND = VacuumStand()
 UNITS = ("five_speed_2005", "zf_6hp26", "gm_4l60e")
@@ -235,7 +240,12 @@ def test_several_lands_say_what_they_leak_together_and_what_each_can_be(
     assert found.interval[0] <= even <= found.interval[1]
     assert found.verdict.flagged
     assert not any(land.state.measured for land in diagnosis.lands)  # evidence, not a measurement of any
-    assert diagnosis.verdict == Verdict.NOT_MEASURED
+    assert diagnosis.verdict == found.verdict
+    assert diagnosis.decided_by in diagnosis.vacuum_rules
+    assert diagnosis.decision in ("fail", "conditional_fail")
+    assert diagnosis_record(diagnosis)["unit"]["decided_by"]["kind"] == "vacuum"
+    assert answer_of(diagnosis).cause is Cause.NONE
+    assert "3 lands leak together" in first_sentence(diagnosis, wording("en"))
     first, *others = found.each  # of each: if it alone is worn
     assert 30e-6 < first.low < 45e-6 < first.high
     assert all(30e-6 < share.low < share.high for share in others)  # any one may be it
@@ -245,6 +255,16 @@ def test_several_lands_say_what_they_leak_together_and_what_each_can_be(
     assert 0.02 < found.u_passes / found.passes < 0.15
     low, high = found.leakage_interval
     assert low < found.leakage < high
+
+
+def test_a_circuit_within_its_limits_makes_no_unit_green(
+    diagnosed: Callable[..., Diagnosis], five_speed: Controller
+) -> None:
+    lands = five_speed.lands_around(five_speed.circuits[0].id)
+    diagnosis = diagnosed(plug(lands, [land.new_clearance for land in lands], circuit=five_speed.circuits[0].id))
+    assert diagnosis.vacuum[0].verdict == Verdict.OK
+    assert diagnosis.verdict == Verdict.NOT_MEASURED
+    assert diagnosis.decided_by is None
 
 
 # --- before and after
