@@ -24,6 +24,7 @@ COMMANDS = {
     "report": ("report", "the reports of job files"),
     "template": ("template", "a measuring sheet to fill in"),
     "gauge-card": ("template", "what gauges should show at every tap, as a card to fill in"),
+    "vacuum-card": ("template", "what a vacuum stand should show of circuits and lands, as a card to fill in"),
     "controller": ("controller", "describe a valve body: in a workbook, and as the TOML file that every command takes"),
     "gauge-study": ("studies", "repeatability and reproducibility of a gauge, by ANOVA"),
     **{

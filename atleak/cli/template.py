@@ -1,4 +1,4 @@
-"""Write forms to fill in: a measuring sheet, ``atleak template``, and the gauge card, ``atleak gauge-card``."""
+"""Write forms to fill in: a measuring sheet, ``atleak template``, and cards for gauges and for a vacuum stand."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _TEXTS = {
 
 def add_parser(commands: Any, name: str) -> None:
     """Add one of the commands."""
-    add = _add_template if name == "template" else _add_gauge_card
+    add = _add_template if name == "template" else _add_card
     add(commands, name)
 
 
@@ -89,13 +89,15 @@ def _quick_sheet(options: argparse.Namespace, known: dict[str, Any]) -> bytes:
     return write_template(diagnosis.controller, plan=plan, **known)
 
 
-def _add_gauge_card(commands: Any, name: str) -> None:
+def _add_card(commands: Any, name: str) -> None:
+    given, more = ("READINGS", "sheet.xlsx") if name == "gauge-card" else ("--vacuum FILE", "--vacuum stand.csv")
     examples = (
-        "gauge-card --controller five_speed_2005 -o card.pdf",
-        "gauge-card sheet.xlsx --controller five_speed_2005 --job job.toml --units us --paper letter -o card.pdf",
+        f"{name} --controller five_speed_2005 -o card.pdf",
+        f"{name} {more} --controller five_speed_2005 --job job.toml --units us --paper letter -o card.pdf",
     )
-    usage = "atleak gauge-card [READINGS] [--controller ID|FILE] [options] -o FILE.pdf"
-    parser = add_command(commands, name, _gauge_card, examples=examples, usage=usage)
+    usage = f"atleak {name} [{given}] [--controller ID|FILE] [options] -o FILE.pdf"
+    parser = add_command(commands, name, _card, examples=examples, usage=usage)
+    parser.set_defaults(card=name)
     add_job_options(parser)
     written = parser.add_argument_group("what is written, and how it is printed")
     written.add_argument("-o", "--output", metavar="FILE.pdf", required=True, help="the card")
@@ -103,14 +105,15 @@ def _add_gauge_card(commands: Any, name: str) -> None:
     add_force(written)
 
 
-def _gauge_card(options: argparse.Namespace) -> int:
-    """Write what gauges should show on the unit new and, with a measuring sheet, as measured."""
+def _card(options: argparse.Namespace) -> int:
+    """Write what gauges should show on the unit new and as measured, or what a vacuum stand should show of it."""
     outputs = Outputs(options, input_files(options), "PDF")
     case, job = chosen_job(options, may_be_new=True)
     printed, font = print_options(options, ["pdf"]), print_font(options, ["pdf"])
-    from atleak.report.pdf.gauge_card import write_gauge_card
+    from atleak.report.pdf.gauge_card import write_gauge_card, write_vacuum_card
 
-    outputs.write(output=lambda: write_gauge_card(case.diagnose(), job, **printed, font=font))
+    write = write_gauge_card if options.card == "gauge-card" else write_vacuum_card
+    outputs.write(output=lambda: write(case.diagnose(), job, **printed, font=font))
     outputs.say_written()
     return 0
 

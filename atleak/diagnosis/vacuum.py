@@ -526,6 +526,7 @@ def pass_marks(
     stand: VacuumStand | None = None,
     *,
     orifices: Sequence[float] | None = None,
+    by_land: bool = False,
     assumptions: Assumptions = DEFAULTS,
 ) -> tuple[PassMark, ...]:
     """Return what a stand should show of every circuit of a valve body, or of its components where it has no circuits.
@@ -540,6 +541,8 @@ def pass_marks(
         diameters of those that the stand can be fitted with [m], of which each circuit gets the one that tells new
         lands from grown ones best; those it was calibrated with unless given, or else `ORIFICES`. None counts for a
         stand that states its C_d A.
+    by_land
+        of every land alone instead.
     assumptions
         C_d, the gauge's error, and how far from concentric spools may lie.
 
@@ -555,7 +558,7 @@ def pass_marks(
     if stand.flow_area is not None:
         choices = (None,)
     marks = []
-    for name, circuit, lands in _targets(controller):
+    for name, circuit, lands in _lands(controller) if by_land else _targets(controller):
         made = [_mark(table, name, circuit, lands, orifice, assumptions) for orifice in choices]
         marks.append(max(made, key=lambda each: each.new - each.mark))
     return tuple(marks)
@@ -573,6 +576,12 @@ def _targets(controller: Controller) -> Iterator[tuple[str, str | None, tuple[La
         lands = tuple(land for land in controller.lands_of(component) if land.key not in sealed)
         if lands:
             yield component, None, lands
+
+
+def _lands(controller: Controller) -> Iterator[tuple[str, str | None, tuple[Land, ...]]]:
+    for land in controller.lands:
+        if not land.seal:
+            yield f"{land.component}/{land.land}", None, (land,)
 
 
 def _mark(

@@ -79,6 +79,7 @@ class _Rows(Faults):
     readings: list[VacuumReading] = field(default_factory=list)
     calibrations: list[Calibration] = field(default_factory=list)
     stated: dict[str, float] = field(default_factory=dict)  # of the stand, in SI; temperatures in °C
+    rows: int = 0  # that are to hold a reading
     unit: Unit | None = None  # of the supply's vacuum: that of all where none is stated
 
 
@@ -169,6 +170,7 @@ class _Reader:
                     readings.append(row)
         for label, row, column in sorted(stand, key=lambda each: each[0] != "supply"):
             self._stand(label, row, column)
+        self.rows.rows += len(readings)
         for row in readings:
             if len(self.rows.problems) > FAULTS:
                 return
@@ -374,7 +376,7 @@ def read_vacuum_table(source: str | Path | bytes, controller: Controller, *, nam
         _Reader(table, targets, rows).read()
     if rows.problems:
         raise faults_together(rows.problems)
-    if not rows.readings:
+    if not rows.readings and (rows.rows or not rows.stated):
         problem, expected = Sentence("no reading is filled in"), Sentence("at least one reading of a circuit or land")
         raise VacuumTableError(problem, place=Place(held.file), expected=expected)
     orifice = rows.stated.pop("orifice", None)
@@ -400,6 +402,10 @@ def _assumed(rows: _Rows, place: Place) -> Iterator[Message]:
     for name, (value, text) in stated.items():
         if name not in rows.stated:
             yield Message("info", f"{name}_assumed", text.of(value=shown.from_si(value), unit=shown.name), place)
+    if not rows.readings:
+        yield Message(
+            "warning", "no_vacuum_reading", Sentence("the table describes a stand, and holds no reading"), place
+        )
     if "temperature" not in rows.stated:
         text = Sentence("the table states no temperature: {value:g} {value.unit} assumed")
         yield Message("info", "temperature_assumed", text.of(value=Quantity(20.0, "temperature")), place)

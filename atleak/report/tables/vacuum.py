@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any
 
+from atleak.catalogue.controller import Controller
 from atleak.common.units import DM3_MIN, IN_HG, KPA, MM, UM
-from atleak.common.wording import Wording
+from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.uncertainty import DEFAULTS
-from atleak.diagnosis.vacuum import LandShare, VacuumChange, VacuumFinding
+from atleak.diagnosis.uncertainty import DEFAULTS, Assumptions
+from atleak.diagnosis.vacuum import GROWN, LandShare, PassMark, VacuumChange, VacuumFinding, pass_marks
+from atleak.measurements.vacuum import VacuumStand
 from atleak.report.json.conditions import of_land
-from atleak.report.tables.names import land_words
+from atleak.report.tables.names import component_words, land_number, land_words
 from atleak.report.tables.table import VERDICT, Column, Section, SectionPart, Table, Text, span
 
 
@@ -159,3 +163,67 @@ class _Words:
         )
         yield Text(say("vacuum.changes"), leads=True)
         yield Table("vacuum_changes", columns, rows, say)
+
+
+def vacuum_card_tables(
+    controller: Controller, stand: VacuumStand, assumptions: Assumptions, say: Wording
+) -> tuple[Table, Table]:
+    """Return what a stand should show of each circuit, or component, and of each land alone.
+
+    Parameters
+    ----------
+    controller
+        with the lands.
+    stand
+        that will be read, with its calibrations.
+    assumptions
+        the stand's C_d, the gauge's error and where spools may lie.
+    """
+
+    def name(mark: PassMark) -> str:
+        lands = mark.lands
+        if len(lands) == 1 and mark.circuit is None:
+            return land_words(controller, lands[0].key, say)
+        keys = ", ".join(land_number(controller, land.key, say) for land in lands)
+        called = say.name(mark.name) if mark.circuit else component_words(controller, mark.name, say)
+        return f"{begun(called)}: {keys}"
+
+    def said(mark: PassMark, end: str) -> str:
+        if not mark.resolved:
+            return say("vacuum_card.unresolved") if end == "passes" else ""
+        value, away = (mark.mark, math.ceil) if end == "passes" else (mark.doubtful, math.floor)
+        inhg, kpa = (say.number(away(value * factor * 10.0) / 10.0, 1) for factor in (IN_HG, KPA))
+        return say(f"vacuum_card.{end}", inhg=inhg, kpa=kpa)
+
+    columns = (
+        Column("plugged", width=300, of=name),
+        Column("card_orifice", "length", 2, of="orifice", times=MM),
+        Column("card_unworn", digits=1, of="new", times=IN_HG),
+        Column("card_passes", width=130, of=partial(said, end="passes")),
+        Column("card_fails", width=130, of=partial(said, end="fails")),
+        Column("card_worn", width=90, of=lambda _: ""),
+        Column("card_repaired", width=90, of=lambda _: ""),
+    )
+    whole = say(f"vacuum_card.{'circuits' if controller.circuits else 'components'}")
+    marks, of_lands = (pass_marks(controller, stand, by_land=each, assumptions=assumptions) for each in (False, True))
+    return (
+        Table("vacuum_card", columns, marks, say, whole),
+        Table("vacuum_card_lands", columns, of_lands, say, say("vacuum_card.lands")),
+    )
+
+
+def vacuum_card_notes(
+    stand: VacuumStand, tables: Sequence[Table], assumptions: Assumptions, say: Wording
+) -> Iterator[str]:
+    """Yield for which stand a card holds, what cannot be told by it, and where its readings go."""
+    closed, ambient = (say.number(value, 1) for value in (stand.supply * IN_HG, stand.ambient * KPA))
+    yield say(
+        "vacuum_card.calibrated" if stand.calibrations or stand.flow_area is not None else "vacuum_card.assumed_cd",
+        closed=f"{closed} in-Hg",
+        ambient=f"{ambient} kPa",
+        coefficient=say.number(assumptions.discharge_coefficient, 2),
+    )
+    if not all(mark.resolved for table in tables for mark in table.rows):
+        gauge = f"{say.number(assumptions.vacuum_gauge * IN_HG, 1)} in-Hg"
+        yield say("vacuum_card.not_resolved", grown=say.percent(GROWN, 0), gauge=gauge)
+    yield say("vacuum_card.table")

@@ -85,6 +85,18 @@ def test_what_is_known_of_the_job_stands_in_the_head_the_options_before_the_reco
     assert page["C6"].data_type == "s"
 
 
+def test_a_vacuum_card_needs_nothing_and_takes_a_stand(run: Run, tmp_path: Path) -> None:
+    card, stand = tmp_path / "card.pdf", tmp_path / "stand.csv"
+    status, out, err = run("vacuum-card", "--controller", "five_speed_2005", "-o", card)
+    assert (status, err) == (0, "")
+    assert "card.pdf" in out
+    assert card.read_bytes().startswith(b"%PDF")
+    stand.write_text("supply,24,in-Hg\ncalibration,0.5 mm,20\ncircuit,reading\n")
+    assert run("vacuum-card", "--vacuum", stand, "--controller", "five_speed_2005", "-o", card, "--force")[0] == 0
+    assert run("vacuum-card", "--vacuum", tmp_path / "none.csv", "-o", card, "--force")[0] == 2
+    assert run("vacuum-card", "-o", tmp_path / "card.xlsx")[0] == 2
+
+
 def test_a_gauge_card_needs_no_readings_and_takes_a_sheet(run: Run, tmp_path: Path) -> None:
     card = tmp_path / "card.pdf"
     status, out, err = run("gauge-card", "--controller", "five_speed_2005", "-o", card)

@@ -130,6 +130,12 @@ def test_one_orifice_of_the_stand_counts_where_a_row_names_none(unit: Controller
     assert table.stand.flow_area == pytest.approx(0.628e-6, abs=0.0)
 
 
+def test_a_stand_alone_is_taken_for_its_card_and_says_so(unit: Controller) -> None:
+    table = read("supply,24,in-Hg\ncalibration,0.5 mm,20\ncircuit,reading\n", unit)
+    assert (table.readings, len(table.stand.calibrations)) == ((), 1)
+    assert "no_vacuum_reading" in {each.code for each in table.messages if each.level == "warning"}
+
+
 def test_everything_wrong_is_listed_with_row_column_value_and_what_was_expected(unit: Controller) -> None:
     said = refused(
         "supply,25,in-Hg\ncircuit,reading,unit,orifice,state\nforward_clutc,17.5,in-Hg,,\nboost_valve/9,26.5,in-Hg,9,foo\n"
