@@ -84,7 +84,7 @@ def _evidence(options: argparse.Namespace) -> int:
     outputs = Outputs(options, input_files(options))
     case, _ = chosen_job(options, may_be_new=True)
     from atleak.common.wording import wording
-    from atleak.report.tables.evidence import evidence_record, evidence_sections
+    from atleak.report.tables.evidence import closed_sections, evidence_record
     from atleak.report.terminal import print_sections
 
     diagnosis = case.diagnose()
@@ -92,7 +92,7 @@ def _evidence(options: argparse.Namespace) -> int:
     if outputs.shown:
         say = wording("en", options.units)
         warnings = [message for message in diagnosis.messages if message.level == "warning"]
-        print_sections(evidence_sections(diagnosis, say).values(), warnings, say)
+        print_sections(closed_sections(diagnosis, say), warnings, say)
     outputs.say_written()
     return 0
 

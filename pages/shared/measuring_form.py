@@ -116,7 +116,7 @@ def _how_much(typed: Typed, diagnosis: Diagnosis) -> None:
         elif picked == "quick" and now.plan.order is not Order.QUICK:
             found = quick_pass(diagnosis)
             if found is None:
-                st.toast(say("evidence.enough"))
+                st.toast(say("likely.enough"))
             else:
                 _choose(replace(now, plan=found))
 

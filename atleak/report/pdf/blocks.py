@@ -193,7 +193,7 @@ def with_notes(blocks: Iterable[Block]) -> Iterator[Block]:
         if table:
             yield {**table, "note": block["text"]} if notes else table
             table = {}
-        if block["kind"] == "table":
+        if block["kind"] == "table" and not block.get("note"):
             table = block
         elif not notes:
             yield block

@@ -47,8 +47,8 @@ from atleak.report.pdf.blocks import (
 from atleak.report.pdf.conditions import Conditions, Pressures, RoadTestSection
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.answer import missing_table
-from atleak.report.tables.before_opening import before_opening
 from atleak.report.tables.estimate import open_words
+from atleak.report.tables.evidence import printed_sections
 from atleak.report.tables.gauges import gauge_table, pattern_sentences, tap_text
 from atleak.report.tables.names import components_words
 from atleak.report.tables.road_test import RoadSeries
@@ -121,8 +121,8 @@ def gauge_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
 
 
 def before_opening_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
-    """Yield what was measured before the unit was opened."""
-    for section in before_opening(diagnosis, say):
+    """Yield what was measured before the unit was opened, and what is likely worn where it was not."""
+    for section in printed_sections(diagnosis, say):
         yield text(section.title, leads=True)
         yield from section_blocks(section, lambda drawn: printed_chart(drawn.chart, say), say)["blocks"]
 

@@ -23,8 +23,7 @@ _NAMED = 3  # parts that a sentence names
 
 
 def evidence_sections(diagnosis: Diagnosis, say: Wording) -> dict[str, Section]:
-    """Return the sections by their names: what is likely, lands, circuits, what was measured with everything closed,
-    what to measure next, what is assumed.
+    """Return the sections by their names: what is likely, lands, circuits, what to measure next, what is assumed.
 
     Where nothing that was read tells more than what is assumed, that is said first, and nothing is ranked.
     """
@@ -36,9 +35,21 @@ def evidence_sections(diagnosis: Diagnosis, say: Wording) -> dict[str, Section]:
         "next": [Text(said)] if (said := next_sentence(diagnosis, say)) else (),
         "assumed": words.assumed(),
     }
-    made = [Section(name, say(f"evidence.{name}"), tuple(of_name)) for name, of_name in parts.items()]
-    made[3:3] = before_opening(diagnosis, say)
-    return {section.name: section for section in made if section.parts}
+    made = {name: Section(name, say(f"likely.{name}"), tuple(of_name)) for name, of_name in parts.items()}
+    return {name: section for name, section in made.items() if section.parts}
+
+
+def closed_sections(diagnosis: Diagnosis, say: Wording) -> Iterator[Section]:
+    """Yield all that is said of a unit before it is opened: what is likely, what jug and stand showed, what is next."""
+    sections = evidence_sections(diagnosis, say)
+    last = [sections.pop(name) for name in ("next", "assumed") if name in sections]
+    yield from (*sections.values(), *before_opening(diagnosis, say), *last)
+
+
+def printed_sections(diagnosis: Diagnosis, say: Wording) -> Iterator[Section]:
+    """Yield what a report has of it: all where no sheet was measured and gauges tell something, else what was shown."""
+    told = diagnosis.without_sheet and diagnosis.pressures is not None and evidence_of(diagnosis).thin is None
+    yield from (closed_sections if told else before_opening)(diagnosis, say)
 
 
 def next_sentence(diagnosis: Diagnosis, say: Wording) -> str:
@@ -46,8 +57,8 @@ def next_sentence(diagnosis: Diagnosis, say: Wording) -> str:
     evidence = evidence_of(diagnosis)
     lands = ", ".join(land_words(diagnosis.controller, each.land.key, say) for each in evidence.next)
     if lands:
-        return say("evidence.measure", lands=lands)
-    return say("evidence.enough") if evidence.thin is None else ""
+        return say("likely.measure", lands=lands)
+    return say("likely.enough") if evidence.thin is None else ""
 
 
 class _Words:
@@ -63,8 +74,8 @@ class _Words:
         lost = [self._lost(each) for each in evidence.circuits if each.probability >= _LIKELY]
         worn = [part for probability, part in self._parts() if probability >= _LIKELY]
         first = [part for _, part in self._parts()][:_NAMED]
-        likely = say("evidence.likely", parts=", ".join(worn[:_NAMED])) if worn else ""
-        unlikely = say("evidence.unlikely", parts=", ".join(first)) if first and not lost else ""
+        likely = say("likely.likely", parts=", ".join(worn[:_NAMED])) if worn else ""
+        unlikely = say("likely.unlikely", parts=", ".join(first)) if first and not lost else ""
         yield Text(" ".join(filter(None, (*lost[:_NAMED], likely or unlikely))))
 
     def _parts(self) -> list[tuple[float, str]]:
@@ -81,7 +92,7 @@ class _Words:
                 found.append((each.probability, key, self._land(each), self._short(others)))
             named |= {each.group} if each.group is not None else set()
         return [
-            (probability, say(f"evidence.{key}", part=name, others=others, percent=self._percent(probability)))
+            (probability, say(f"likely.{key}", part=name, others=others, percent=self._percent(probability)))
             for probability, key, name, others in sorted(found, key=lambda each: -each[0])
         ]
 
@@ -108,7 +119,7 @@ class _Words:
         ends = (self.say.value(end * KPA, "pressure", 0) for end in (each.low, each.high))
         value = self.say.quantity(each.loss * KPA, "pressure", 0)
         amount = self.say("answer.between", value=value, low=next(ends), high=next(ends))
-        return self.say("evidence.lost", circuit=begun(self._circuit(each)), amount=amount)
+        return self.say("likely.lost", circuit=begun(self._circuit(each)), amount=amount)
 
     def lands(self) -> Iterator[SectionPart]:
         evidence, say = self.evidence, self.say
@@ -128,10 +139,10 @@ class _Words:
             yield Table("lands", columns, told, say).filled
         first = {each.group: each for each in reversed(told) if each.group is not None}
         for number, each in sorted(first.items()):
-            yield Text(f"{number}: {say('evidence.alike', lands=self._short(self._group(each)))}", small=True)
+            yield Text(f"{number}: {say('likely.alike', lands=self._short(self._group(each)))}", small=True)
         if len(told) < len(evidence.lands):
             count = len(evidence.lands) - len(told)
-            yield Text(say("evidence.others" if told else "evidence.none_apart", count=count), small=bool(told))
+            yield Text(say("likely.others" if told else "likely.none_apart", count=count), small=bool(told))
 
     def _span(self, each: Any, factor: float, kind: str, digits: int) -> str:
         return span((each.low * factor, each.high * factor), kind, self.say, digits)
@@ -165,7 +176,7 @@ class _Words:
         if pump is not None:
             times = [say.number(1.0 + each, 1) for each in (pump.growth, pump.low, pump.high)]
             said = dict(zip(("value", "low", "high"), times, strict=True))
-            yield Text(say("evidence.pump", **said, percent=self._percent(pump.probability)))
+            yield Text(say("likely.pump", **said, percent=self._percent(pump.probability)))
 
     def assumed(self) -> Iterator[SectionPart]:
         say, rows = self.say, self.evidence.assumptions.priors
@@ -178,8 +189,8 @@ class _Words:
         eccentricity = self.diagnosis.profile.eccentricity
         key = "anywhere" if eccentricity == UNKNOWN else "lies"
         value = "" if eccentricity == UNKNOWN else say.percent(float(eccentricity), 0)
-        yield Text(say(f"evidence.{key}", value=value), small=True)
-        yield Text(say("evidence.set_by"), small=True)
+        yield Text(say(f"likely.{key}", value=value), small=True)
+        yield Text(say("likely.set_by"), small=True)
 
 
 def evidence_record(diagnosis: Diagnosis) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
 from atleak.report.json.diagnosis import FORMAT, head_record
 from atleak.report.sheets.paging import UNDATED, workbook
-from atleak.report.tables.before_opening import before_opening
+from atleak.report.tables.evidence import printed_sections
 from atleak.report.tables.road_test import event_table
 from atleak.report.xlsx.book import ReportBook
 from atleak.report.xlsx.circuits import CIRCUITS
@@ -92,7 +92,7 @@ def _write(book: ReportBook, diagnosis: Diagnosis, job: Job) -> None:
         _write_unit(book, diagnosis, live, rest)
     if diagnosis.pressures is not None:
         write_gauges(book, book.sheet(GAUGES, frozen=(1, 2)), diagnosis)
-    sections = list(before_opening(diagnosis, book.say))
+    sections = list(printed_sections(diagnosis, book.say))
     if sections:
         write_sections(book, book.sheet(Sentence("Before opening")), sections)
     if diagnosis.log is not None:

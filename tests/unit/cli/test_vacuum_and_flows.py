@@ -58,7 +58,7 @@ def test_every_medium_shows_both_the_usual_flow_and_what_was_caught(run: Run, fl
         assert "Flows caught in a jug" in shown
         assert "at least 3.44" in shown
         assert "3.80" in shown
-    assert "Measured before it was opened" in printed
+    assert "Before it was opened" in printed
     sheet = openpyxl.load_workbook(io.BytesIO(names["xlsx"].read_bytes()))["Before opening"]
     cells = [[cell.value for cell in row] for row in sheet.iter_rows()]
     assert cells[0][0] == "Flows caught in a jug"

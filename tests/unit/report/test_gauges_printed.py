@@ -88,7 +88,9 @@ def test_a_job_without_gauges_has_neither_sheet_nor_section() -> None:
 
 
 @pytest.mark.parametrize("language", languages())
-def test_a_job_of_gauges_alone_says_what_they_decided_and_nothing_of_lands(gauged: Diagnosis, language: str) -> None:
+def test_a_job_of_gauges_alone_says_what_they_decided_and_nothing_of_measured_lands(
+    gauged: Diagnosis, language: str
+) -> None:
     say, text = wording(language), " ".join(text_of(write_pdf(gauged, language=language)).split())
     assert say("findings.alone") in text
     assert say("sections.gauges") in text
@@ -96,7 +98,7 @@ def test_a_job_of_gauges_alone_says_what_they_decided_and_nothing_of_lands(gauge
         assert say(f"sections.{section}") not in text
     assert say.level(gauged.verdict).capitalize() in text
     names = openpyxl.load_workbook(io.BytesIO(write_workbook(gauged))).sheetnames
-    assert names == ["Summary", ROAD_SHEET, "Messages", "Provenance"]
+    assert names == ["Summary", ROAD_SHEET, "Before opening", "Messages", "Provenance"]
 
 
 @pytest.mark.parametrize(("drive", "verdict"), first_of([(450.0, "■ replace"), (200.0, "✖ critical")]))

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import replace
 from itertools import pairwise
 
+import openpyxl
+import pypdfium2
 import pytest
 
 from atleak.catalogue.controller_file import load_controller
@@ -12,10 +15,12 @@ from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.evidence import CircuitEvidence, Evidence, evidence_of
 from atleak.job.case import Case, SourceFile
+from atleak.report.pdf import write_pdf
 from atleak.report.tables import evidence as tables
-from atleak.report.tables.evidence import evidence_record, evidence_sections
+from atleak.report.tables.evidence import evidence_record, evidence_sections, printed_sections
 from atleak.report.tables.names import land_words
 from atleak.report.tables.table import Section, Table, Text
+from atleak.report.xlsx import write_workbook
 
 SAY = wording("en")
 GAUGES = b"tap,range,slow idle [kPa]\nline,D,857\nforward clutch,D,610\n"
@@ -124,3 +129,17 @@ def test_the_record_is_in_order_and_in_its_units(gauged: Diagnosis) -> None:
     assert record["circuits"][0]["id"] == first.circuit.id
     assert record["effective_samples"] == evidence.effective_samples
     assert [each["value"] for each in record["next"]] == [each.value for each in evidence.next]
+
+
+def test_a_report_has_it_where_no_sheet_was_measured_and_gauges_tell(gauged: Diagnosis, unread: Diagnosis) -> None:
+    printed = [*printed_sections(gauged, SAY)]
+    assert [each.name for each in printed] == ["title", "lands", "circuits", "next", "assumed"]
+    assert [*printed_sections(unread, SAY)] == [], "nothing is said of what was only assumed"
+    pages = "".join(page.get_textpage().get_text_range() for page in pypdfium2.PdfDocument(write_pdf(gauged)))
+    assert "Forward clutch has lost" in pages
+    assert "worn_pumps_percent" in pages
+    assert "of their clearance off the middle" in pages, "a note is not lost to the next one"
+    book = openpyxl.load_workbook(io.BytesIO(write_workbook(gauged)))
+    cells = [str(cell) for row in book["Before opening"].iter_rows(values_only=True) for cell in row if cell]
+    assert any(cell.startswith("Forward clutch has lost") for cell in cells)
+    assert any(cell.startswith("worn_pumps_percent") for cell in cells)
