@@ -69,7 +69,7 @@ assert LIMITS.wear
 assert LIMITS.circuit_loss
 (WATCH, GROWTH), LIMIT = LIMITS.wear.levels[0], LIMITS.circuit_loss.levels[0][1]
 WIDER = LIMITS.wear.at_least[WATCH]  # [m] that a land has worn at least, to be past it
-BANK, DRAWS, MOST = 1_000_000, 8_192, 65_536
+BANK, DRAWS, MOST = 500_000, 8_192, 65_536
 PORTION = 10
 
 

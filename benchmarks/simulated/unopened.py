@@ -51,8 +51,8 @@ VISCOSITY, WARMER, CONVERTER, SETTING, SLIP, PUMP = (
 )
 MOST_SEAL, MOST_PUMP, MOST_RISE, MOST_FALL = 20.0, 6.0, 5.0, 0.9  # times the mean; of the line's pressure
 READ_OFF, LEAST, FINEST = 0.1, 0.25, 1e3  # of a gauge's variance; of the highest pressure; [Pa]
-ENOUGH, SPREAD = 400, 200  # units of equal weight
-BINS, LIKE = 16, 0.1  # of viscosity; the line of units whose parts are put together, relative
+ENOUGH, SPREAD = 300, 200  # units of equal weight
+BINS, LIKE = 8, 0.1  # of viscosity; the line of units whose parts are put together, relative
 CHUNK = 8_192  # units that are solved at once
 STEPS = 60  # of the search for the line pressure that the pump holds
 
@@ -87,6 +87,24 @@ class Prior:
         self.lands = {each.land.key: each for each in states if not each.land.seal and each.land.key in leaking}
         self.fed = [each for each in controller.circuits if each.feeds]
         self.sealed = [each.id for each in self.fed if each.gears != frozenset(controller.gears)]
+
+    def worse(self) -> Prior:
+        """Return units whose parts are worn more often and further, out of which more agree with one that lost much."""
+        u = self.assumptions
+        often = replace(u, worn_lands=2.0 * u.worn_lands, land_wear=1.5 * u.land_wear, worn_seals=2.0 * u.worn_seals)
+        return Prior(self.controller, self.fluid, often)
+
+    def log_density(self, name: tuple[Any, ...], gone: np.ndarray) -> Any:
+        """Return the logarithm of the density of what can be worn; 0 of other parts, which are never drawn worse."""
+        u = self.assumptions
+        if name[0] == LAND:
+            chance, mean, most = u.worn_lands, u.land_wear, u.most_land_wear
+        elif name[0] in (SEAL, HOLE):
+            chance, mean, most = 0.5 * u.worn_seals, u.seal_wear, MOST_SEAL * u.seal_wear
+        else:
+            return 0.0
+        far = math.log(-chance / mean / math.expm1(-most / mean)) - gone / mean
+        return np.where(gone > 0.0, far, math.log1p(-chance))
 
     def draw(self, rng: np.random.Generator, count: int) -> Parts:
         """Draw units."""
@@ -372,24 +390,33 @@ class Bank:
     def __init__(self, prior: Prior, count: int, seed: int = 5) -> None:
         self.prior, self.in_bin = prior, count // BINS
         self.count = BINS * self.in_bin
-        units = prior.draw(np.random.default_rng(seed), self.count)
+        worse = prior.worse()
+        units = worse.draw(np.random.default_rng(seed), self.count)
         at = prior.points[0].temperature + units[WARMER]
         order = np.argsort(prior.fluid.kinematic_viscosity(at, WORKSHOP.viscosity) * units[VISCOSITY])
         self.units = {name: values[order].astype(np.float32) for name, values in units.items()}
         self.held = prior.held(self.units).astype(np.float32)
         self.blocks = blocks_of(prior)
+        #: of the parts of each block, for the prior over that from which the bank was drawn
+        self.log_ratios = [
+            np.zeros(self.count)
+            + sum(
+                prior.log_density(name, self.units[name]) - worse.log_density(name, self.units[name]) for name in parts
+            )
+            for parts in (block.parts for block in self.blocks)
+        ]
 
     def known(self, rng: np.random.Generator, gauges: Gauges, showed: np.ndarray, *, draws: int, most: int) -> Known:
         """Return units that are weighed by gauges, more of them until they are worth `ENOUGH` or the most are drawn."""
         line, *others = self.blocks
-        of_line, chances = self._log_likelihood(line, gauges, showed), []
-        for block in others:
-            logs = self._log_likelihood(block, gauges, showed)
+        of_line, chances = self._log_likelihood(line, gauges, showed) + self.log_ratios[0], []
+        for block, log_ratio in zip(others, self.log_ratios[1:], strict=True):
+            logs = self._log_likelihood(block, gauges, showed) + log_ratio
             of_line += np.repeat(np.log(np.exp(logs - logs.max()).reshape(BINS, -1).sum(axis=1) + 1e-30), self.in_bin)
             chances.append(_in_bins(_flattened(logs) + 1e-12))
         of_line = _flattened(of_line)
-        whole, usual = gauges.whitening(self.prior.taps, showed), [of_line, *chances]
-        units, held, places, logs_ = [], [], [], []
+        whole = gauges.whitening(self.prior.taps, showed)
+        units, held, logs_ = [], [], []
         while True:
             chosen = [_drawn(rng, of_line, draws)]
             bins = chosen[0] // self.in_bin
@@ -408,18 +435,13 @@ class Bank:
             }
             units.append(made)
             held.append(self.prior.held(made))
-            places.append(chosen)
+            log_weight += sum(ratio[at] for ratio, at in zip(self.log_ratios, chosen, strict=True))
             logs_.append(log_weight - 0.5 * np.sum((whole @ (held[-1] - showed[:, None])) ** 2, axis=0))
             weights = _normed(np.concatenate(logs_))
             effective = 1.0 / float(weights @ weights)
             if effective >= ENOUGH or len(weights) >= most:
                 joined = {name: np.concatenate([each[name] for each in units]) for name in made}
                 return Known(joined, np.concatenate(held, axis=1), weights, effective)
-            # the next half are put together of parts that went well before
-            flat = _flattened(np.concatenate(logs_))
-            well = [np.bincount(np.concatenate(at), flat, self.count) for at in zip(*places, strict=True)]
-            of_line = 0.5 * (usual[0] + well[0])
-            chances = [_in_bins(0.5 * (a + _in_bins(b + 1e-15))) for a, b in zip(usual[1:], well[1:], strict=True)]
 
     def _log_likelihood(self, block: Block, gauges: Gauges, showed: np.ndarray) -> np.ndarray:
         """Return how well the bank agrees with the gauges that tell of a block first.
