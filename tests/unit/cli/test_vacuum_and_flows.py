@@ -74,6 +74,14 @@ def test_a_batch_of_job_files_keeps_them(run: Run, flows: Path, vacuum: Path, tm
     assert [each["bound"] for each in record["flows"]] == [True, False]
 
 
+def test_the_job_book_keeps_them(run: Run, flows: Path, vacuum: Path) -> None:
+    identity = run("jobs", "add", "--flows", flows, "--vacuum", vacuum, *UNIT)[1].strip()
+    shown = json.loads(run("jobs", "show", identity, "--json", "-")[1])
+    assert [each["bound"] for each in shown["flows"]] == [True, False]
+    assert [each["circuit"] for each in shown["vacuum"]] == ["forward_clutch", None]
+    assert run("jobs", "verify")[0] == 0
+
+
 def test_a_vacuum_test_alone_measures_its_land(run: Run, record_of, vacuum: Path) -> None:
     record = record_of("--vacuum", vacuum, *UNIT)
     land = next(each for each in record["lands"] if (each["component"], each["land"]) == ("boost_valve", 1))

@@ -215,3 +215,24 @@ def test_a_workbook_with_two_filled_sheets_is_settled_by_the_form(app: AppTest, 
     assert not app.exception
     assert "not taken" not in texts(app)
     assert "two.xlsx**, sheet Second try" in texts(app)
+
+
+def test_a_vacuum_test_and_flows_are_taken_shown_and_explained_where_they_are_wrong(app: AppTest) -> None:
+    choice(app, "Valve body").select("five_speed_2005").run()
+    flows, vacuum = (
+        b"condition;what;value\nhot_idle;cooler;1,5 l/min\n",
+        b"supply;25 in-Hg\nboost_valve/1;17 in-Hg;;1\n",
+    )
+    uploader(app, "Measuring sheet").upload("jug.csv", flows, "text/csv").run()
+    assert not app.exception
+    assert "**jug.csv** · 1 flow" in texts(app)
+    uploader(app, "Measuring sheet").upload("stand.csv", vacuum, "text/csv").run()
+    assert not app.exception
+    assert "**stand.csv** · 1 vacuum reading" in texts(app)
+    assert "**jug.csv**" in texts(app)
+    titles = [each.value for each in app.subheader]
+    assert "Flows caught in a jug" in titles
+    assert "Vacuum test" in titles
+    uploader(app, "Measuring sheet").upload("worse.csv", flows.replace(b"1,5 l", b"1,5 x"), "text/csv").run()
+    assert "worse.csv was not taken as flows caught in a jug" in texts(app)
+    assert "**jug.csv** · 1 flow" in texts(app)
