@@ -10,10 +10,10 @@ from pages.shared import (
     log_form,
     log_view,
     panel,
-    pressure_form,
     reader,
     remembered_columns,
     road,
+    typed_form,
 )
 
 case, diagnosis = panel.shown()
@@ -37,10 +37,10 @@ with guide.step("fluid") as opened:
 with guide.step("gauges") as opened:
     if opened:
         panel.drop("gauges", say("in_the_car.drop"))
-        pressure_form.draw(case, diagnosis.controller)
-        pressure_form.card(diagnosis)
-if diagnosis.pressures is not None:
-    pressure_form.result(diagnosis, diagnosis.pressures)
+        guide.card(diagnosis)
+        st.caption(say("gauge_page.what"))
+        typed_form.GaugeForm(diagnosis.controller).draw()
+guide.gauges(diagnosis)
 
 log_form.keep_what_was_taken(case)
 pending = log_form.pending(case)
@@ -53,3 +53,22 @@ if pending is not None:
         road.findings(diagnosis)
     log_form.draw(*pending, case)
     log_view.in_full(diagnosis, *pending)
+
+with guide.step("jug") as opened:
+    if opened:
+        panel.drop("jug", say("in_the_car.drop"))
+        st.caption(say("in_the_car.jug_what"))
+        typed_form.FlowForm(diagnosis.controller).draw()
+guide.closed(diagnosis, "flows")
+
+with guide.step("vacuum") as opened:
+    if opened:
+        panel.drop("vacuum", say("in_the_car.drop"))
+        st.caption(say("in_the_car.vacuum_what"))
+        typed_form.VacuumForm(diagnosis.controller).draw()
+guide.closed(diagnosis, "vacuum")
+
+with guide.step("open") as opened:
+    if opened:
+        guide.to_open(diagnosis)
+        st.page_link(panel.PAGES / "3_Readings.py", label=say("in_the_car.measure"))

@@ -128,6 +128,31 @@ class PassMark:
     resolved: bool  # new and mark are further apart than the gauge can be off
 
 
+def flow_of_reading(table: VacuumTable, reading: VacuumReading, assumptions: Assumptions = DEFAULTS) -> StandFlow:
+    """Return C_d A of the stand as it was fitted for a reading.
+
+    Parameters
+    ----------
+    table
+        with the stand.
+    reading
+        one of its readings.
+    assumptions
+        as for `stand_flow`.
+
+    Raises
+    ------
+    InputError
+        where nothing tells it.
+    """
+    found = stand_flow(table, reading.orifice, assumptions)
+    if found is None:
+        expected = Sentence("the diameter of the stand's orifice, a calibration with a known one, or its C_d A")
+        problem = Sentence("nothing tells how much air the stand draws")
+        raise InputError(problem, place=reading.place, expected=expected)
+    return found
+
+
 def stand_flow(table: VacuumTable, orifice: float | None, assumptions: Assumptions = DEFAULTS) -> StandFlow | None:
     """Return C_d A of a stand: from calibrations, as stated, or from its orifice; None where nothing tells it.
 
@@ -171,12 +196,7 @@ class _Tests:
 
     def flow_of(self, reading: VacuumReading) -> StandFlow:
         """Return C_d A of the stand as it was fitted; InputError where nothing tells it."""
-        found = stand_flow(self.table, reading.orifice, self.assumptions)
-        if found is None:
-            expected = Sentence("the diameter of the stand's orifice, a calibration with a known one, or its C_d A")
-            problem = Sentence("nothing tells how much air the stand draws")
-            raise InputError(problem, place=reading.place, expected=expected)
-        return found
+        return flow_of_reading(self.table, reading, self.assumptions)
 
     def position(self, seed: int, lands: Sequence[Land]) -> Any:
         """Draw where spools lie in a test, one place for all lands of a component; shape (lands, draws)."""

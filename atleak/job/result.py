@@ -167,8 +167,8 @@ def job_steps(diagnosis: Diagnosis, job: Job, say: Wording) -> tuple[Step, ...]:
     lands, measured = len(diagnosis.lands), diagnosis.measured
     named = job.number or job.vehicle.registration or job.vehicle.vin
     readings = "all" if measured == lands else "some" if measured else "none"
-    in_the_car = {"gauges": diagnosis.pressures, "log": diagnosis.log}
-    found = [say(f"steps.measured_{name}") for name, each in in_the_car.items() if each is not None]
+    in_the_car = {name: getattr(diagnosis, name) for name in ("pressures", "log", "flows", "vacuum")}
+    found = [say(f"steps.measured_{name}") for name, each in in_the_car.items() if each]
     verdict = say.signed(diagnosis.verdict)
     if measured < lands and not diagnosis.verdict.flagged and measured:
         verdict = say("steps.so_far", verdict=verdict)

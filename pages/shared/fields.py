@@ -11,7 +11,7 @@ import streamlit as st
 
 from atleak.catalogue.written_numbers import AskedNumber, WrittenNumber, read_number, written
 from atleak.common.sentences import Sentence
-from atleak.common.wording import Wording
+from atleak.common.wording import Wording, begun
 from pages.shared import reader, show
 
 
@@ -70,7 +70,7 @@ def fault(why: Sentence, name: Sentence, last: str) -> None:
     """Say at a field why what is written there is not used, and which value stays in use; "" where there is none."""
     say = reader.say()
     used = say("written.stays", value=last) if last else say("written.none_used", name=say.sentence(name))
-    st.error(show.plain(f"{say.sentence(why)} {used}"))
+    st.error(show.plain(f"{begun(say.sentence(why))} {used}"))
 
 
 def _entry(text: str, asked: AskedNumber, first: str, start: float | None, optional: bool) -> WrittenNumber:

@@ -10,11 +10,15 @@ import streamlit as st
 from atleak.common.verdicts import Verdict, worst
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.report.tables.before_opening import before_opening
+from atleak.report.tables.evidence import evidence_sections
+from atleak.report.tables.gauges import card_notes, card_table, pattern_text
 from pages.shared import address, fields, reader, show
 from pages.shared.cases import diagnosis_of
 from pages.shared.state import job, session
 
-STEPS = ("complaint", "fluid", "gauges", "drive")
+STEPS = ("complaint", "fluid", "gauges", "drive", "jug", "vacuum", "open")
+_SHOWN_ABOVE = ("flows", "vacuum")  # of what is said of all that is likely
 _SKIPPED = "skipped"  # the name in the address; the step stays open to whoever wants to do it after all
 
 
@@ -36,8 +40,8 @@ def step(name: str) -> Iterator[bool]:
         if fold.open and not last:
             label = say(f"in_the_car.{'next' if done or name in _skipped() else 'skip'}")
             st.button(label, key=f"{_key(name)}-on", on_click=_go_on, args=(name,))
-    said = _results().get(name) or f"{_not_done(name, say)} · {show.plain(say(f'in_the_car.{name}_adds'))}"
-    head.markdown(said)
+    adds = show.plain(say(f"in_the_car.{name}_adds"))
+    head.markdown(adds if last else _results().get(name) or f"{_not_done(name, say)} · {adds}")
 
 
 def _key(name: str) -> str:
@@ -76,6 +80,11 @@ def _results() -> Mapping[str, str]:
         rows = say("panel.log_rows", rows=log.road_test.rows, seconds=say.number(log.road_test.duration, 0))
         verdict = worst(rule.verdict for rule in log.rules) if log.rules else None
         results["drive"] = f"{_signed(verdict, say)} · {rows}"
+    if diagnosis.flows:
+        results["jug"] = f"**{say('panel.flows_read', count=len(diagnosis.flows))}**"
+    if diagnosis.vacuum:
+        verdict = worst(each.verdict for each in diagnosis.vacuum)
+        results["vacuum"] = f"{_signed(verdict, say)} · {say('panel.vacuum_read', count=len(diagnosis.vacuum))}"
     return {name: said for name, said in results.items() if said}
 
 
@@ -94,3 +103,56 @@ def _of_fluid(say: Wording) -> str:
     found = [*record.fault_codes, *filter(None, vars(record.fluid_condition).values())]
     used = [] if state is None else [say(f"settings.fluid_{state}")]
     return " · ".join(f"**{show.plain(each)}**" for each in [*found, *used])
+
+
+# --- what came of a step
+
+
+def card(diagnosis: Diagnosis) -> None:
+    """Show in a fold what the gauges should show."""
+    say = reader.say()
+    place = fields.fold(say("gauge_card.on_page"), key=f"gauge-card-{session().generation}")
+    if place.open:
+        with place:
+            show.table(card_table(diagnosis, say))
+            for note in card_notes(diagnosis, say):
+                st.caption(show.plain(note))
+
+
+def gauges(diagnosis: Diagnosis) -> None:
+    """Show gauge readings beside what is permitted and expected, and what the table hints at."""
+    check, say = diagnosis.pressures, reader.say()
+    if check is None:
+        return
+    show.gauge_banner(check)
+    show.gauges(check)
+    st.caption(say("gauge_page.beside_help"))
+    if check.patterns:
+        st.markdown(f"**{say('gauge_page.hints')}**")
+        for each in check.patterns:
+            hint, source = pattern_text(each, diagnosis.controller, say), say.get("pattern_sources", each.source)
+            st.markdown(f"- {show.plain(hint)} *({show.plain(source)})*")
+        st.caption(say("gauge_page.hints_help"))
+    show.messages(check.messages, say("gauge_page.about"))
+
+
+def closed(diagnosis: Diagnosis, slot: str) -> None:
+    """Show what the flows in a jug tell, or a vacuum test."""
+    for section in before_opening(diagnosis, reader.say()):
+        if section.name == slot:
+            show.section(section, slot)
+    table = diagnosis.flow_table if slot == "flows" else diagnosis.vacuum_table
+    show.messages(() if table is None else table.messages, reader.say()(f"panel.as_{slot}"))
+
+
+def to_open(diagnosis: Diagnosis) -> None:
+    """Show what is likely worn by all that was measured so far, and what to measure next."""
+    sections = evidence_sections(diagnosis, reader.say())
+    for name, section in sections.items():
+        if name == "assumed":
+            with st.expander(section.title):
+                show.section(section, name)
+        elif name not in _SHOWN_ABOVE:
+            if name != "title":
+                st.markdown(f"**{section.title}**")
+            show.section(section, f"evidence-{name}")

@@ -17,8 +17,8 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.evidence import quick_pass
 from atleak.job.case import SourceFile
 from atleak.measurements.measuring_plan import MOST_DIRECTIONS, MOST_REPEATS, Order, Plan
-from atleak.readers.gauges.typed_gauges import TYPED_GAUGES_FILE as TYPED_GAUGES
-from atleak.readers.gauges.typed_gauges import TypedGauges
+from atleak.readers.gauges.typed_values import TYPED_GAUGES_FILE as TYPED_GAUGES
+from atleak.readers.gauges.typed_values import TypedGauges
 from atleak.readers.typed_sheet import TYPED_FILE, JudgedEntry, Typed, judge, typed_in, written_sheet
 from atleak.report.measuring_grid import Grid, grid_record
 from atleak.report.tables.evidence import next_sentence

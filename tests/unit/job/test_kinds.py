@@ -18,6 +18,8 @@ from atleak.report.sheets.controller_workbook import write_controller_workbook
 from atleak.report.sheets.measuring_sheet import write_template
 
 GAUGES = b"Range;Engine;Tap;Pressure [kPa]\nD;idle;line;412\nR;stall;line;1500\n"
+VACUUM = b"supply;25;in-Hg\norifice;0,5;mm\ncomponent/land;reading [in-Hg]\naccumulator/1;17,5\n"
+FLOWS = b"condition;what;value [l/min]\nhot_idle;cooler;3,8\n"
 LOG = b"time [s];engine speed [rpm];line pressure [kPa]\n" + b"0,1;800;412\n" * 50
 
 
@@ -36,6 +38,11 @@ def as_workbook(text: bytes) -> bytes:
         (b"component;part;plane;direction;diameter [mm]\naccumulator;piston;1;0;18,0\n", FileKind.READINGS),
         (GAUGES, FileKind.PRESSURES),
         (as_workbook(GAUGES), FileKind.PRESSURES),
+        (VACUUM, FileKind.VACUUM),
+        (as_workbook(VACUUM), FileKind.VACUUM),
+        (FLOWS, FileKind.FLOWS),
+        (as_workbook(FLOWS), FileKind.FLOWS),
+        (b"temperature;gear;value\n80;1;3\n81;1;4\n", FileKind.ROAD_TEST),
         (LOG, FileKind.ROAD_TEST),
         (as_workbook(LOG), FileKind.ROAD_TEST),
         (b"supply;25 in-Hg\ncircuit;reading [in-Hg]\naccumulator/1;17,5\n", FileKind.VACUUM),

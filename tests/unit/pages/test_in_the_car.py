@@ -1,4 +1,4 @@
-"""The page on gauge readings: what is typed, what it gives, and what is refused."""
+"""The page In the car: its steps, what is typed in them, what that gives, and what is refused."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from streamlit.testing.v1 import AppTest
 from atleak.job.case import Case, SourceFile
 from atleak.job.zip_file import write_job_file
 from atleak.measurements.gauge_readings import RANGES, Engine, GaugeCell
-from atleak.readers.gauges.typed_gauges import TYPED_GAUGES_FILE, TypedGauges, typed_gauges
-from pages.shared.pressure_form import UNITS
+from atleak.readers.gauges.typed_values import TYPED_GAUGES_FILE, TypedGauges
+from pages.shared import guide
+from pages.shared.typed_form import GaugeForm
 from tests.unit.pages.conftest import choice, go, press, texts, unfold, uploader
 
 PAGE = "2_In_the_car#step-gauges"
@@ -208,7 +209,7 @@ TEXTS = st.text(st.characters(exclude_categories=["Cs", "Cc"]), max_size=8)
     st.dictionaries(
         st.builds(GaugeCell, st.sampled_from(RANGES), st.sampled_from(list(Engine))), TEXTS.filter(str.strip)
     ),
-    st.sampled_from(UNITS),
+    st.sampled_from(GaugeForm.units),
     TEXTS,
 )
 def test_whatever_is_typed_stands_in_the_file_sign_for_sign(
@@ -216,23 +217,23 @@ def test_whatever_is_typed_stands_in_the_file_sign_for_sign(
 ) -> None:
     typed = TypedGauges(unit=unit, temperature=temperature)
     for cell, text in cells.items():
-        typed = typed.with_cell(cell, text)
+        typed = typed.with_text(cell, text)
     content = typed.written()
     assert (content is None) == (not cells)
-    back = typed_gauges(content) if content is not None else typed
+    back = TypedGauges.read(content) if content is not None else typed
     assert back is not None
     assert (dict(back.cells), back.unit, back.temperature) == (dict(typed.cells), unit, temperature)
 
 
 @pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00", b"range;slow idle [kPa]\nD;400\n", b'"', b"a;b;c;d;e;f\n"])
 def test_another_file_is_not_taken_for_a_typed_one(content: bytes) -> None:
-    assert typed_gauges(content) is None
+    assert TypedGauges.read(content) is None
 
 
 # --- the steps
 
 
-HEADINGS = ["1 Complaint", "2 Scan and fluid", "3 Gauges", "4 Drive"]
+HEADINGS = ["1 Complaint", "2 Scan and fluid", "3 Gauges", "4 Drive", "5 Jug", "6 Vacuum"]
 GUIDE = "2_In_the_car"
 
 
@@ -242,7 +243,7 @@ def steps(app: AppTest) -> dict[str, str]:
 
 
 def opened_steps(app: AppTest) -> list[str]:
-    return [name for name in ("complaint", "fluid", "gauges", "drive") if app.session_state[f"step-{name}-{job(app)}"]]
+    return [name for name in guide.STEPS if app.session_state[f"step-{name}-{job(app)}"]]
 
 
 def job(app: AppTest) -> int:
@@ -305,3 +306,83 @@ def test_a_log_shows_its_findings_and_in_a_fold_its_picture(app: AppTest) -> Non
     assert "The log's picture" not in [widget.value for widget in app.subheader]
     unfold(app, "log-in-full")
     assert "The log's picture" in [widget.value for widget in app.subheader]
+
+
+@pytest.mark.page(GUIDE)
+def test_a_flow_in_a_jug_is_typed_and_bounds_what_is_left(app: AppTest) -> None:
+    press(app, "New, empty job")
+    choice(app, "Valve body").select("five_speed_2005").run()
+    unfold(app, "step-jug")
+    field(app, "cooler [l/min]").set_value("3,8").run()
+    assert steps(app)["5 Jug"] == "**1 flow**"
+    (row,) = app.main.dataframe[0].value.to_dict("records")
+    assert row["Operating point"].startswith("hot idle in drive")
+    assert "at least " in "".join(map(str, row.values()))
+    tap(app, "Caught at").select("reverse_idle").run()
+    field(app, "cooler [l/min]").set_value("a lot").run()
+    assert app.main.error[0].value.startswith("'a lot' is not a number")
+    assert app.session_state["atleak"].good.flows.content.splitlines()[1:] == [b"hot_idle;cooler;3,8"]
+    go(app, "3_Readings")
+    go(app, GUIDE)
+    tap(app, "Caught at").select("reverse_idle").run()
+    assert field(app, "cooler [l/min]").value == "a lot"
+    tap(app, "Unit").select("gpm").run()
+    assert field(app, "cooler [gpm]").value == "a lot"
+    assert app.session_state["atleak"].good.flows.content.splitlines()[1:] == [b"hot_idle;cooler;3,8"]
+
+
+@pytest.mark.page(GUIDE)
+def test_a_vacuum_test_is_typed_and_waits_for_what_the_stand_draws(app: AppTest) -> None:
+    press(app, "New, empty job")
+    choice(app, "Valve body").select("five_speed_2005").run()
+    unfold(app, "step-vacuum")
+    field(app, "forward clutch, as found [in-Hg]").set_value("17,5").run()
+    assert app.main.error[0].value.startswith("Nothing tells how much air the stand draws")
+    assert app.session_state["atleak"].good.vacuum is None
+    assert steps(app)["6 Vacuum"].startswith("**○ not done** · ")
+    field(app, "Orifice of the stand [mm]").set_value("0,5").run()
+    assert not app.error
+    assert steps(app)["6 Vacuum"].endswith(" · 1 vacuum reading")
+    tap(app, "Plugged").select("manual_valve").run()
+    field(app, "manual valve/1, as found [in-Hg]").set_value("28").run()  # over the usual supply
+    assert "than the stand's supply" in app.main.error[0].value
+    field(app, "Supply, the stand closed [in-Hg]").set_value("28.5").run()
+    assert not app.error
+    go(app, "3_Readings")
+    go(app, GUIDE)
+    assert field(app, "forward clutch, as found [in-Hg]").value == "17,5"
+    assert [each.target for each in app.session_state["atleak"].results[-1].vacuum_table.readings] == [
+        "forward_clutch",
+        "manual_valve/1",
+    ]
+
+
+@pytest.mark.page(GUIDE)
+def test_files_of_each_step_find_their_places(app: AppTest) -> None:
+    press(app, "New, empty job")
+    choice(app, "Valve body").select("five_speed_2005").run()
+    vacuum = b"supply;25;in-Hg\norifice;0,5;mm\ncircuit or land;reading [in-Hg]\nforward_clutch;17,5\n"
+    flows = b"condition;what;value [l/min]\nhot_idle;cooler;1,9\n"
+    unfold(app, "step-jug")
+    zone = next(each for each in app.main.file_uploader)
+    zone.set_value([("a.csv", vacuum, ""), ("b.csv", flows, "")]).run()
+    assert not app.exception
+    assert steps(app)["5 Jug"] == "**1 flow**"
+    assert steps(app)["6 Vacuum"].endswith(" · 1 vacuum reading")
+    said = texts(app)
+    assert "**a.csv** · 1 vacuum reading" in said
+    assert "Read from **b.csv**" in said
+
+
+@pytest.mark.page(GUIDE)
+def test_the_last_step_says_what_is_likely_worn_and_leads_to_the_readings(app: AppTest) -> None:
+    press(app, "New, empty job")
+    choice(app, "Valve body").select("five_speed_2005").run()
+    unfold(app, "step-open")
+    assert "this is what is assumed of any used unit" in texts(app)
+    unfold(app, "step-gauges")
+    field(app, "D, slow idle [kPa]").set_value("860").run()
+    tap(app, "Gauge at").select("forward_clutch").run()
+    field(app, "D, slow idle [kPa]").set_value("735").run()
+    assert "Forward clutch has lost" in texts(app)
+    assert "To the readings" in [link.proto.label for link in app.main.get("page_link")]
