@@ -13,6 +13,7 @@ from atleak.engine.profile import UNKNOWN
 from atleak.report.json.conditions import of_land
 from atleak.report.tables.before_opening import before_opening, flow_record
 from atleak.report.tables.names import land_number, land_words
+from atleak.report.tables.road_record import warm_up_record
 from atleak.report.tables.table import Column, Section, SectionPart, Table, Text, span
 from atleak.version import __version__
 
@@ -225,7 +226,7 @@ def evidence_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "clutch_seals": [*map(_circuit_record, evidence.seals)],
         "vacuum": [],
         "flows": [flow_record(each) for each in diagnosis.flows],
-        "warm_up": None,
+        "warm_up": warm_up_record(diagnosis),
         "next": [{**of_land(each.land.key), "value": each.value} for each in evidence.next],
         "effective_samples": evidence.effective_samples,
         "priors": {

@@ -229,13 +229,14 @@ def _equivalents(diagnosis: Diagnosis, told: WarmUp, say: Wording) -> list[str]:
             ends = [0.0 if each is None else each for each in amount]
             shown = (say.number(x, 1) if name == "slip" else say.value(x * UM, "clearance", 0) for x in ends)
             values = dict(zip(("value", "low", "high"), shown, strict=True))
-            named.append(say(f"warm_up.{name}", **values, **_regulator(diagnosis, told, say)))
+            named.append(say(f"warm_up.{name}", **values, lands=_regulator(diagnosis, told, say)))
     return named
 
 
-def _regulator(diagnosis: Diagnosis, told: WarmUp, say: Wording) -> dict[str, str]:
+def _regulator(diagnosis: Diagnosis, told: WarmUp, say: Wording) -> str:
+    """Name the lands of the main regulator as one."""
     component = say.name(diagnosis.controller.components[told.lands[0].component]) if told.lands else ""
-    return {"component": component, "lands": ", ".join(str(land.land) for land in told.lands)}
+    return f"{component}/{', '.join(str(land.land) for land in told.lands)}"
 
 
 def _warm_up_table(diagnosis: Diagnosis, told: WarmUp, say: Wording) -> Table:
@@ -257,8 +258,10 @@ def _warm_up_table(diagnosis: Diagnosis, told: WarmUp, say: Wording) -> Table:
     def end(number: int) -> Callable[[Any], str | None]:
         return lambda row: None if row[1][number] is None else row[2](row[1][number])
 
-    named = _regulator(diagnosis, told, say)
-    columns = [Column("leaks_as", width=190, of=lambda row: say(f"warm_up.row_{row[0]}", **named))]
+    def kind(row: Any) -> str:
+        return _regulator(diagnosis, told, say) if row[0] == "bore" else say(f"warm_up.row_{row[0]}")
+
+    columns = [Column("leaks_as", width=190, of=kind)]
     columns += [Column(f"leaks_{key}", of=end(number)) for number, key in enumerate(("more", "low", "high"))]
     return Table("warm_up", tuple(columns), [row for row in rows if row[1] is not None], say).filled
 

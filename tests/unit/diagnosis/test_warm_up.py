@@ -15,9 +15,12 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.controller_tables import State
 from atleak.catalogue.fluid import Fluid, load_fluid
+from atleak.catalogue.limits import Limits
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import PumpClearances, PumpGaps
 from atleak.common.units import DM3_MIN, RPM
+from atleak.common.wording import wording
+from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.gauge_card import GaugeCard
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.diagnosis.warm_up import WarmUp, regulator_lands, warm_up
@@ -26,6 +29,9 @@ from atleak.engine.operation import Operation
 from atleak.engine.profile import WORKSHOP
 from atleak.measurements.clearances import clearances
 from atleak.measurements.road_test import RoadTest
+from atleak.report.tables.road_record import warm_up_record
+from atleak.report.tables.road_words import checks_of, warm_up_section
+from atleak.report.tables.table import Table, Text
 
 LogOf = Callable[..., RoadTest]
 UM = 1e-6
@@ -260,3 +266,23 @@ def test_nothing_is_told_without_a_channel(lacking: str, log_of: LogOf) -> None:
     rest = {name: log.values(name) for name in log.channels if name != lacking}
     controller, _, card = unit("five_speed_2005")
     assert warm_up(log_of(log.time, **rest), card, controller.operating_points[0]) is None
+
+
+def test_a_diagnosis_says_it_in_words_and_in_its_record(log_of: LogOf, limits: Limits) -> None:
+    controller, fluid, _ = unit("five_speed_2005")
+    log = Driven("five_speed_2005", bore=150.0).drive(log_of)
+    diagnosis = diagnose(controller, fluid, limits, road_test=log)
+    record, section = warm_up_record(diagnosis), warm_up_section(diagnosis, wording("en"))
+    assert record is not None
+    assert section is not None
+    words, table, taken = section.parts
+    assert isinstance(words, Text)
+    assert isinstance(table, Table)
+    assert isinstance(taken, Text)
+    bore = [f"{record[f'bore{end}_um']:.0f}" for end in ("", "_low", "_high")]
+    assert "radial clearances of {} µm ({} to {})".format(*bore) in words.words
+    assert [f"{each}\N{NO-BREAK SPACE}µm" for each in bore] in [[*table.texts(row)[1:]] for row in table.rows]
+    assert "displacement 2\N{NO-BREAK SPACE}%" in taken.words
+    cold = Driven("five_speed_2005", hottest=60.0).drive(log_of)
+    diagnosis = diagnose(controller, fluid, limits, road_test=cold)
+    assert "drive_warm" in [check.code for check in checks_of(diagnosis)]
