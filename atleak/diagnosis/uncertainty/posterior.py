@@ -486,16 +486,20 @@ class PosteriorUnit:
 
         What line pressure follows acts on all of them.
         """
-        controller = self.model.controller
-        following = controller.line.following if controller.line else None
-        sections = {following.section} if following else set()
-        sections = sections.union(*map(self.fed_from, [*circuits, *sections]))
-        lands = {gap.key for gap in controller.gaps if {gap.high.section, gap.low.section} & sections}
+        sections = self.followed.union(*map(self.fed_from, circuits))
+        lands = {gap.key for gap in self.model.controller.gaps if {gap.high.section, gap.low.section} & sections}
 
         def acts(cause: Fault) -> bool:  # what a plug says of its lands is in their draws already
             return len(cause) == 1 or cause[1] in (lands - self._plugged if cause[0] == _LAND else sections)
 
         return np.array([acts(each) for each in self.quantities]), np.array([acts(each) for each in self.causes])
+
+    @cached_property
+    def followed(self) -> frozenset[str]:
+        """Return the ids of the circuit that line pressure follows, and of those that feed it; none without one."""
+        line = self.model.controller.line
+        following = line.following if line is not None else None
+        return self.fed_from(following.section) if following is not None and following.section else frozenset()
 
     def fed_from(self, circuit: str) -> frozenset[str]:
         """Return the ids of a circuit and of all circuits that feed it."""

@@ -12,7 +12,7 @@ Circuits act on one another by the line alone, and by what feeds them: each is w
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -148,8 +148,14 @@ class Posterior:
         for key in self.unit.lands:
             of_land = sections.get(key, set())
             own = of_land & gauged or {each for each in gauged if self.unit.fed_from(each) & of_land}
-            sets.setdefault(frozenset(filter(None, own)), []).append(key)
+            sets.setdefault(self._apart(filter(None, own)), []).append(key)
         return tuple(self._by(each).told(lands) for each, lands in sets.items())
+
+    def _apart(self, circuits: Iterable[str]) -> frozenset[str]:
+        """Return circuits without those that another of them, or the line, is weighed with anyhow."""
+        own = set(circuits)
+        with_others = set().union(*(self.unit.fed_from(each) - {each} for each in own), self.unit.followed)
+        return frozenset(own - with_others)
 
     def _by(self, circuits: frozenset[str]) -> _WeighedDraws:
         """Return the draws as weighed by what tells of some circuits, of none by what tells of the line."""
