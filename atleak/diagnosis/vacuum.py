@@ -207,6 +207,14 @@ class _Tests:
         ratio = np.array([drawn[land.component] for land in lands]) * self.assumptions.tested_position
         return eccentricity_factor(ratio, 1.0)
 
+    def split(self, seed: int, lands: Sequence[Land]) -> Any:
+        """Draw which part of all that leaks goes past each land, any alike likely; shape (lands, draws)."""
+        return stream_of(SEED, 76, seed).dirichlet(np.ones(len(lands)), _DRAWS).T
+
+    def together(self, seed: int, lands: Sequence[Land], split: Any) -> Any:
+        """Draw how much more lands pass together than concentric ones: mostly where the leakiest spool lies."""
+        return np.sum(split * self.position(seed, lands), axis=0, keepdims=True)
+
     def length(self, seed: int, lands: Sequence[Land]) -> Any:
         """Draw contact lengths [m], shape (lands, draws)."""
         spread = [self.assumptions.of_contact_length(measured=land.contact_length_measured) for land in lands]
@@ -379,8 +387,8 @@ def _finding(
     guard_factor: float,
 ) -> VacuumFinding:
     readings = _last_state(group)
-    lengths, factors = tests.length(number, lands), tests.position(number, lands)
-    cubes = _cubes(tests, readings, lands, number, lengths, factors)
+    lengths, split = tests.length(number, lands), tests.split(number, lands)
+    cubes = _cubes(tests, readings, lands, number, lengths, tests.together(number, lands, split))
     sizes = np.array([land.nominal_diameter for land in lands])
     drawn, clearance = np.cbrt(cubes), float(np.cbrt(cubes.mean()))
     new, widest, high = (_common(lands, name) for name in ("new_clearance", "widest_new", "mounting_high"))
@@ -395,7 +403,7 @@ def _finding(
         decided = decide_rule(rule, (spread,) * len(reached), reached, guard_factor, skewed=True, interval=ends)
     usual = np.array([[land.contact_length] for land in lands])
     passes = _cubes(tests, readings, lands, number, usual, 1.0) * float(np.sum(1.0 / usual[:, 0] * sizes))
-    flows = _service_flow(cubes, lands, lengths, unit, tests.assumptions, number)
+    flows = _service_flow(cubes, lands, lengths, split, unit, tests.assumptions, number)
     last = readings[-1]
     gauge = tests.assumptions.vacuum_gauge
     return VacuumFinding(
@@ -406,13 +414,13 @@ def _finding(
         interval=interval_of(drawn, COVERAGE),
         new_clearance=new,
         widest_new=widest,
-        each=_shares(tests, last, lands, number, lengths, factors) if len(lands) > 1 else (),
+        each=_shares(tests, last, lands, number, lengths) if len(lands) > 1 else (),
         passes=float(passes.mean()),
         u_passes=float(passes.std()),
         leakage=float(flows.mean()),
         leakage_interval=interval_of(flows, COVERAGE),
         decided=decided,
-        change=_change(tests, group, lands, number, lengths),
+        change=_change(tests, group, lands, number, lengths, split),
         tight=last.vacuum >= tests.stand.supply - gauge,
         open=last.vacuum <= gauge,
     )
@@ -426,10 +434,11 @@ def _common(lands: Sequence[Land], name: str) -> float:
 
 
 def _shares(
-    tests: _Tests, reading: VacuumReading, lands: Sequence[Land], number: int, lengths: Any, factors: Any
+    tests: _Tests, reading: VacuumReading, lands: Sequence[Land], number: int, lengths: Any
 ) -> tuple[LandShare, ...]:
     """Return what each of several lands has if it alone is worn, at least and at most."""
     flow, pressure = tests.air_flow(reading, 100 * number)
+    factors = tests.position(number, lands)
     d, widest = (np.array([[getattr(land, name)] for land in lands]) for name in ("nominal_diameter", "widest_new"))
     new = gap_air_flow(pressure, tests.stand.ambient, d, widest, lengths, *tests.air, factors)
     shares = []
@@ -442,7 +451,13 @@ def _shares(
 
 
 def _service_flow(
-    cubes: Any, lands: Sequence[Land], lengths: Any, unit: BesideNew, assumptions: Assumptions, number: int
+    cubes: Any,
+    lands: Sequence[Land],
+    lengths: Any,
+    split: Any,
+    unit: BesideNew,
+    assumptions: Assumptions,
+    number: int,
 ) -> Any:
     """Return what the lands leak in service [m³/s], drawn: spools lie elsewhere unless the profile sets their place.
 
@@ -454,7 +469,6 @@ def _service_flow(
     rho = model.fluid.density(temperature, model.profile.viscosity)
     stream = stream_of(SEED, 75, number)
     nu = nu * np.exp(assumptions.viscosity * stream.standard_normal(_DRAWS))
-    split = stream.dirichlet(np.ones(len(lands)), _DRAWS).T if len(lands) > 1 else np.ones((1, _DRAWS))
     weights = np.array([[land.nominal_diameter / land.contact_length] for land in lands])
     places = {component: stream.random(_DRAWS) for component in dict.fromkeys(land.component for land in lands)}
     total = np.zeros(_DRAWS)
@@ -470,14 +484,14 @@ def _service_flow(
 
 
 def _change(
-    tests: _Tests, group: Sequence[VacuumReading], lands: Sequence[Land], number: int, lengths: Any
+    tests: _Tests, group: Sequence[VacuumReading], lands: Sequence[Land], number: int, lengths: Any, split: Any
 ) -> VacuumChange | None:
     """Return the change from worn to repaired; the stand errs alike in both, the spool lies elsewhere."""
     worn, repaired = ([each for each in group if each.repaired is state] for state in (False, True))
     if not worn or not repaired:
         return None
     before, after = (
-        np.cbrt(_cubes(tests, each, lands, seed, lengths, tests.position(seed, lands)))
+        np.cbrt(_cubes(tests, each, lands, seed, lengths, tests.together(seed, lands, split)))
         for each, seed in ((worn, 5000 + number), (repaired, number))
     )
     drawn = after - before

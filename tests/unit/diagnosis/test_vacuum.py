@@ -18,10 +18,12 @@ from atleak.common.errors import InputError, Place
 from atleak.common.units import IN_HG
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import wording
+from atleak.diagnosis import vacuum
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.missing import Cause
 from atleak.diagnosis.uncertainty import DEFAULTS
+from atleak.diagnosis.uncertainty.draws import interval_of
 from atleak.diagnosis.vacuum import GROWN, pass_marks
 from atleak.engine.profile import WORKSHOP
 from atleak.equations.vacuum import air_viscosity, circuit_pressure
@@ -287,6 +289,33 @@ def test_repeats_of_one_state_are_one_finding(diagnosed: Callable[..., Diagnosis
     three = diagnosed(*(plug([land], [30e-6], row=row) for row in (2, 3, 4)))
     assert len(three.vacuum) == 1
     assert len(three.vacuum[0].readings) == 3
+
+
+@pytest.mark.parametrize("orifice", [0.5e-3, 1e-3])
+@pytest.mark.parametrize("several", [False, True])
+def test_intervals_hold_what_was_drawn(several: bool, orifice: float, five_speed: Controller) -> None:
+    """Lands new or worn, spools anywhere, a stand and a gauge that err: 95 of 100 intervals hold the clearance."""
+    lands = five_speed.lands_around(five_speed.circuits[0].id) if several else [five_speed.land("boost_valve", 2)]
+    random, inside, trials = np.random.default_rng(3), 0, 200
+    for _ in range(trials):
+        worn = random.exponential(12e-6, len(lands)) * (random.random(len(lands)) < 0.4)
+        clearances = random.uniform(6.4e-6, 20e-6, len(lands)) + worn
+        factors = {land.component: 1.0 + 1.5 * random.random() ** 2 for land in lands}
+        lengths = [land.contact_length + random.normal(0.0, 0.1e-3) for land in lands]
+        diameters = [land.nominal_diameter for land in lands]
+        area = 0.2 * math.pi * orifice**2 * math.exp(random.normal(0.0, 0.05))
+        pressure = circuit_pressure(
+            STAND.ambient - STAND.supply, STAND.ambient, area,
+            diameters, clearances, lengths, 20.0, air_viscosity(20.0), [factors[land.component] for land in lands],
+        )  # fmt: skip
+        shows = STAND.ambient - float(pressure) + random.uniform(-0.5, 0.5) / IN_HG
+        reading = VacuumReading("", None, tuple(land.key for land in lands), shows, orifice)
+        tests = vacuum._Tests(table(reading), five_speed, DEFAULTS)
+        factor = tests.together(0, lands, tests.split(0, lands))
+        drawn = np.cbrt(vacuum._cubes(tests, [reading], lands, 0, tests.length(0, lands), factor))
+        low, high = interval_of(drawn, 0.95)
+        inside += low <= np.average(clearances**3, weights=np.divide(diameters, lengths)) ** (1 / 3) <= high
+    assert inside / trials >= 0.91  # 95 % less three standard deviations of the count
 
 
 # --- the stand
