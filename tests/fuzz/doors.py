@@ -21,8 +21,10 @@ from atleak.job.photos import without_notes
 from atleak.job.result import judged_otherwise
 from atleak.job.zip_file import parse_job, read_job_file
 from atleak.readers.controller_workbook import read_controller_workbook
+from atleak.readers.gauges.flow_table import read_flow_table
 from atleak.readers.gauges.gauge_study import read_study
 from atleak.readers.gauges.gauge_table import read_pressure_table
+from atleak.readers.gauges.vacuum_table import read_vacuum_table
 from atleak.readers.logs import log_columns, remember, understand
 from atleak.readers.logs.remembered_columns import recall_all
 from atleak.readers.process.parent import FaultOfChild
@@ -75,6 +77,8 @@ def _remembered(name: str, content: bytes) -> None:
 OF: dict[str, Callable[[str, bytes], object]] = {
     "readings": lambda name, content: read_readings(content, _controller(), name=name),
     "pressures": lambda name, content: read_pressure_table(content, _controller(), name=name),
+    "vacuum": lambda name, content: read_vacuum_table(content, _controller(), name=name),
+    "flows": lambda name, content: read_flow_table(content, _controller(), name=name),
     "study": lambda name, content: read_study(content, name=name),
     "road_test": lambda name, content: understand(content, name=name),
     "columns": lambda name, content: log_columns(content, name=name),

@@ -42,6 +42,14 @@ GAUGES: Rows = [
     ["range", "slow idle [kPa]", "fast idle [kPa]", "stall [kPa]"],
     *([name, 500, 620, 1300 if name in "DR" else ""] for name in "PRND"),
 ]
+VACUUM: Rows = [
+    ["supply", 25, "in-Hg"],
+    ["ambient", 98.5, "kPa"],
+    ["calibration", "0.5 mm", "21.6 in-Hg"],
+    ["circuit or component/land", "reading", "unit", "orifice", "state"],
+    *([name, 17.5, "in-Hg", "1.0 mm", state] for name, state in (("24/1", "worn"), ("24/1+24/2", "repaired"))),
+]
+FLOWS: Rows = [["condition", "what", "value", "unit"], ["hot_idle", "cooler", 946, "ml/15 s"]]
 STUDY: Rows = [
     ["part", "operator", "trial", "reading [mm]"],
     *([part, operator, trial, 16.0 + part / 100 + trial / 1000]
@@ -177,6 +185,8 @@ def _typed() -> list[File]:
 _SEEDS: dict[str, Callable[[], list[File]]] = {
     "readings": lambda: [*_tables("sheet", SHEET), *_tables("coordinates", COORDINATES)],
     "pressures": lambda: _tables("gauges", GAUGES),
+    "vacuum": lambda: _tables("vacuum", VACUUM),
+    "flows": lambda: _tables("flows", FLOWS),
     "study": lambda: _tables("study", STUDY),
     "road_test": _logs,
     "columns": _logs,

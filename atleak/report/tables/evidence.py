@@ -15,6 +15,7 @@ from atleak.report.tables.before_opening import before_opening, flow_record
 from atleak.report.tables.names import land_number, land_words
 from atleak.report.tables.road_record import warm_up_record
 from atleak.report.tables.table import Column, Section, SectionPart, Table, Text, span
+from atleak.report.tables.vacuum import vacuum_records
 from atleak.version import __version__
 
 FORMAT = 1
@@ -224,7 +225,7 @@ def evidence_record(diagnosis: Diagnosis) -> dict[str, Any]:
             "high_percent": pump.high * PERCENT,
         },
         "clutch_seals": [*map(_circuit_record, evidence.seals)],
-        "vacuum": [],
+        "vacuum": vacuum_records(diagnosis),
         "flows": [flow_record(each) for each in diagnosis.flows],
         "warm_up": warm_up_record(diagnosis),
         "next": [{**of_land(each.land.key), "value": each.value} for each in evidence.next],

@@ -44,6 +44,7 @@ def files(tmp_path: Path, small_sheet: Callable[..., Path]) -> dict[str, Path]:
         "JOB": ("job.toml", JOB),
         "LOW": ("low.csv", "tap,range,slow idle [kPa]\nline,D,570\nforward clutch,D,330\n"),
         "FLOWS": ("flows.csv", "condition,what,value\nhot_idle,cooler,3.7 l/min\nhot_idle,cooler,1 l/min\n"),
+        "STAND": ("stand.csv", "supply,25,in-Hg\nforward_clutch,17,in-Hg,1 mm\nboost_valve/1,20,in-Hg,1 mm\n"),
         "GAUGES": ("gauges.csv", "range;slow idle [bar];stall [bar]\nD;3,9;11\n1;2,9;\n"),
         "STUDY": ("study.csv", "\n".join(["part,operator,trial,reading [mm]", *readings])),
     }
@@ -63,6 +64,7 @@ MINIMAL = ("--controller", "minimal_example")
         ("diagnose", ("diagnose", "--road-test", "LOG", "--profile", "paper")),
         ("diagnose", ("diagnose", "--pressures", "GAUGES", "--complaint", "slips_hot")),
         ("evidence", ("evidence", *MINIMAL)),
+        ("evidence", ("evidence", "--vacuum", "STAND", "--flows", "FLOWS", "--controller", "five_speed_2005")),
         ("evidence", ("evidence", "--pressures", "LOW", "--flows", "FLOWS", "--controller", "five_speed_2005")),
         ("import-log", ("import-log", "LOG")),
         ("gauge-study", ("gauge-study", "STUDY", "--tolerance", "0.02")),
