@@ -14,6 +14,7 @@ from atleak.report.json.conditions import of_land
 from atleak.report.tables.before_opening import before_opening, flow_record
 from atleak.report.tables.names import land_number, land_words
 from atleak.report.tables.road_record import warm_up_record
+from atleak.report.tables.road_words import warm_up_section
 from atleak.report.tables.table import Column, Section, SectionPart, Table, Text, span
 from atleak.report.tables.vacuum import vacuum_records
 from atleak.version import __version__
@@ -42,16 +43,18 @@ def evidence_sections(diagnosis: Diagnosis, say: Wording) -> dict[str, Section]:
 
 
 def closed_sections(diagnosis: Diagnosis, say: Wording) -> Iterator[Section]:
-    """Yield all that is said of a unit before it is opened: what is likely, what jug and stand showed, what is next."""
+    """Yield all that is said before a unit is opened: what is likely, what stand, jug and drive showed, and more."""
     sections = evidence_sections(diagnosis, say)
     last = [sections.pop(name) for name in ("next", "assumed") if name in sections]
-    yield from (*sections.values(), *before_opening(diagnosis, say), *last)
+    drive = warm_up_section(diagnosis, say)
+    yield from (*sections.values(), *before_opening(diagnosis, say), *([drive] if drive else []), *last)
 
 
 def printed_sections(diagnosis: Diagnosis, say: Wording) -> Iterator[Section]:
-    """Yield what a report has of it: all where no sheet was measured and gauges tell something, else what was shown."""
+    """Yield what a report has of it beside the road test: of a unit of which no sheet was measured what gauges tell."""
     told = diagnosis.without_sheet and diagnosis.pressures is not None and evidence_of(diagnosis).thin is None
-    yield from (closed_sections if told else before_opening)(diagnosis, say)
+    sections = closed_sections(diagnosis, say) if told else before_opening(diagnosis, say)
+    yield from (section for section in sections if section.name != "warm_up")
 
 
 def next_sentence(diagnosis: Diagnosis, say: Wording) -> str:

@@ -66,6 +66,7 @@ MINIMAL = ("--controller", "minimal_example")
         ("evidence", ("evidence", *MINIMAL)),
         ("evidence", ("evidence", "--vacuum", "STAND", "--flows", "FLOWS", "--controller", "five_speed_2005")),
         ("evidence", ("evidence", "--pressures", "LOW", "--flows", "FLOWS", "--controller", "five_speed_2005")),
+        ("evidence", ("evidence", "--road-test", "LOG")),
         ("import-log", ("import-log", "LOG")),
         ("gauge-study", ("gauge-study", "STUDY", "--tolerance", "0.02")),
         ("controller-learn", ("controller", "learn", "SHEET", *MINIMAL)),
