@@ -205,7 +205,9 @@ def diagnose(
         logged=checked.logged if checked else (),
         flow_table=flows,
         flows=caught,
-        warm_up=None if road_test is None else warm_up(road_test, card, condition),
+        warm_up=None
+        if road_test is None
+        else kept_with(road_test, "warm_up", (card, condition), lambda: warm_up(road_test, card, condition), most=1),
         uncertainty=uncertainty,
         total_rules=rules.totals,
         pressure_rules=rules.pressures,

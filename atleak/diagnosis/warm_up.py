@@ -155,35 +155,34 @@ def stretches(controller: Controller, road_test: RoadTest, relative: float) -> I
     pressure, commanded = counted.smooth(np.asarray(road_test.values("main_pressure"))), _commanded(road_test)
     temperature, speed = (np.asarray(road_test.values(name)) for name in ("atf_temperature", "engine_speed"))
     known = np.isfinite(pressure) & np.isfinite(temperature) & np.isfinite(speed) & (pressure > 0.0)
+    least, required = (np.full(len(pressure), np.nan) for _ in range(2))
+    found: list[tuple[OperatingPoint, np.ndarray]] = []
     for state, there in standing_states(road_test, gear).items():
         for number in (each for each in controller.gears if each != 0):
             here, point = there & (gear == number) & known, standing_point(controller, number, state)
             permissible = controller.permissible_at(number, cast("State", state))
-            if not here.any():
-                continue
+            low = permissible.low if permissible is not None else None
             if commanded is not None:
                 point = point or replace(controller.operating_points[0], gear=number)
-                least = required = commanded
-            elif state != "driving" and point is not None and permissible is not None and permissible.low is not None:
-                required = np.full(len(pressure), point.main_pressure)
+                least[here] = required[here] = np.where(commanded[here] > 0.0, commanded[here], np.nan)
+            elif state != "driving" and point is not None and low is not None and here.any():
                 highest = float(np.quantile(pressure[here], _HELD_ONCE))
-                least = np.full(len(pressure), max(permissible.low, min(highest, point.main_pressure)))
-            else:
-                continue
-            here &= np.isfinite(least)
-            below = Lasting(counted, np.where(here, (1.0 - _SURELY * relative) - pressure / least, np.nan)).outside
-            for held in (False, True):
-                part = here & (below != held)
-                for means in _alike(part, counted.steps, (temperature, speed, pressure, required)):
-                    t, n, p, needed, seconds = means
-                    yield Stretch(point, t, n, p, needed, seconds, held)
+                required[here], least[here] = point.main_pressure, max(low, min(highest, point.main_pressure))
+            if point is not None and here.any():
+                found.append((point, here & np.isfinite(least)))
+    below = Lasting(counted, (1.0 - _SURELY * relative) - pressure / least).outside
+    for point, here in found:
+        for held in (False, True):
+            part = here & (below != held)
+            for t, n, p, needed, seconds in _alike(part, counted.steps, (temperature, speed, pressure, required)):
+                yield Stretch(point, t, n, p, needed, seconds, held)
 
 
 def _alike(here: np.ndarray, steps: np.ndarray, channels: Sequence[np.ndarray]) -> Iterator[tuple[float, ...]]:
     """Yield the means over time of some samples, put together by temperature and speed, and how long they last [s]."""
     parts, seconds = [each[here] for each in channels], steps[here]
-    classes = np.array([np.floor(part / width) for part, width in zip(parts, _CLASS, strict=False)])
-    numbers = np.unique(classes, axis=1, return_inverse=True)[1].ravel()
+    warm, fast = (np.floor(part / width) for part, width in zip(parts, _CLASS, strict=False))
+    numbers = np.unique(warm + 1e4 * fast, return_inverse=True)[1]
     lasts = np.bincount(numbers, seconds)
     sums = [np.bincount(numbers, seconds * part) for part in parts]
     for total, *of_parts in zip(lasts.tolist(), *sums, strict=True):
@@ -372,8 +371,6 @@ class _Fit:
 
     def told(self, stated: OperatingPoint) -> WarmUp:
         """Return what the stretches tell; where the line was held throughout also of a condition."""
-        from scipy.special import stdtrit  # most runs need none
-
         known, at = WarmUp("thin", at=self.stretches[self.at], lands=regulator_lands(self.model)), self.at
         if self.held.all():
             return self._bounded(known, stated)
@@ -382,6 +379,8 @@ class _Fit:
         known, freedom = replace(known, total=Amount(total, total - u, total + u)), int(np.sum(~self.held)) - 2
         if freedom < 1:
             return known
+        from scipy.special import stdtrit  # most runs need none
+
         axes = self._near()
         tables = {each: self.misfit(each, *axes) for each in self.shapes}
         both = np.minimum.reduce(list(tables.values()))
