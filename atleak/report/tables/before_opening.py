@@ -30,16 +30,19 @@ def before_opening(diagnosis: Diagnosis, say: Wording) -> Iterator[Section]:
 def flow_table(flows: tuple[FlowFinding, ...], say: Wording) -> Table:
     """Return a row for every flow that was caught: beside the usual one, and what the line left over."""
 
+    def what(each: FlowFinding) -> str:
+        return say.sentence(each.name) if each.consumer is None else say.name(each.name)
+
     def left(each: FlowFinding) -> str:
         low, high = (say.value(end * DM3_MIN, "flow") for end in (each.left_low, each.left_high))
         return say("before_opening.at_least", flow=low) if each.bound else f"{low}–{high}"
 
     shown = (
-        Column("consumer", width=190, of=lambda each: say.sentence(each.name)),
+        Column("consumer", width=190, of=what),
         Column("condition", width=190, of=lambda each: say.condition(each.point)),
         Column("caught", "flow", of="flow", times=DM3_MIN),
         Column("usual", "flow", times=DM3_MIN),
-        Column("left_over", words_of="flow", width=110, of=left),
+        Column("left_over", words_of="flow", width=150, of=left),
         Column("computed_left", "flow", of="computed", times=DM3_MIN),
     )
     return Table("flows", shown, flows, say).filled

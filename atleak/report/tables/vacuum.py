@@ -111,10 +111,10 @@ class _Words:
             Column("plugged", width=170, of=self._plugged),
             Column("vacuum", "vacuum", 1, of=lambda each: each.reading.vacuum, times=IN_HG),
             Column("stand_orifice", "length", 2, of=lambda each: each.reading.orifice, times=MM),
-            Column("bore", of=lambda each: say("vacuum.repaired") if each.reading.repaired else None),
-            Column("clearance", words_of="clearance", width=110, of=self._clearance),
+            Column("bore", width=100, of=lambda each: say("vacuum.repaired") if each.reading.repaired else None),
+            Column("clearance", words_of="clearance", width=150, of=self._clearance),
             Column("new_common", "clearance", 1, of="new_clearance", times=UM),
-            Column("at_hot_idle", words_of="leak", width=110, of=self._leakage),
+            Column("at_hot_idle", words_of="leak", width=150, of=self._leakage),
         )
         yield Table("vacuum", columns, self.findings, say).filled
         uncertainty = self.diagnosis.uncertainty
@@ -158,8 +158,13 @@ class _Words:
             Column("vacuum_before", "vacuum", 1, of=lambda row: row[1].before.vacuum, times=IN_HG),
             Column("vacuum_after", "vacuum", 1, of=lambda row: row[1].after.vacuum, times=IN_HG),
             Column("clearance_change", "clearance", 1, of=lambda row: row[1].change, times=UM),
-            Column("between", words_of="clearance", of=lambda row: self._span(row[1].interval, UM, "clearance", 1)),
-            Column("told_apart", of=told),
+            Column(
+                "between",
+                words_of="clearance",
+                width=90,
+                of=lambda row: self._span(row[1].interval, UM, "clearance", 1),
+            ),
+            Column("told_apart", width=170, of=told),
         )
         yield Text(say("vacuum.changes"), leads=True)
         yield Table("vacuum_changes", columns, rows, say)

@@ -66,6 +66,15 @@ def test_every_medium_shows_both_the_usual_flow_and_what_was_caught(run: Run, fl
     assert cells[2][4] == "at least 3.44"
 
 
+def test_consumers_are_named_in_the_readers_language(run: Run, flows: Path, tmp_path: Path) -> None:
+    report = tmp_path / "out.pdf"
+    assert run("diagnose", "--flows", flows, *UNIT, "--pdf", report, "--language", "de")[0] == 0
+    said = text_of(report.read_bytes())
+    section = said[said.index("Messbecher") :]
+    assert "Wandler, Kühler" in section
+    assert "converter, cooler" not in section[:600]
+
+
 def test_a_batch_of_job_files_keeps_them(run: Run, flows: Path, vacuum: Path, tmp_path: Path) -> None:
     job = tmp_path / "job.zip"
     assert run("diagnose", "--flows", flows, "--vacuum", vacuum, *UNIT, "--job-file", job)[0] == 0
