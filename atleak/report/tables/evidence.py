@@ -137,6 +137,7 @@ class _Words:
             Column("likely_worn", "percent", 0, of="probability", times=PERCENT),
             Column("clearance", "clearance", times=UM),
             Column("between", words_of="clearance", of=lambda each: self._span(each, UM, "clearance", 1)),
+            Column("wear_costs", "pressure", 0, of="loss", times=KPA),
             Column("alike", digits=0, of="group"),
             Column("measured_land", of="measured"),
         )
@@ -214,6 +215,7 @@ def evidence_record(diagnosis: Diagnosis) -> dict[str, Any]:
                 "clearance_um": each.clearance * UM,
                 "low_um": each.low * UM,
                 "high_um": each.high * UM,
+                "loss_kpa": each.loss * KPA,
                 "group": each.group,
                 "measured": each.measured,
             }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 from dataclasses import replace
-from itertools import pairwise
 
 import openpyxl
 import pypdfium2
@@ -120,7 +119,9 @@ def test_where_no_reading_is_worth_it_that_is_said(gauged: Diagnosis, monkeypatc
 
 def test_the_record_is_in_order_and_in_its_units(gauged: Diagnosis) -> None:
     evidence, record = evidence_of(gauged), evidence_record(gauged)
-    assert all(one.loss >= other.loss for one, other in pairwise(evidence.lands))
+    losses = [each["loss_kpa"] for each in record["lands"]]
+    assert losses == sorted(losses, reverse=True)
+    assert losses[0] == pytest.approx(evidence.lands[0].loss / 1e3, rel=1e-12, abs=0.0)
     assert {(each["component"], each["land"]) for each in record["lands"]} == {
         each.key for each in load_controller("five_speed_2005").lands if not each.seal
     }
