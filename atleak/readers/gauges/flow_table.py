@@ -6,8 +6,10 @@ Each row has the operating point, what flowed (the cooler, or a consumer of the 
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 
 from atleak.catalogue.controller import Controller
@@ -47,14 +49,18 @@ class _Names:
 
     @classmethod
     def of(cls, controller: Controller) -> _Names:
-        """Return the names of a valve body's file, in every language."""
-        conditions, consumers = dict[str, str](), dict[str, str](phrases("flow_of"))
-        for each in map(wording, languages()):
+        """Return the names of a valve body's file, in every language; of points also without their temperature."""
+        conditions, consumers = defaultdict[str, set[str]](set), dict[str, str](phrases("flow_of"))
+        for language, units in product(languages(), ("metric", "us")):
+            say = wording(language, units)
             for point in controller.operating_points:
-                conditions |= dict.fromkeys((words(point.name), words(each.name(point.label))), point.name)
+                label = say.name(point.label)
+                bare = label.removesuffix(f", {point.temperature:g} °C")
+                for name in (point.name, label, bare, say.condition(point)):
+                    conditions[words(name)].add(point.name)
             for consumer in controller.consumers:
-                consumers |= dict.fromkeys((words(consumer.id), words(each.name(consumer.name))), consumer.id)
-        return cls(conditions, consumers)
+                consumers |= dict.fromkeys((words(consumer.id), words(say.name(consumer.name))), consumer.id)
+        return cls({name: each.pop() for name, each in conditions.items() if len(each) == 1}, consumers)
 
     def begins(self, cell: Cell) -> bool:
         """Return whether a cell names an operating point."""

@@ -56,6 +56,11 @@ def test_german_words_a_decimal_comma_and_no_headings(unit: Controller) -> None:
     assert flows(f"Betriebspunkt;Was;Durchfluss [l/min]\n{german};Ölkühler;7,5\n", unit) == [("stall", COOLER, 7.5)]
 
 
+@pytest.mark.parametrize("written", ["hot idle in drive", "hot idle in drive, 212 °F", "heißer Leerlauf in D"])
+def test_an_operating_point_as_people_see_it(written: str, unit: Controller) -> None:
+    assert flows(f"condition;what;value\n{written};cooler;3.8 l/min\n", unit)[0][0] == "hot_idle"
+
+
 def test_a_workbook(unit: Controller) -> None:
     book = openpyxl.Workbook()
     for row in (("condition", "what", "value", "unit"), ("hot_idle", "cooler", 900, "ml/15 s")):
