@@ -528,7 +528,7 @@ def vacuum_messages(findings: Iterable[VacuumFinding], assumptions: Assumptions 
                 "is a lower bound: take a larger orifice",
                 target=target,
                 reading=shown,
-                clearance=in_um(each.clearance),
+                clearance=in_um(each.interval[0]),
             )
             yield Message("warning", "vacuum_open", text, place)
         elif each.tight:

@@ -12,6 +12,7 @@ from atleak.common.units import DM3_MIN, IN_HG, KPA, MM, UM
 from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.uncertainty import DEFAULTS, Assumptions
+from atleak.diagnosis.uncertainty.draws import Interval
 from atleak.diagnosis.vacuum import GROWN, LandShare, PassMark, VacuumChange, VacuumFinding, pass_marks
 from atleak.measurements.vacuum import VacuumStand
 from atleak.report.json.conditions import of_land
@@ -89,20 +90,19 @@ class _Words:
         return plugged(self.diagnosis, finding, self.say)
 
     def _clearance(self, finding: VacuumFinding) -> str:
-        end = finding.interval[1] if finding.tight and not finding.open else finding.clearance
-        value = self.say.value(end * UM, "clearance", 1)
-        if not (finding.open or finding.tight):
-            return f"{value} ({self._span(finding.interval, UM, 'clearance', 1)})"
+        low, high = (self.say.value(end * UM, "clearance", 1) for end in finding.interval)
         if finding.open:
-            return self.say("vacuum.at_least", value=value)
-        return self.say("vacuum.at_most", value=value)
+            return self.say("vacuum.at_least", value=low)
+        if finding.tight:
+            return self.say("vacuum.at_most", value=high)
+        return self._between(finding.clearance, finding.interval, UM, "clearance", 1)
 
     def _leakage(self, finding: VacuumFinding) -> str:
-        value = self.say.value(finding.leakage * DM3_MIN, "leak", 3)
-        return f"{value} ({self._span(finding.leakage_interval, DM3_MIN, 'leak', 3)})"
+        return self._between(finding.leakage, finding.leakage_interval, DM3_MIN, "leak", 3)
 
-    def _span(self, ends: tuple[float, float], factor: float, kind: str, digits: int) -> str:
-        return span((end * factor for end in ends), kind, self.say, digits)
+    def _between(self, value: float, ends: Interval, factor: float, kind: str, digits: int) -> str:
+        said, low, high = (self.say.value(each * factor, kind, digits) for each in (value, *ends))
+        return self.say("diagnosis.between", value=said, low=low, high=high)
 
     def readings(self) -> Iterator[SectionPart]:
         say, table = self.say, self.diagnosis.vacuum_table
@@ -134,7 +134,7 @@ class _Words:
             return
 
         def between(row: tuple[VacuumFinding, LandShare]) -> str:
-            return self._span((row[1].low, row[1].high), UM, "clearance", 1)
+            return span((row[1].low * UM, row[1].high * UM), "clearance", self.say)
 
         columns = (
             Column("pair", width=220, of=lambda row: land_words(self.diagnosis.controller, row[1].land.key, self.say)),
@@ -153,17 +153,14 @@ class _Words:
         def told(row: tuple[VacuumFinding, VacuumChange]) -> str:
             return say("vacuum.significant" if row[1].significant else "vacuum.not_significant")
 
+        def changed(row: tuple[VacuumFinding, VacuumChange]) -> str:
+            return self._between(row[1].change, row[1].interval, UM, "clearance", 1)
+
         columns = (
             Column("plugged", width=170, of=lambda row: self._plugged(row[0])),
             Column("vacuum_before", "vacuum", 1, of=lambda row: row[1].before.vacuum, times=IN_HG),
             Column("vacuum_after", "vacuum", 1, of=lambda row: row[1].after.vacuum, times=IN_HG),
-            Column("clearance_change", "clearance", 1, of=lambda row: row[1].change, times=UM),
-            Column(
-                "between",
-                words_of="clearance",
-                width=90,
-                of=lambda row: self._span(row[1].interval, UM, "clearance", 1),
-            ),
+            Column("clearance_change", words_of="clearance", width=110, of=changed),
             Column("told_apart", width=170, of=told),
         )
         yield Text(say("vacuum.changes"), leads=True)
