@@ -8,7 +8,8 @@ in which one land alone costs the line or a tapped circuit `FAULT` or more. One 
 alike in all that it shows but for a tenth of its variance (`--gauges two`: another stays on the line; `each`: every
 reading errs by itself); lands are not measured. Counted is what `evidence_of` says:
 
-- land: the one that costs most is among the first three; group: it, or one that no gauge can tell from it, is first;
+- land: the one that costs most is among the first three; in brackets where no other costs `FAULT`;
+- group: it, or one that no gauge can tell from it, is first;
 - circuit: the one that has lost most is first;
 - found, false: circuits that have truly lost the first limit or more, and those that have not, whose probability of it
   is a half or more;
@@ -109,8 +110,9 @@ class Counts:
 
     def __str__(self) -> str:
         land, circuit, found = self.rates
+        alone = f"{self.percent('land alone', 'alone'):.1f} % of {self.numbers['alone']}"
         return (
-            f"land {land:.1f} %, group {self.percent('group'):.1f} %, circuit {circuit:.1f} % of "
+            f"land {land:.1f} % ({alone}), group {self.percent('group'):.1f} %, circuit {circuit:.1f} % of "
             f"{self.numbers['units']}; found {found:.1f} % of {self.numbers['lost']}, "
             f"false {self.percent('alarms', 'sound'):.2f} % of {self.numbers['sound']}"
         )
@@ -229,6 +231,9 @@ def judged(prior: Prior, unit: Unit, said: Said, groups: Mapping[LandKey, object
     }
     numbers = Counter({"units": 1})
     numbers["land"] += unit.worst in lands[:FIRST]
+    if sum(cost >= FAULT for cost in unit.costs.values()) == 1:
+        numbers["alone"] += 1
+        numbers["land alone"] += unit.worst in lands[:FIRST]
     numbers["group"] += groups[lands[0]] == groups[unit.worst]
     numbers["circuit"] += next(each for each in circuits if each in lost) == max(lost, key=lambda each: lost[each])
     for tap, loss in lost.items():
