@@ -80,7 +80,7 @@ class CircuitEvidence:
 class PumpEvidence:
     """What is known of the pump."""
 
-    probability: float  # that its slip has grown by half or more
+    probability: float  # that a measured clearance is past its limit; else that its slip has grown by half or more
     growth: float  # of its slip, as a fraction, as likely more as less
     low: float
     high: float
@@ -100,7 +100,7 @@ class Evidence:
 
     lands: tuple[LandEvidence, ...]
     circuits: tuple[CircuitEvidence, ...]
-    pump: PumpEvidence | None  # None of a pump that was measured
+    pump: PumpEvidence | None  # None where the profile lets no pump slip
     seals: tuple[CircuitEvidence, ...]
     next: tuple[NextReading, ...]
     effective_samples: float  # the least of any part
@@ -250,11 +250,12 @@ class _Finder:
         return next(each for each in self.controller.circuits if each.id == section)
 
     def _pump(self) -> PumpEvidence | None:
-        if not self.diagnosis.model.pump_open:
+        if not self.diagnosis.model.uses_slip:
             return None
         slip = self.weighed.told[0].slip
         low, middle, high = np.quantile(slip, _ENDS).tolist()
-        return PumpEvidence(float(np.mean(slip >= PUMP_WORN)), middle, low, high)
+        past = [each.probability_over_limit or 0.0 for each in self.diagnosis.pump.decisions]
+        return PumpEvidence(max(past, default=float(np.mean(slip >= PUMP_WORN))), middle, low, high)
 
     def _tells(self, lands: Iterable[LandEvidence], circuits: Iterable[CircuitEvidence]) -> bool:
         """Tell whether anything was measured of a land, or the evidence moves the probability of anything."""

@@ -523,8 +523,12 @@ class PosteriorUnit:
         return {key: (np.broadcast_to(now, size), np.broadcast_to(new, size)) for key, now, new in lands}
 
     def growth_of_slip(self, drawn: UnitDraws) -> np.ndarray:
-        """Return by which fraction the slip of a pump that nobody measured has grown in each draw."""
-        return drawn.wear[self.causes.index((_PUMP,))] if (_PUMP,) in self.causes else np.zeros(drawn.wear.shape[1])
+        """Return by which fraction the pump's slip has grown in each draw; measured clearances that count tell it."""
+        if (_PUMP,) in self.causes:
+            return drawn.wear[self.causes.index((_PUMP,))]
+        given = self._given(drawn, next(iter(self.conditions)), 0.0)
+        now, new = (each.slip(given.pressures[LINE], given.viscosity) for each in (given.pump, given.new_pump))
+        return np.broadcast_to(np.divide(now, new, out=np.ones_like(now), where=new > 0.0) - 1.0, drawn.wear.shape[1])
 
 
 def _passes(land: LandSources, clearance: Any) -> Any:

@@ -12,6 +12,7 @@ import pytest
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.limits import load_limits
+from atleak.catalogue.pump import PumpClearances
 from atleak.catalogue.repairs import LandKey
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.evidence import WORTH, evidence_of, readings_by_value
@@ -186,3 +187,19 @@ def test_a_jug_as_full_as_usual_says_little_and_one_that_stays_empty_makes_the_p
     before = evidence_of(nothing)
     assert full <= before.pump.probability + 0.02
     assert empty > before.pump.probability + 0.1
+
+
+@pytest.mark.parametrize(("side", "worn"), [(41.0, False), (150.0, True)])
+def test_a_pump_that_was_measured_is_as_worn_as_it_measures(side: float, worn: bool) -> None:
+    controller = load_controller("aisin_aw55_50sn")
+    diagnosis = diagnose(
+        controller,
+        load_fluid("hipol_atf_iid"),
+        load_limits("project_default"),
+        pump_clearances=PumpClearances.of_um(side, None),
+    )
+    pump = evidence_of(diagnosis).pump
+    assert pump is not None
+    assert (pump.probability > 0.95) is worn
+    assert (pump.probability < 0.05) is not worn
+    assert pump.low <= pump.growth <= pump.high
