@@ -61,6 +61,7 @@ class LandEvidence:
     high: float
     loss: float  # [Pa] that it costs the pressure that loses most by it of those that gauges read, on average
     group: int | None  # the lands with this number cannot be told apart; None: by itself
+    of_group: float  # probability that one of them at least is worn; its own of a land by itself
     measured: bool
 
 
@@ -151,10 +152,11 @@ class _Finder:
                 low, middle, high = np.quantile(now, _ENDS).tolist()
                 land = self.controller.land(*key)
                 measured = key not in self.diagnosis.open_lands
-                probability = float(np.mean(self.worn(told, key)))
-                yield LandEvidence(
-                    land, probability, middle, low, high, self.explains(key, read=True), groups.get(key), measured
-                )
+                group, worn = groups.get(key), self.worn(told, key)
+                alike = [self.worn(told, each) for each in told.now if group is not None and groups.get(each) == group]
+                probability, of_group = float(np.mean(worn)), float(np.mean(np.any([worn, *alike], axis=0)))
+                costs = self.explains(key, read=True)
+                yield LandEvidence(land, probability, middle, low, high, costs, group, of_group, measured)
 
     def worn(self, told: Told, key: LandKey) -> np.ndarray:
         """Return in which draws a land is worn: its clearance has grown past its first limit for wear."""

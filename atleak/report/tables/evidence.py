@@ -89,13 +89,14 @@ class _Words:
         found = [(each.probability, "seal_part", self._circuit(each), "") for each in evidence.seals]
         if evidence.pump is not None:
             found.append((evidence.pump.probability, "part", say("pump.name"), ""))
-        named = set[int]()
+        named, usual = set[int](), evidence.assumptions.worn_lands
         for each in evidence.lands:
             others = [other for other in self._group(each) if other != each]
+            told = others and any(land.probability > usual for land in (each, *others))  # else many are worn by chance
             if each.group not in named:
-                key = "group_part" if others else "part"
-                found.append((each.probability, key, self._land(each), self._short(others)))
-            named |= {each.group} if each.group is not None else set()
+                key, worn = ("group_part", each.of_group) if told else ("part", each.probability)
+                found.append((worn, key, self._land(each), self._short(others)))
+            named |= {each.group} if each.group is not None and told else set()
         return [
             (probability, say(f"likely.{key}", part=name, others=others, percent=self._percent(probability)))
             for probability, key, name, others in sorted(found, key=lambda each: -each[0])
@@ -217,6 +218,7 @@ def evidence_record(diagnosis: Diagnosis) -> dict[str, Any]:
                 "high_um": each.high * UM,
                 "loss_kpa": each.loss * KPA,
                 "group": each.group,
+                "group_probability": each.of_group,
                 "measured": each.measured,
             }
             for each in evidence.lands

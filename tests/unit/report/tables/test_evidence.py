@@ -86,15 +86,16 @@ def test_lands_that_cannot_be_told_apart_are_said_together(gauged: Diagnosis, mo
     pair = [each for each in evidence.lands if each.group == 2]
     assert len(pair) > 1
     rest = tuple(replace(each, probability=0.1) for each in evidence.lands if each.group != 2)
-    likely = tuple(replace(each, probability=0.614) for each in pair)
+    likely = tuple(replace(each, probability=0.314, of_group=0.614) for each in pair)
     sections = shown(monkeypatch, gauged, replace(evidence, lands=(*likely, *rest), seals=(), pump=None, thin=None))
     said, names = words(sections["title"]), [SAY.name(gauged.controller.components[e.land.component]) for e in pair]
-    assert "(61\N{NO-BREAK SPACE}%), which cannot be told apart from" in said
-    assert said.count("%") == 1, "of a group one land is named, the others beside it"
+    assert "Likely worn: one of " in said
+    assert "(61\N{NO-BREAK SPACE}%), which cannot be told apart" in said
+    assert said.count("%") == 1, "of a group what is known of all of it"
     assert all(name in said for name in names)
     rows = table(sections["lands"])
     assert [row["alike"] for row in rows.records()] == [2] * len(pair)
-    assert [rows.texts(row)[1] for row in rows.rows] == ["61"] * len(pair)
+    assert [rows.texts(row)[1] for row in rows.rows] == ["31"] * len(pair)
     assert f"The other {len(rest)} lands are no likelier worn" in words(sections["lands"])
 
 
@@ -144,3 +145,22 @@ def test_a_report_has_it_where_no_sheet_was_measured_and_gauges_tell(gauged: Dia
     cells = [str(cell) for row in book["Before opening"].iter_rows(values_only=True) for cell in row if cell]
     assert any(cell.startswith("Forward clutch has lost") for cell in cells)
     assert any(cell.startswith("worn_pumps_percent") for cell in cells)
+
+
+def test_a_large_group_that_nothing_tells_of_is_not_called_worn(
+    gauged: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of many lands one is worn by chance: that is no finding."""
+    evidence = evidence_of(gauged)
+    pair = [replace(each, probability=0.15, of_group=0.6) for each in evidence.lands if each.group is not None]
+    sections = shown(monkeypatch, gauged, replace(evidence, lands=tuple(pair), circuits=(), seals=(), pump=None))
+    assert words(sections["title"]).startswith("No part is likelier worn than not.")
+
+
+def test_what_is_known_of_a_group_lies_between_its_likeliest_land_and_their_sum(gauged: Diagnosis) -> None:
+    lands = evidence_of(gauged).lands
+    for each in lands:
+        group = [other.probability for other in lands if other.group == each.group] if each.group else []
+        low, high = (max(group), sum(group)) if group else (each.probability, each.probability)
+        assert low - 1e-9 <= each.of_group <= high + 1e-9
+    assert any(each.of_group > each.probability for each in lands)
