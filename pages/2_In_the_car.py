@@ -36,17 +36,17 @@ with guide.step("fluid") as opened:
 
 with guide.step("gauges") as opened:
     if opened:
-        panel.drop("gauges", say("in_the_car.drop"))
         guide.card(diagnosis)
         st.caption(say("gauge_page.what"))
         typed_form.GaugeForm(diagnosis.controller).draw()
+        panel.drop("gauges", say("in_the_car.drop"))
 guide.gauges(diagnosis)
 
 log_form.keep_what_was_taken(case)
 pending = log_form.pending(case)
 with guide.step("drive") as opened:
     if opened:
-        panel.drop("drive", say("in_the_car.drop"))
+        panel.drop("drive", say("in_the_car.drop_log"))
         remembered_columns.draw()
 if pending is not None:
     if diagnosis.log is not None and pending[0] == case.road_test:
@@ -56,16 +56,16 @@ if pending is not None:
 
 with guide.step("jug") as opened:
     if opened:
-        panel.drop("jug", say("in_the_car.drop"))
         st.caption(say("in_the_car.jug_what"))
         typed_form.FlowForm(diagnosis.controller).draw()
+        panel.drop("jug", say("in_the_car.drop"))
 guide.closed(diagnosis, "flows")
 
 with guide.step("vacuum") as opened:
     if opened:
-        panel.drop("vacuum", say("in_the_car.drop"))
         st.caption(say("in_the_car.vacuum_what"))
         typed_form.VacuumForm(diagnosis.controller).draw()
+        panel.drop("vacuum", say("in_the_car.drop"))
 guide.closed(diagnosis, "vacuum")
 
 with guide.step("open") as opened:

@@ -49,7 +49,7 @@ from atleak.report.pdf.comparison import write_comparison_pdf
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 CHROMIUM = ("/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome")
 WIDTH, PHONE = 1200, 390  # [px] of the window
-TALL = 4400  # [px] of the window, so that whatever is shown is drawn
+TALL = 5200  # [px] of the window, so that whatever is shown is drawn
 EDGE, ABOVE = 14, 4  # [px] around what is shown, and above it
 PAGE_WIDTH = 900  # [px] of a report's page
 WORN = 1.5  # times as measured, of what is tried
@@ -66,7 +66,7 @@ BUSY = "[data-testid=stSkeleton], [data-testid=stSpinner], [data-testid=stToast]
 WITHOUT_FOLDER = """folder => {
     const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT)
     while (walk.nextNode()) walk.currentNode.data = walk.currentNode.data.split(" · " + folder).join("")
-    for (const field of document.querySelectorAll("input")) field.value = field.value.split(" · " + folder).join("")
+    for (const field of document.querySelectorAll("input:not([type=file])")) field.value = field.value.split(" · " + folder).join("")
 }"""
 
 Frame = tuple[float, float, float, float]  # left, top, right, bottom [px]
@@ -171,6 +171,21 @@ def typed_readings(page: Page) -> Part:
     return Part(page.get_by_text("Enter or Tab: next cell"), page.get_by_role("tab", name="Measure"))
 
 
+def in_the_car(page: Page) -> Part:
+    page.get_by_role("button", name="New, empty job").click()
+    page.get_by_role("combobox", name="Valve body").click()
+    page.keyboard.type("Five-speed after Ford's")
+    page.keyboard.press("Enter")
+    idle(page)
+    uploader = page.get_by_test_id("stSidebar").locator("input[type=file]").first
+    uploader.set_input_files(PICTURES.parents[1] / "sample_data" / "gauge_readings_five_speed.csv")
+    page.get_by_text("10 gauge readings").first.wait_for()
+    idle(page)
+    page.get_by_text("What is likely worn, and what").click()
+    idle(page)
+    return Part(page.get_by_text("To the readings"), title(page))
+
+
 def road_test(page: Page) -> Part:
     page.get_by_text("The log in full").click()
     idle(page)
@@ -249,6 +264,7 @@ SHOTS: dict[str, Shot] = {
     "fleet-pairs": Shot("Fleet", fleet_pairs),
     "job": Shot("Job?job={SAMPLE-1}", job),
     "readings": Shot("Readings", readings),
+    "in-the-car": Shot("In_the_car", in_the_car),
     "road-test": Shot("In_the_car", road_test),
     "diagnosis": Shot("Diagnosis", diagnosis),
     "diagnosis-dark": Shot("Diagnosis", diagnosis, dark=True),

@@ -56,14 +56,15 @@ def controller() -> Controller:
 def complaint(place: str) -> None:
     """Ask what the customer complains of, at a place that is one of several on a page."""
     say, now = reader.say(), session()
-    labels = {each.id: each.label for each in controller().complaints}
+    chosen = controller()
+    labels = {each.id: each.label for each in chosen.complaints}
     if now.case.complaint not in labels:
         choose(complaint=None)
-    current = now.case.complaint
+    current = now.case.complaint or ""
     _select(
-        say("facts.complaint"), f"complaint-{place}-{current}", [None, *labels], current,
-        lambda name: say("panel.none_chosen") if name is None else say.name(labels[name]),
-        lambda name: choose(complaint=name), say("panel.complaint_help" if labels else "panel.no_complaints"),
+        say("facts.complaint"), f"complaint-{place}-{chosen.sha256[:12]}-{current}", ["", *labels], current,
+        lambda name: say.name(labels[name]) if name else say("panel.none_chosen"),
+        lambda name: choose(complaint=name or None), say("panel.complaint_help" if labels else "panel.no_complaints"),
     )  # fmt: skip
 
 

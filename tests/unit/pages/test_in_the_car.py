@@ -292,7 +292,7 @@ def test_a_complaint_is_chosen_here_or_in_the_panel(app: AppTest) -> None:
     assert choice(app, "Complaint").value == "slips_hot"
     assert steps(app)["1 Complaint"] == "**Slips or shifts late when hot**"
     choice(app, "Complaint").select_index(0).run()
-    assert next(widget for widget in app.main.selectbox if widget.label == "Complaint").value is None
+    assert next(widget for widget in app.main.selectbox if widget.label == "Complaint").value == ""
     next(widget for widget in app.text_area).set_value("bangs into R\nonly cold").run()
     assert steps(app)["1 Complaint"] == "**bangs into R**"
     go(app, "1_Job")
