@@ -13,6 +13,8 @@ import pytest
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import VacuumTableError
+from atleak.common.translations import languages
+from atleak.common.wording import wording
 from atleak.measurements.vacuum import STANDARD_ATMOSPHERE, USUAL_SUPPLY, VacuumTable
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
 
@@ -105,6 +107,18 @@ def test_german_words_and_a_decimal_comma(unit: Controller) -> None:
     assert (table.stand.supply, table.stand.ambient, table.stand.temperature) == (85e3, 101300.0, 21.5)
     assert [(each.orifice, each.vacuum) for each in table.stand.calibrations] == [(0.5e-3, 60.5e3), (1e-3, 30e3)]
     assert [(each.vacuum, each.repaired) for each in table.readings] == [(60e3, True), (51.25e3, False)]
+
+
+@pytest.mark.parametrize("language", languages())
+def test_the_words_that_a_refusal_asks_for_are_read(language: str, unit: Controller) -> None:
+    with pytest.raises(VacuumTableError) as refused:
+        read("a,b\n1,2\n", unit)
+    asked = wording(language).sentence(refused.value.expected)
+    supply = asked.partition("(")[2].partition(")")[0]
+    headings = asked.rpartition(": ")[2]
+    table = read(f"{supply}\n{headings}\nboost_valve/1,17,in-Hg,0.5,repaired\n", unit)
+    assert table.stand.supply == pytest.approx(25 * INHG, abs=0.0)
+    assert (table.readings[0].orifice, table.readings[0].repaired) == (0.5e-3, True)
 
 
 def test_a_circuit_by_its_name_and_rows_without_headings(unit: Controller) -> None:
