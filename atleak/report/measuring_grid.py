@@ -40,9 +40,8 @@ class Grid:
 
     @cached_property
     def components(self) -> tuple[str, ...]:
-        """Return the components that are measured, in the valve body's order."""
-        wanted = {cell.component for cell in self.cells}
-        return tuple(name for name in self.controller.components if name in wanted)
+        """Return the components that are measured, in the order of measuring: the valve body's, or of a quick pass."""
+        return tuple(dict.fromkeys(cell.component for cell in self.cells))
 
     @cached_property
     def asked(self) -> Counter[LandKey]:

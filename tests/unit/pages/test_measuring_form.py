@@ -166,6 +166,8 @@ def test_the_quick_pass_is_offered_first_and_stays_as_it_is_while_it_is_typed(op
     cells = [tuple(cell["key"]) for cell in app.session_state["seen"]["cells"]]
     assert quick == f"Quick pass: {len(cells) // 2} lands, {len(cells)} readings"
     assert len(set(cells)) == len(cells) <= 10 < whole_cells
+    strip = [each["name"] for each in app.session_state["seen"]["components"]]
+    assert strip == list(dict.fromkeys(component for component, *_ in cells)), "as they are to be measured"
     assert not app.info, "nothing was read yet"
     send(app, 1, put([*cells[0]], "20,000"))
     assert not app.info, "a land is half read"
