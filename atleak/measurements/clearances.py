@@ -268,22 +268,34 @@ def with_leak(state: LandClearance, uncertainty: float, leak: LeakClearance) -> 
     -------
     LandClearance
         with the mean of both cubes, weighted by their inverse variances. Where they differ by more than
-        `CONTRADICTION` uncertainties there is no mean: the wider counts until one of them is measured again, and a
-        message says so.
+        `CONTRADICTION` uncertainties there is no mean: a tighter bore read after its repair counts alone, as its
+        diameters are then those before it; else the wider counts until one of them is measured again. A message says
+        so.
 
     Notes
     -----
     A spool or sleeve that was measured alone tells nothing beside a leak, which sees the wear of both.
     """
+    kept = tuple(each for each in state.messages if each.code not in _HALF)
+    alone = replace(state, status="vacuum", stations=(), messages=kept)
     if state.status != "measured":
-        kept = tuple(each for each in state.messages if each.code not in _HALF)
-        alone = replace(state, status="vacuum", messages=kept)
         return _as_leaking(alone, leak, leak.clearance, 1.0)
     own = flow_equal_clearance(max(state.radial_clearance, 0.0), *state.form_moments)
     variances = [(3.0 * c * c * u) ** 2 for c, u in ((own, uncertainty), (leak.clearance, leak.standard_uncertainty))]
     apart = abs(own**3 - leak.clearance**3) - CONTRADICTION * math.sqrt(sum(variances))
     if apart > 0.0:
         wider = leak.clearance > own
+        if leak.reading.repaired and not wider:
+            text = Sentence(
+                "{land}: the vacuum test of the repaired bore ({place}) counts, {leak} {leak.unit}; its diameters, "
+                "which tell {own} {own.unit}, are taken as read before the repair",
+                land=named(state.land),
+                own=in_um(own),
+                place=leak.reading.place.sentence,
+                leak=in_um(leak.clearance),
+            )
+            message = Message("info", "vacuum_after_repair", text, leak.reading.place)
+            return _as_leaking(replace(alone, messages=(*kept, message)), leak, leak.clearance, 1.0)
         text = Sentence(
             "{land}: diameters tell {own} {own.unit}, the vacuum test ({place}) {leak} {leak.unit}: they contradict "
             "one another. Measure again; until then the wider counts",

@@ -339,6 +339,8 @@ def _land_sources(
     sources: list[UncertaintySource] = []
     plans: dict[Part, _MeasuringPlan] = {}
     mounting = mounting_uncertainty(state.land, assumptions)
+    if state.leak_weight == 1.0:
+        groups = {}  # no diameter counts
     if not state.measured:
         sources.append(UncertaintySource(MOUNTING, None, mounting))
     else:

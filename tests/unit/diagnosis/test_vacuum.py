@@ -213,6 +213,23 @@ def test_a_contradiction_is_told_and_the_wider_counts(
     assert not diagnosis.passed
 
 
+def test_a_repaired_bore_counts_beside_the_diameters_it_had_before(
+    diagnosed: Callable[..., Diagnosis], five_speed: Controller, readings_of: Callable[..., Readings]
+) -> None:
+    land = five_speed.land("boost_valve", 2)
+    sheet = of_diameters(land, 45e-6, readings_of, five_speed)
+    diagnosis = diagnosed(plug([land], [45e-6]), plug([land], [14e-6], repaired=True, row=3), readings=sheet)
+    found = next(each for each in diagnosis.lands if each.key == land.key)
+    assert found.state.radial_clearance == pytest.approx(14e-6, rel=0.05, abs=0.0)
+    assert found.verdict == Verdict.OK
+    assert not found.in_doubt
+    assert [each.level for each in diagnosis.messages if each.code == "vacuum_after_repair"] == ["info"]
+    worse = diagnosed(
+        plug([land], [45e-6], repaired=True, row=3), readings=of_diameters(land, 14e-6, readings_of, five_speed)
+    )
+    assert any(each.code == "vacuum_contradicts" for each in worse.messages)
+
+
 def test_a_spool_alone_tells_nothing_beside_its_leak(
     diagnosed: Callable[..., Diagnosis], five_speed: Controller, readings_of: Callable[..., Readings]
 ) -> None:
