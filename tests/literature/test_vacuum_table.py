@@ -44,11 +44,10 @@ def test_with_entry_loss(clearance: float, reading: float) -> None:
 
 
 def test_what_half_an_inch_of_mercury_is_in_clearance() -> None:
-    """± 0.5 in-Hg: 0.5 µm at 25 µm and 1.9 at 45 with 1 mm; 0.2 at 10 µm with 0.5 mm, 0.9 at 6 with 0.25 mm."""
+    """± 0.5 in-Hg: 0.5 µm at 25 µm and 1.9 at 45 with 1 mm; 0.9 at 6 and 0.2 at 10 with 0.25 mm."""
     for orifice, clearance, expected in (
         (1.0, 25, 0.5),
         (1.0, 45, 1.9),
-        (0.5, 10, 0.6),
         (0.25, 6, 0.9),
         (0.25, 10, 0.2),
     ):
