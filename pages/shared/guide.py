@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 import streamlit as st
 
@@ -18,7 +18,6 @@ from pages.shared.cases import diagnosis_of
 from pages.shared.state import job, session
 
 STEPS = ("complaint", "fluid", "gauges", "drive", "jug", "vacuum", "open")
-_SHOWN_ABOVE = ("flows", "vacuum")  # of what is said of all that is likely
 _SKIPPED = "skipped"  # the name in the address; the step stays open to whoever wants to do it after all
 
 
@@ -147,12 +146,8 @@ def closed(diagnosis: Diagnosis, slot: str) -> None:
 
 def to_open(diagnosis: Diagnosis) -> None:
     """Show what is likely worn by all that was measured so far, and what to measure next."""
-    sections = evidence_sections(diagnosis, reader.say())
-    for name, section in sections.items():
-        if name == "assumed":
-            with st.expander(section.title):
-                show.section(section, name)
-        elif name not in _SHOWN_ABOVE:
-            if name != "title":
-                st.markdown(f"**{section.title}**")
+    for name, section in evidence_sections(diagnosis, reader.say()).items():
+        if name not in ("title", "assumed"):
+            st.markdown(f"**{section.title}**")
+        with st.expander(section.title) if name == "assumed" else nullcontext():
             show.section(section, f"evidence-{name}")

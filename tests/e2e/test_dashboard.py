@@ -40,9 +40,10 @@ def status(page: Page, text: str | re.Pattern[str]) -> None:
     expect(shown.first).to_be_visible()
 
 
-def cells(page: Page, table: int = 0) -> list[str]:
-    """The texts of a table's cells that are drawn."""
-    table_cells = page.get_by_test_id("stDataFrame").nth(table).locator("[data-testid^=glide-cell]")
+def cells(page: Page, heading: str) -> list[str]:
+    """The texts that are drawn of the cells of the table under a heading."""
+    table = page.get_by_role("heading", name=heading).locator("xpath=following::*[@data-testid='stDataFrame'][1]")
+    table_cells = table.locator("[data-testid^=glide-cell]")
     table_cells.first.wait_for(state="attached")
     return [text.strip() for text in table_cells.all_inner_texts()]
 
@@ -185,7 +186,7 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     unfold(page, "The log in full")
     expect(main.get_by_text("As understood")).to_be_visible()
     wait_until_idle(page)
-    assert "line pressure 2 [kPa]" in cells(page)
+    assert "line pressure 2 [kPa]" in cells(page, "As understood")
     assert page.get_by_test_id("stException").count() == 0
 
 
