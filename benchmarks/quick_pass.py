@@ -6,8 +6,8 @@ Used units of shipped valve bodies (`simulated/gauged.py`: one land in five worn
 line and clutches, with 1 % of error. Then `LANDS` lands are measured once and in one direction: those that atleak names
 by the value of their readings, as many at random, and those that leak most when new. Counted for each way: how often
 the cause is the one that the whole sheet tells with the same gauges, and how often the land whose wear truly costs most
-is among those measured: in pressure of line or circuits, or else in flow at hot idle. Exits with 1 where a stated rate
-is not met.
+is among those measured: by pressure of line or circuits where that costs `COSTS` or more, else by flow at hot idle.
+Exits with 1 where a stated rate is not met.
 """
 
 from __future__ import annotations
@@ -68,18 +68,25 @@ def main(arguments: argparse.Namespace) -> int:
 
 
 WAYS = "value", "random", "leakiest"
+BY = "pressure", "flow"
 
 
 def said(counts: Counter[str]) -> str:
     parts = [
-        f"{way}: same cause {percent(counts, 'same', way):.0f} %, costliest land {percent(counts, 'among', way):.0f} %"
+        f"{way}: same cause {percent(counts, 'same', way):.0f} %, costliest land "
+        + ", ".join(f"by {by} {percent(counts, by, way):.0f} %" for by in BY)
         for way in WAYS
     ]
-    return f"{counts['units']} units, {counts['worn']} with a worn land; " + "; ".join(parts)
+    worn = ", ".join(f"{counts[f'worn {by}']} of them with a land that costs most by {by}" for by in BY)
+    return f"{counts['units']} units, {worn}; " + "; ".join(parts)
 
 
 def percent(counts: Counter[str], what: str, way: str) -> float:
-    return 100.0 * counts[f"{what} {way}"] / max(counts["units" if what == "same" else "worn"], 1)
+    """Return how many units of one way agree, in the cause or in the costliest land by pressure, by flow or by any."""
+    if what == "same":
+        return 100.0 * counts[f"same {way}"] / max(counts["units"], 1)
+    kinds = BY if what == "among" else (what,)
+    return 100.0 * sum(counts[f"{by} {way}"] for by in kinds) / max(sum(counts[f"worn {by}"] for by in kinds), 1)
 
 
 def counted(body: str, number: int) -> Counter[str]:
@@ -113,11 +120,11 @@ def counted(body: str, number: int) -> Counter[str]:
         "random": [keys[each] for each in rng.choice(len(keys), min(LANDS, len(keys)), replace=False)],
         "leakiest": sorted(keys, key=lambda key: -leaks[key])[:LANDS],
     }
-    costliest = costliest_of(true, controller)
-    counts = Counter({"units": 1, "worn": costliest is not None})
+    costliest, by_what = costliest_of(true, controller)
+    counts = Counter({"units": 1, f"worn {by_what}": costliest is not None})
     for way, lands in chosen.items():
         counts[f"same {way}"] += answer_of(by(quick(sheet, controller, lands))).cause is cause
-        counts[f"among {way}"] += costliest in lands
+        counts[f"{by_what} {way}"] += costliest in lands
     return counts
 
 
@@ -129,8 +136,8 @@ def quick(sheet: Readings, controller: Controller, lands: Iterable[LandKey]) -> 
     return replace(sheet, readings=tuple(kept))
 
 
-def costliest_of(true: TrueUnit, controller: Controller) -> LandKey | None:
-    """Return the land whose wear costs most: pressure of line or a circuit, or else flow at hot idle; None of none."""
+def costliest_of(true: TrueUnit, controller: Controller) -> tuple[LandKey | None, str]:
+    """Return the land whose wear costs most, and by what; None where none is worn."""
     new = {state.land.key: state for state in true.new.clearances}
     worn = [s.land.key for s in true.now.clearances if s.radial_clearance > new[s.land.key].radial_clearance]
     cells = cells_of(controller)
@@ -153,8 +160,9 @@ def costliest_of(true: TrueUnit, controller: Controller) -> LandKey | None:
             pressure[key] = max(pressure[key], *gained)
             if point.name == points[0].name:
                 flow[key] = now[point].leakage - better.leakage
-    by = pressure if max(pressure.values(), default=0.0) >= COSTS else flow
-    return max(by, key=lambda key: by[key], default=None)
+    by_what = "pressure" if max(pressure.values(), default=0.0) >= COSTS else "flow"
+    by = pressure if by_what == "pressure" else flow
+    return max(by, key=lambda key: by[key], default=None), by_what
 
 
 if __name__ == "__main__":
