@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -39,6 +39,7 @@ _EDGES = 0.5, 0.75, 0.88, 0.95  # of the bins of a reading, as parts of all that
 _BINS = len(_EDGES) + 1
 _SMOOTH = 4.0  # effective draws that the draws around a bin stand for beside its own
 _BESIDE = 2  # readings before, beside which the value of one is worked out
+_NAMED = 3.0  # times as much does a land cost that the customer's complaint names: choice of this project
 _USUAL_SHARE = 0.02  # of the pump's flow, where no limit is set
 _TELLS = 0.1  # of a probability, by which evidence moves it at least: choice of this project
 PUMP_WORN = 0.5  # growth of its slip from which on a pump is called worn: choice of this project
@@ -127,7 +128,8 @@ class _Finder:
         self.diagnosis, card = diagnosis, diagnosis.gauge_card
         self.controller, self.assumptions = diagnosis.controller, card.assumptions
         check, beside = diagnosis.pressures, Beside(diagnosis.log, diagnosis.flows, diagnosis.vacuum)
-        self.weighed: Weighed = check.weighed if check else weigh(card, diagnosis.limits, beside, diagnosis.projections)
+        without = partial(weigh, card, diagnosis.limits, beside, diagnosis.projections)
+        self.weighed: Weighed = check.weighed if check else kept_with(diagnosis, "weighed", "", without, most=1)
         self.read = {each.cell.tap for each in check.readings} if check else set()
 
     @property
@@ -179,10 +181,12 @@ class _Finder:
         return growth * (self.cost(key) / mean) if mean > 0.0 else growth
 
     def cost(self, key: LandKey) -> float:
-        """Return what a land costs the unit on average, in first limits."""
+        """Return what a land costs the unit on average, in first limits; one that the complaint names costs more."""
         share, of_pairs = self._flow.get(key, 0.0), self.diagnosis.limits.pair_share
         limit = of_pairs.levels[0][1] if of_pairs is not None else _USUAL_SHARE
-        return self.explains(key) / self._limit + share / limit
+        complaint = self.diagnosis.complaint
+        named = complaint is not None and key in complaint.lands
+        return (self.explains(key) / self._limit + share / limit) * (_NAMED if named else 1.0)
 
     @cached_property
     def _pressure(self) -> list[tuple[str, dict[LandKey, float]]]:

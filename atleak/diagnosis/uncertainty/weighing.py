@@ -88,7 +88,10 @@ class FlowShown:
 
 @dataclass(frozen=True, eq=False)
 class Told:
-    """What the evidence tells of parts that are weighed together, in draws of equal weight, each of shape (draws,)."""
+    """What the evidence tells of parts that are weighed together, in draws of equal weight, each of shape (draws,).
+
+    Clearances are of single precision: a diagnosis keeps them.
+    """
 
     now: Mapping[LandKey, np.ndarray]  # [m] clearance of each land
     new: Mapping[LandKey, np.ndarray]  # [m] when it was new
@@ -260,7 +263,7 @@ class _WeighedDraws:
         """Return what is known of lands and of the pump."""
         drawn = self.equally_likely(_TOLD)
         clearances = self.unit.clearances(drawn)
-        now, new = ({key: clearances[key][place] for key in lands} for place in (0, 1))
+        now, new = ({key: clearances[key][place].astype(np.float32) for key in lands} for place in (0, 1))
         return Told(now, new, self.unit.growth_of_slip(drawn), self.effective, bool(self.circuits))
 
     def lost(self, circuit: str, point: OperatingPoint) -> Lost:
