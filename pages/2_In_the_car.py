@@ -70,5 +70,5 @@ guide.closed(diagnosis, "vacuum")
 
 with guide.step("open") as opened:
     if opened:
-        guide.to_open(diagnosis)
+        guide.likely_worn(diagnosis)
         st.page_link(panel.PAGES / "3_Readings.py", label=say("in_the_car.measure"))

@@ -66,7 +66,8 @@ BUSY = "[data-testid=stSkeleton], [data-testid=stSpinner], [data-testid=stToast]
 WITHOUT_FOLDER = """folder => {
     const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT)
     while (walk.nextNode()) walk.currentNode.data = walk.currentNode.data.split(" · " + folder).join("")
-    for (const field of document.querySelectorAll("input:not([type=file])")) field.value = field.value.split(" · " + folder).join("")
+    for (const field of document.querySelectorAll("input:not([type=file])"))
+        field.value = field.value.split(" · " + folder).join("")
 }"""
 
 Frame = tuple[float, float, float, float]  # left, top, right, bottom [px]

@@ -144,7 +144,7 @@ def closed(diagnosis: Diagnosis, slot: str) -> None:
     show.messages(() if table is None else table.messages, reader.say()(f"panel.as_{slot}"))
 
 
-def to_open(diagnosis: Diagnosis) -> None:
+def likely_worn(diagnosis: Diagnosis) -> None:
     """Show what is likely worn by all that was measured so far, and what to measure next."""
     for name, section in evidence_sections(diagnosis, reader.say()).items():
         if name not in ("title", "assumed"):
