@@ -5,9 +5,9 @@
 Used units of shipped valve bodies (`simulated/gauged.py`: one land in five worn, pumps and seals too) are gauged at
 line and clutches, with 1 % of error. Then `LANDS` lands are measured once and in one direction: those that atleak names
 by the value of their readings, as many at random, and those that leak most when new. Counted for each way: how often
-the cause is the one that the whole sheet tells with the same gauges, and how often the land whose wear truly costs most
-is among those measured: by pressure of line or circuits where that costs `COSTS` or more, else by flow at hot idle.
-Exits with 1 where a stated rate is not met.
+the cause is the one that the whole sheet tells with the same gauges, where a pressure is missing by that and where none
+is; and how often the land whose wear truly costs most is among those measured: by pressure of line or circuits where
+that costs `COSTS` or more, else by flow at hot idle. Exits with 1 where a stated rate is not met.
 """
 
 from __future__ import annotations
@@ -43,6 +43,8 @@ LANDS = 10
 SAME, AMONG, BETTER = 90.0, 85.0, 10.0  # [%] at least, [percentage points] at least than the other ways
 COSTS = 1e3  # [Pa] from which on a land's wear counts by pressure
 WITHOUT_CIRCUITS = "four_speed_2023"
+WAYS = "value", "random", "leakiest"
+BY = "pressure", "flow"
 
 
 def main(arguments: argparse.Namespace) -> int:
@@ -67,26 +69,19 @@ def main(arguments: argparse.Namespace) -> int:
     return 1 if failures and not arguments.small else 0
 
 
-WAYS = "value", "random", "leakiest"
-BY = "pressure", "flow"
-
-
 def said(counts: Counter[str]) -> str:
-    parts = [
-        f"{way}: same cause {percent(counts, 'same', way):.0f} %, costliest land "
-        + ", ".join(f"by {by} {percent(counts, by, way):.0f} %" for by in BY)
-        for way in WAYS
-    ]
-    worn = ", ".join(f"{counts[f'worn {by}']} of them with a land that costs most by {by}" for by in BY)
-    return f"{counts['units']} units, {worn}; " + "; ".join(parts)
+    parts = [f"{counts['units']} units"]
+    for what, words in (("same", "same cause"), ("among", "costliest land")):
+        for by in BY:
+            rates = ", ".join(f"{way} {percent(counts, what, way, [by]):.0f} %" for way in WAYS)
+            parts.append(f"{words} where that is {by}, of {counts[f'{what} {by}']}: {rates}")
+    return "; ".join(parts)
 
 
-def percent(counts: Counter[str], what: str, way: str) -> float:
-    """Return how many units of one way agree, in the cause or in the costliest land by pressure, by flow or by any."""
-    if what == "same":
-        return 100.0 * counts[f"same {way}"] / max(counts["units"], 1)
-    kinds = BY if what == "among" else (what,)
-    return 100.0 * sum(counts[f"{by} {way}"] for by in kinds) / max(sum(counts[f"worn {by}"] for by in kinds), 1)
+def percent(counts: Counter[str], what: str, way: str, kinds: Iterable[str] = BY) -> float:
+    """Return how many units agree by one way, of those that are judged by pressure, by flow, or by any."""
+    whole = sum(counts[f"{what} {by}"] for by in kinds)
+    return 100.0 * sum(counts[f"{what} {by} {way}"] for by in kinds) / max(whole, 1)
 
 
 def counted(body: str, number: int) -> Counter[str]:
@@ -112,7 +107,8 @@ def counted(body: str, number: int) -> Counter[str]:
             assumptions=replace(DEFAULTS, main_pressure=GAUGE),
         )
 
-    gauged, cause = by(None), answer_of(by(sheet)).cause
+    gauged, answer = by(None), answer_of(by(sheet))
+    told_by = "flow" if answer.by_flow or answer.missing is None else "pressure"
     keys = [land.key for land in controller.lands if not land.seal]
     leaks = {land.key: land.leakage for land in gauged.lands}
     chosen: Mapping[str, list[LandKey]] = {
@@ -121,10 +117,11 @@ def counted(body: str, number: int) -> Counter[str]:
         "leakiest": sorted(keys, key=lambda key: -leaks[key])[:LANDS],
     }
     costliest, by_what = costliest_of(true, controller)
-    counts = Counter({"units": 1, f"worn {by_what}": costliest is not None})
+    counts = Counter({"units": 1, f"same {told_by}": 1, f"among {by_what}": costliest is not None})
     for way, lands in chosen.items():
-        counts[f"same {way}"] += answer_of(by(quick(sheet, controller, lands))).cause is cause
-        counts[f"{by_what} {way}"] += costliest in lands
+        same = answer_of(by(quick(sheet, controller, lands))).cause is answer.cause
+        counts[f"same {told_by} {way}"] += same
+        counts[f"among {by_what} {way}"] += costliest in lands
     return counts
 
 
