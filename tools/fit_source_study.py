@@ -116,10 +116,6 @@ def leakage(controller: Controller, row: Variant, p_g: float, p_k: float, gear: 
     return float(series.total[0]) * DM3_MIN
 
 
-def maxima(controller: Controller, p_g: float, p_k: float) -> np.ndarray:
-    return np.array([leakage(controller, row, p_g, p_k) for row in VARIANTS])
-
-
 PRINTED = np.array([float(row.printed_max_leakage) for row in VARIANTS])
 #: half a printed digit, or 1 % where that is less (W5, W6)
 ALLOWED = np.minimum([half_digit(row.printed_max_leakage) for row in VARIANTS], 0.01 * PRINTED)

@@ -24,12 +24,11 @@ from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import DECISIONS, LandUncertainty, UnitUncertainty
 from atleak.report.charts.figure import Figure, by_land, framed
 
-_POINTS = 3000  # samples of a log that are drawn, besides the edges of its gaps
 _NAMED = 0.12  # part of the axis from which on a band has room for its name beside its sign
 _NEAR = 0.08  # part of the axis within which a word centred on its mark would be cut by the axis
 
 
-def land_name(land: LandDiagnosis) -> str:
+def land_name(land: LandDiagnosis | LandUncertainty) -> str:
     """Return component and land: ``25 · 1``."""
     component, number = land.key
     return f"{component} · {number}"
@@ -230,7 +229,7 @@ def land_clearances(
     chosen = _chosen(unit, lands)
     figure, um, name_of = Figure(), say.convert(UM, "clearance"), say.unit("clearance")
     digits = say.digits("clearance", 1)
-    names, number = list(map(_name, chosen)), f"%{{x:.{digits}f}} {name_of}"
+    names, number = list(map(land_name, chosen)), f"%{{x:.{digits}f}} {name_of}"
     new = [land.sources.state.land.mounting_high for land in chosen]
     _open_mark(figure, new, names, say("figures.mounting"), "line-ns-open", um, number)
     limits = list(map(_clearance_limit, chosen))
@@ -242,7 +241,7 @@ def land_clearances(
         colour, symbol = DECISION_MARKS[decision]
         figure.marks(
             [land.sources.state.radial_clearance for land in shown],
-            list(map(_name, shown)),
+            list(map(land_name, shown)),
             say.get("decisions", decision),
             (colour, symbol, 10, 2.0),
             factor=um,
@@ -255,7 +254,7 @@ def land_clearances(
             f"{say('columns.over_limit')}: %{{customdata[1]:.0f}} %<br>%{{customdata[2]}}",
         )
     figure.update_xaxes(title=say("figures.clearance", unit=name_of, coverage=_coverage(unit, say)), rangemode="tozero")
-    return by_land(figure, list(map(_name, chosen)), 24, say)
+    return by_land(figure, list(map(land_name, chosen)), 24, say)
 
 
 def _open_mark(
@@ -282,11 +281,11 @@ def leakages(unit: UnitUncertainty, at: OperatingPoint, say: Wording, lands: int
     figure, flow, name_of = Figure(), say.convert(DM3_MIN, "leak"), say.unit("leak")
     at_first = [land.conditions[0] for land in chosen]
     ends = [end for each in at_first for end in (each.leakage * flow, each.eccentric[1] * flow, None)]
-    names = [end for land in chosen for end in (_name(land), _name(land), None)]
+    names = [end for land in chosen for end in (land_name(land), land_name(land), None)]
     figure.line(ends, names, SCREEN.rule, 1, "dot", name=say("figures.touching"))
     figure.marks(
         [each.leakage for each in at_first],
-        list(map(_name, chosen)),
+        list(map(land_name, chosen)),
         say("figures.leakage_interval", coverage=_coverage(unit, say)),
         (SCREEN.leakage, "diamond", 9, 0.0),
         factor=flow,
@@ -295,7 +294,7 @@ def leakages(unit: UnitUncertainty, at: OperatingPoint, say: Wording, lands: int
         hover=f"%{{y}}: %{{x:.3f}} {name_of}, %{{customdata[0]:.3f}} – %{{customdata[1]:.3f}}",
     )
     figure.update_xaxes(title=say("figures.leakage", unit=name_of, condition=say.condition(at)), rangemode="tozero")
-    return by_land(figure, list(map(_name, chosen)), 24, say)
+    return by_land(figure, list(map(land_name, chosen)), 24, say)
 
 
 def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> Figure:
@@ -349,10 +348,6 @@ def _clearance_limit(land: LandUncertainty) -> float | None:
     if decided.rule.kind is RuleKind.WEAR:
         return land.sources.state.land.mounting_high * (1.0 + decided.limit)
     return decided.limit
-
-
-def _name(land: LandUncertainty) -> str:
-    return f"{land.key[0]} · {land.key[1]}"
 
 
 def _coverage(unit: UnitUncertainty, say: Wording) -> str:

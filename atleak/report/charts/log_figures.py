@@ -22,8 +22,8 @@ from atleak.report.charts.operating_map import Histogram, OperatingMap
 from atleak.report.tables.road_test import RoadSeries, Scales, as_it_is, formula_scale, road_series
 from atleak.report.tables.road_words import event_name
 
-_POINTS = 2000  # samples of a channel that are drawn, besides the edges of its gaps
-LEAKAGE_POINTS = 3000  # the same of the leakage over it
+_POINTS = 2000  # samples of a channel that are drawn, with the lowest and highest of every stretch
+_LEAKAGE_POINTS = 3000  # the same of the leakage over it
 LINES = 60  # most events that are marked through all curves; the lane above them shows every one
 LABELLED = 20  # with more shifts the figure is too narrow for their gears
 MARKED = 800  # most suspect samples and breaks of a log that are marked
@@ -55,7 +55,6 @@ def log_channels(
     marked: Sequence[Event] = (),
     formulas: Sequence[FormulaChannel] = (),
     over: LaidOver | None = None,
-    points: int = _POINTS,
 ) -> Figure:
     """Draw the events and the channels of a log one above the other, suspect samples crossed, breaks dotted.
 
@@ -69,8 +68,6 @@ def log_channels(
         channels that were computed from this log's.
     over
         another log to lay over it, dashed.
-    points
-        of a channel that are drawn; every stretch keeps its lowest and highest sample.
     """
     channels = [channel for channel in test.channels.values() if channel.samples]
     inside = [each for each in marked if each.stop >= test.time[0] and each.start <= test.time[-1]]
@@ -81,7 +78,7 @@ def log_channels(
     figure = Figure(max(rows, 1), min(0.02, 0.2 / max(rows, 1)), heights or None)
     if inside:
         _lane(figure, inside, kinds, test, say)
-    drawing = _Drawing(figure, test, points, over)
+    drawing = _Drawing(figure, test, over)
     for row, channel in enumerate(channels, start=1 + lane):
         unit, convert = scales.get(channel.quantity, (channel.unit, as_it_is))
         shown = _Shown(say(f"log_quantities.{channel.quantity}"), unit, convert, row, channel.quantity in _STEPS)
@@ -117,7 +114,6 @@ class _Drawing:
 
     figure: Figure
     test: RoadTest
-    points: int
     over: LaidOver | None
 
     def channel(self, channel: Channel, shown: _Shown, laid_over: bool = False) -> None:
@@ -139,7 +135,7 @@ class _Drawing:
             self.figure.update_yaxes(title=f"{words}<br>[{shown.unit}]" if shown.unit else words, row=shown.row)
         if not len(values):
             return
-        keep = thinned([values], self.points)
+        keep = thinned([values], _POINTS)
         self.figure.add_scatter(
             x=time[keep] + shift,
             y=shown.convert(values[keep]),
@@ -239,7 +235,7 @@ def _mark(figure: Figure, test: RoadTest, inside: Sequence[Event], say: Wording)
     figure.update_layout(shapes=shapes, annotations=notes if len(notes) <= LABELLED else [])
 
 
-def road_leakage(road: RoadLeakage, limits: Limits, say: Wording, points: int = LEAKAGE_POINTS) -> Figure:
+def road_leakage(road: RoadLeakage, limits: Limits, say: Wording) -> Figure:
     """Draw leakage, pump flow and share with the edges of its bands over a log, one above the other.
 
     Without a logged engine speed there is no pump flow and no share, and only leakage is drawn.
@@ -252,10 +248,8 @@ def road_leakage(road: RoadLeakage, limits: Limits, say: Wording, points: int = 
         whose bands of the total share are drawn.
     say
         the words of a language.
-    points
-        of a series that are drawn; every stretch keeps its lowest and highest sample.
     """
-    series = road_series(road, points)
+    series = road_series(road, _LEAKAGE_POINTS)
     with_share = "share_percent" in series.columns
     figure = Figure(3 if with_share else 1, 0.06)
     curves = [("leakage_dm3_min", "leakage_row", "flow", SCREEN.leakage, "solid")]

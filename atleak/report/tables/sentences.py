@@ -11,8 +11,8 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey
-from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
-from atleak.common.wording import Wording, isolated, wording
+from atleak.common.units import DM3_MIN, KPA, PERCENT
+from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import Crossing, LandDiagnosis
@@ -191,12 +191,6 @@ def _grown(growth: float) -> str:
     if abs(growth) < 0.5 / PERCENT:
         return "not grown"
     return f"grown by {growth * PERCENT:.0f} %" if growth >= 0.0 else f"{-growth * PERCENT:.0f} % less than new"
-
-
-def covered_from(diagnosis: Diagnosis, projection: Projection) -> str:
-    """Say from which engine speed the pump covers the leakage of a condition, and which consumers that speed counts."""
-    speed = f"{projection.minimum_speed * RPM:.0f} rpm"
-    return f"the pump covers this leakage and its own slip from {speed}; {counted_in_speed(diagnosis, wording('en'))}"
 
 
 def position_sentence(diagnosis: Diagnosis, projection: Projection, say: Wording) -> str:
