@@ -272,11 +272,6 @@ def gauge_banner(check: PressureCheck) -> None:
     _BOX[look_of(verdict).box](f"**{say.signed(verdict)}**{plain(said)}")
 
 
-def rounded(value: float) -> str:
-    """Return a number with three digits and every digit before the decimal point: ``1.65``, ``92.7``, ``2346``."""
-    return f"{value:.0f}" if abs(value) >= 99.95 else f"{value:.3g}" if abs(value) >= 0.001 else f"{value:z.3f}"
-
-
 def records(rows: list[dict[str, Any]], **options: Any) -> None:
     """Show plain rows; numbers have up to six digits."""
     frame = pd.DataFrame(rows)

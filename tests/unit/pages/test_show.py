@@ -1,4 +1,4 @@
-"""Numbers, charts and drawings as the pages show them."""
+"""Charts and drawings as the pages show them."""
 
 from __future__ import annotations
 
@@ -10,14 +10,6 @@ from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.charts.drawing import controller_svg, on_dark, spool_svg
 from atleak.report.charts.land_figures import land_wear, leakage_ranking
-
-
-def test_means_have_sensible_digits() -> None:
-    from pages.shared.show import rounded
-
-    assert [rounded(value) for value in (2.8, 1.6512, 92.715, 99.97, 2345.6, 0.0, -0.0, 1e-9)] == [
-        "2.8", "1.65", "92.7", "100", "2346", "0.000", "0.000", "0.000",
-    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("theme", "paper"), [("light", "#ffffff"), ("dark", "#10171c")])
