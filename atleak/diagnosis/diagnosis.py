@@ -638,7 +638,7 @@ class Diagnosis:
     @property
     def vacuum_rules(self) -> tuple[Rule, ...]:
         """Return the rules that lands under one plug are past together; within them none of the lands is measured."""
-        of_several = [each.decided.rule for each in self.vacuum if each.decided and len(each.lands) > 1]
+        of_several = [each.decided.rule for each in self.vacuum if each.decided and (len(each.lands) > 1 or each.open)]
         return tuple(rule for rule in of_several if rule.verdict.flagged)
 
     @property

@@ -178,7 +178,7 @@ def diagnose(
         *([fresh_assumed(fluid)] if fluid_state_assumed else ()),
         *sheet_messages(readings, measured_at, uncertainty, road_test, mileage),
         *(vacuum.messages if vacuum else ()),
-        *vacuum_messages(findings, assumptions),
+        *(vacuum_messages(findings, vacuum.stand, assumptions) if vacuum else ()),
     ]
     return Diagnosis(
         readings=readings,

@@ -48,6 +48,7 @@ from atleak.measurements.vacuum import LeakClearance, VacuumReading, VacuumStand
 ORIFICES = (0.25e-3, 0.5e-3, 1.0e-3)  # [m] that stands of the trade are fitted with
 GROWN = 0.2  # of the leak of the widest new lands, that a pass mark lets by: choice of this project
 COVERAGE = 0.95
+_MOST_DISCHARGE = 1.1  # C_d of an orifice, up to which a calibration is believed: it is under 1, and readings err
 _DRAWS = 4096
 _LEAST = 0.02 / IN_HG  # [Pa] below ambient, that a reading is taken for at least: none tells no clearance
 _SURE = 0.975  # probability from which a difference is significant, to either side
@@ -143,13 +144,27 @@ def flow_of_reading(table: VacuumTable, reading: VacuumReading, assumptions: Ass
     Raises
     ------
     InputError
-        where nothing tells it.
+        where nothing tells it, and where a calibration says more than an orifice can pass.
     """
     found = stand_flow(table, reading.orifice, assumptions)
     if found is None:
         expected = Sentence("the diameter of the stand's orifice, a calibration with a known one, or its C_d A")
         problem = Sentence("nothing tells how much air the stand draws")
         raise InputError(problem, place=reading.place, expected=expected)
+    whole = math.inf if reading.orifice is None else 0.25 * math.pi * reading.orifice**2
+    if found.known and found.area > _MOST_DISCHARGE * whole:
+        made = table.calibrations_of(reading.orifice)
+        raise InputError(
+            Sentence("the stand cannot draw through more than its own orifice"),
+            place=made[0].place if made else reading.place,
+            value=Sentence("C_d A {area:.2f} mm²", area=found.area * 1e6),
+            expected=Sentence(
+                "no more than the {whole:.2f} mm² of an orifice of {diameter:g} mm: check orifices and readings of the "
+                "calibration",
+                whole=whole * 1e6,
+                diameter=(reading.orifice or 0.0) * 1e3,
+            ),
+        )
     return found
 
 
@@ -284,7 +299,7 @@ def with_vacuum(
     leaks = {
         lands[0].key: _leak(tests, _last_state(group), lands[0], number)
         for number, (group, lands) in enumerate(tests.groups)
-        if len(lands) == 1
+        if len(lands) == 1 and _last_state(group)[-1].vacuum > assumptions.vacuum_gauge  # else no more than a bound
     }
     if not leaks:
         return tuple(states)
@@ -390,7 +405,10 @@ def _finding(
     lengths, split = tests.length(number, lands), tests.split(number, lands)
     cubes = _cubes(tests, readings, lands, number, lengths, tests.together(number, lands, split))
     sizes = np.array([land.nominal_diameter for land in lands])
+    last, gauge = readings[-1], tests.assumptions.vacuum_gauge
     drawn, clearance = np.cbrt(cubes), float(np.cbrt(cubes.mean()))
+    if last.vacuum <= gauge:  # it says no more than that they are so wide at least
+        clearance = interval_of(drawn, COVERAGE)[0]
     new, widest, high = (_common(lands, name) for name in ("new_clearance", "widest_new", "mounting_high"))
     decided = None
     if limits.wear is not None and high > 0.0:
@@ -404,8 +422,6 @@ def _finding(
     usual = np.array([[land.contact_length] for land in lands])
     passes = _cubes(tests, readings, lands, number, usual, 1.0) * float(np.sum(1.0 / usual[:, 0] * sizes))
     flows = _service_flow(cubes, lands, lengths, split, unit, tests.assumptions, number)
-    last = readings[-1]
-    gauge = tests.assumptions.vacuum_gauge
     return VacuumFinding(
         readings=tuple(readings),
         lands=tuple(lands),
@@ -500,13 +516,17 @@ def _change(
     return VacuumChange(worn[-1], repaired[-1], float(drawn.mean()), interval, significant)
 
 
-def vacuum_messages(findings: Iterable[VacuumFinding], assumptions: Assumptions = DEFAULTS) -> Iterator[Message]:
+def vacuum_messages(
+    findings: Iterable[VacuumFinding], stand: VacuumStand, assumptions: Assumptions = DEFAULTS
+) -> Iterator[Message]:
     """Yield what is to be said of a vacuum test beside its numbers.
 
     Parameters
     ----------
     findings
         all of the test.
+    stand
+        that was read.
     assumptions
         by which they were computed.
     """
@@ -515,9 +535,14 @@ def vacuum_messages(findings: Iterable[VacuumFinding], assumptions: Assumptions 
     if assumed:
         text = Sentence(
             "Vacuum test: the stand was not calibrated, so a discharge coefficient of {coefficient:g} is assumed for "
-            "its orifice",
-            coefficient=assumptions.discharge_coefficient,
+            "its orifice"
         )
+        if stand.calibrations:
+            text = Sentence(
+                "Vacuum test: no calibration says that it was made with the stand's orifice of this reading, so a "
+                "discharge coefficient of {coefficient:g} is assumed for it"
+            )
+        text = text.of(coefficient=assumptions.discharge_coefficient)
         yield Message("info", "vacuum_not_calibrated", text, assumed[0].place)
     for each in findings:
         target, place = Name(each.reading.target), each.reading.place
@@ -525,7 +550,7 @@ def vacuum_messages(findings: Iterable[VacuumFinding], assumptions: Assumptions 
         if each.open:
             text = Sentence(
                 "Vacuum test, {target}: {reading} {reading.unit} is hardly any vacuum, so {clearance} {clearance.unit} "
-                "is a lower bound: take a larger orifice",
+                "is a lower bound: check that the plug seals, or take a larger orifice",
                 target=target,
                 reading=shown,
                 clearance=in_um(each.interval[0]),
@@ -540,6 +565,14 @@ def vacuum_messages(findings: Iterable[VacuumFinding], assumptions: Assumptions 
                 clearance=in_um(each.interval[1]),
             )
             yield Message("info", "vacuum_tight", text, place)
+        if len(each.readings) > 1:
+            text = Sentence(
+                "Vacuum test, {target}: {readings} {first.unit} count together",
+                target=target,
+                readings=[Quantity(one.vacuum * IN_HG, "vacuum", 1) for one in each.readings],
+                first=shown,
+            )
+            yield Message("info", "vacuum_read_again", text, place)
         if len(each.lands) > 1 and each.verdict.flagged:
             text = Sentence(
                 "Vacuum test, {target}: {count} lands leak together as if each had {clearance} {clearance.unit}, new "

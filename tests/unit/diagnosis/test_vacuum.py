@@ -404,3 +404,50 @@ def test_pass_marks_of_a_calibrated_stand_are_with_its_own_orifices(five_speed: 
     stand = VacuumStand(calibrations=(Calibration(0.5e-3, 60e3, 0.7e-3), Calibration(1e-3, 25e3, 0.7e-3)))
     assert {mark.orifice for mark in pass_marks(five_speed, stand)} == {0.7e-3}
     assert {mark.orifice for mark in pass_marks(five_speed, replace(STAND, flow_area=5e-7))} == {None}
+
+
+@pytest.mark.parametrize(("known", "refused"), [(0.5e-3, False), (1.0e-3, True)])
+def test_a_calibration_that_the_stands_orifice_cannot_have_is_refused(
+    diagnosed: Callable[..., Diagnosis], five_speed: Controller, known: float, refused: bool
+) -> None:
+    land = five_speed.lands[0]
+    reading = replace(plug([land], [14e-6]), orifice=0.5e-3)
+    # air is choked in the stand's orifice: before it like ones in a row hold four fifths of the ambient pressure
+    stand = replace(STAND, calibrations=(Calibration(known, 5.7 / IN_HG, 0.5e-3, Place("vacuum.csv", row=4)),))
+    if refused:
+        with pytest.raises(InputError, match=r"row 4.*cannot draw through more than its own orifice.*C_d A 0\.6"):
+            diagnosed(reading, stand=stand)
+    else:
+        assert diagnosed(reading, stand=stand).vacuum[0].stand.known
+
+
+def test_a_calibration_that_fits_no_reading_is_told(
+    diagnosed: Callable[..., Diagnosis], five_speed: Controller
+) -> None:
+    readings = [plug([land], [width]) for land, width in zip(five_speed.lands[:2], (8e-6, 45e-6), strict=True)]
+    assert readings[0].orifice != readings[1].orifice
+    stand = replace(STAND, calibrations=(Calibration(0.5e-3, 5.7 / IN_HG),))
+    told = [each.text for each in diagnosed(*readings, stand=stand).messages if each.code == "vacuum_not_calibrated"]
+    assert len(told) == 1
+    assert "no calibration says" in told[0]
+
+
+def test_hardly_any_vacuum_is_a_lower_bound_and_measures_no_land(
+    diagnosed: Callable[..., Diagnosis], five_speed: Controller
+) -> None:
+    land = five_speed.lands[0]
+    diagnosis = diagnosed(replace(plug([land], [14e-6]), vacuum=0.1 / IN_HG, orifice=0.5e-3))
+    found = diagnosis.vacuum[0]
+    assert found.open
+    assert found.clearance == found.interval[0]
+    assert not any(each.state.measured for each in diagnosis.lands)
+    assert found.verdict.flagged
+    assert diagnosis.verdict.flagged
+    assert any("check that the plug seals" in each.text for each in diagnosis.messages)
+
+
+def test_a_land_read_twice_names_both_readings(diagnosed: Callable[..., Diagnosis], five_speed: Controller) -> None:
+    first = plug([five_speed.lands[0]], [14e-6])
+    diagnosis = diagnosed(first, replace(first, vacuum=first.vacuum - 1.0 / IN_HG))
+    told = next(each.text for each in diagnosis.messages if each.code == "vacuum_read_again")
+    assert f"{first.vacuum * IN_HG:.1f}, {first.vacuum * IN_HG - 1.0:.1f} in-Hg" in told
