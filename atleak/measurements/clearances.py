@@ -267,8 +267,8 @@ def with_leak(state: LandClearance, uncertainty: float, leak: LeakClearance) -> 
     Returns
     -------
     LandClearance
-        with the mean of both cubes, weighted by their inverse variances. Where they differ by more than
-        `CONTRADICTION` uncertainties there is no mean: a tighter bore read after its repair counts alone, as its
+        with the mean of both cubes, weighted by their inverse variances at that common clearance: those of the
+        clearances. Where these differ by more than `CONTRADICTION` uncertainties there is no mean: a tighter bore read after its repair counts alone, as its
         diameters are then those before it; else the wider counts until one of them is measured again. A message says
         so.
 
@@ -281,9 +281,8 @@ def with_leak(state: LandClearance, uncertainty: float, leak: LeakClearance) -> 
     if state.status != "measured":
         return _as_leaking(alone, leak, leak.clearance, 1.0)
     own = flow_equal_clearance(max(state.radial_clearance, 0.0), *state.form_moments)
-    variances = [(3.0 * c * c * u) ** 2 for c, u in ((own, uncertainty), (leak.clearance, leak.standard_uncertainty))]
-    apart = abs(own**3 - leak.clearance**3) - CONTRADICTION * math.sqrt(sum(variances))
-    if apart > 0.0:
+    by_diameters, by_leak = uncertainty**2, leak.standard_uncertainty**2
+    if abs(own - leak.clearance) > CONTRADICTION * math.sqrt(by_diameters + by_leak):
         wider = leak.clearance > own
         if leak.reading.repaired and not wider:
             text = Sentence(
@@ -310,7 +309,7 @@ def with_leak(state: LandClearance, uncertainty: float, leak: LeakClearance) -> 
             messages=(*state.messages, Message("warning", "vacuum_contradicts", text, leak.reading.place)),
         )
         return _as_leaking(doubted, leak, leak.clearance if wider else own, float(wider))
-    weight = variances[0] / sum(variances) if sum(variances) else 0.5
+    weight = by_diameters / (by_diameters + by_leak) if by_diameters + by_leak else 0.5
     return _as_leaking(state, leak, math.cbrt((1.0 - weight) * own**3 + weight * leak.clearance**3), weight)
 
 

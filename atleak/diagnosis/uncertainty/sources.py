@@ -368,14 +368,12 @@ def _with_leak(state: LandClearance, sources: Iterable[UncertaintySource]) -> It
     leak, weight = state.leak, state.leak_weight
     if leak is None:
         return sources
-    mean = max(state.radial_clearance, leak.clearance if weight == 1.0 else 0.0)
-    by_leak = weight * (leak.clearance / mean) ** 2 if mean else weight
     kept = [replace(each, standard_uncertainty=each.standard_uncertainty * (1.0 - weight)) for each in sources]
     of_leak = zip(VACUUM_KINDS, (leak.u_reading, leak.u_stand, leak.u_position, leak.u_length), strict=True)
     return [
         *(each for each in kept if weight < 1.0),
         *(
-            UncertaintySource(kind, None, by_leak * u, "vacuum stand" if kind == "vacuum stand" else None)
+            UncertaintySource(kind, None, weight * u, "vacuum stand" if kind == "vacuum stand" else None)
             for kind, u in of_leak
         ),
     ]

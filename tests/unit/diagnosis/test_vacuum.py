@@ -27,8 +27,9 @@ from atleak.diagnosis.uncertainty.draws import interval_of
 from atleak.diagnosis.vacuum import GROWN, pass_marks
 from atleak.engine.profile import WORKSHOP
 from atleak.equations.vacuum import air_viscosity, circuit_pressure
+from atleak.measurements.clearances import clearances, with_leak
 from atleak.measurements.readings import Readings
-from atleak.measurements.vacuum import Calibration, VacuumReading, VacuumStand, VacuumTable
+from atleak.measurements.vacuum import Calibration, LeakClearance, VacuumReading, VacuumStand, VacuumTable
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.tables.first_sentence import first_sentence
 
@@ -164,7 +165,7 @@ def of_diameters(
     return readings_of(controller, {land.key: (size, size + 2.0 * clearance)})
 
 
-def test_diameters_and_vacuum_are_weighed_by_the_inverse_variance_of_the_cube(
+def test_cubes_of_diameters_and_vacuum_are_weighed_by_the_inverse_variance_of_the_clearance(
     diagnosed: Callable[..., Diagnosis], five_speed: Controller, readings_of: Callable[..., Readings]
 ) -> None:
     land = five_speed.land("boost_valve", 2)
@@ -177,12 +178,29 @@ def test_diameters_and_vacuum_are_weighed_by_the_inverse_variance_of_the_cube(
         (24e-6, both_u(both, land)),
         (by_leak.state.radial_clearance, by_leak.uncertainty.u_clearance),
     ):
-        cubes.append((clearance**3, (3.0 * clearance**2 * u) ** -2))
+        cubes.append((clearance**3, u**-2))
     expected = np.average([cube for cube, _ in cubes], weights=[weight for _, weight in cubes]) ** (1 / 3)
     assert state.state.status == "measured"
     assert state.state.radial_clearance == pytest.approx(expected, rel=1e-3, abs=0.0)
     assert 24e-6 < state.state.radial_clearance < by_leak.state.radial_clearance
-    assert state.uncertainty.u_clearance < min(both_u(both, land), by_leak.uncertainty.u_clearance)
+    assert state.uncertainty.u_clearance == pytest.approx(sum(weight for _, weight in cubes) ** -0.5, rel=1e-3, abs=0.0)
+
+
+@pytest.mark.parametrize(
+    ("own", "u_own", "by_leak", "u_leak"), [(10, 3, 18, 2), (4, 4, 12, 1.5), (-2, 3, 5, 1), (14, 1.5, 8, 3)]
+)
+def test_the_narrower_of_two_clearances_does_not_win_for_being_narrow(
+    own: float, u_own: float, by_leak: float, u_leak: float, five_speed: Controller
+) -> None:
+    new = clearances(None, five_speed, temperature=20.0)[0]
+    measured = replace(new, status="measured", radial_clearance=own * 1e-6)
+    reading = VacuumReading("", None, (new.land.key,), 5e4)
+    found = with_leak(measured, u_own * 1e-6, LeakClearance(by_leak * 1e-6, u_leak * 1e-6, 0.0, 0.0, 0.0, reading))
+    weight = u_own**2 / (u_own**2 + u_leak**2)
+    assert not found.contradicted
+    assert found.leak_weight == pytest.approx(weight, rel=1e-9, abs=0.0)
+    mean = (1.0 - weight) * own + weight * by_leak
+    assert mean * 0.99 <= found.radial_clearance * 1e6 <= mean + 2.5  # the mean of cubes is a little wider
 
 
 def both_u(diagnosis: Diagnosis, land: Land) -> float:
