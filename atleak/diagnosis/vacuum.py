@@ -95,8 +95,8 @@ class VacuumFinding:
     new_clearance: float  # [m] common to all, when new
     widest_new: float  # [m] likewise, of the widest new lands
     each: tuple[LandShare, ...]  # none where there is but one
-    passes: float  # [m³] Σ D c³/l with every spool concentric
-    u_passes: float  # [m³] standard uncertainty of it by gauge and stand
+    passes: float  # [m³] Σ D c³/l with every spool concentric; at least, where `open`
+    u_passes: float  # [m³] standard uncertainty of it by gauge and stand; of a bound, by the stand
     leakage: float  # [m³/s] at hot idle, or the stated condition
     leakage_interval: Interval  # [m³/s]
     decided: RuleDecision | None  # by the wear limits on the common clearance; None where the set has none
@@ -238,10 +238,14 @@ class _Tests:
         return np.maximum(nominal + drawn, 0.1 * nominal)
 
     def air_flow(self, reading: VacuumReading, seed: int, *, gauge: bool = True, stand: bool = True) -> tuple[Any, Any]:
-        """Return the flow of air [kg/s] that a reading tells, and the pressure in the circuit [Pa], drawn."""
+        """Return the flow of air [kg/s] that a reading tells, and the pressure in the circuit [Pa], drawn.
+
+        A reading above the supply is one of the closed stand: half of the draws leak, none tells that nothing does.
+        """
         flow = self.flow_of(reading)
-        off = self.assumptions.vacuum_gauge * (2.0 * stream_of(SEED, 74, seed).random(_DRAWS) - 1.0) * gauge
-        vacuum = np.clip(reading.vacuum + off, _LEAST, self.stand.ambient)
+        half = max(self.assumptions.vacuum_gauge, _LEAST)
+        off = half * (2.0 * stream_of(SEED, 74, seed).random(_DRAWS) - 1.0) * gauge
+        vacuum = np.clip(min(reading.vacuum, self.stand.supply) + off, _LEAST, self.stand.supply)
         area = flow.area * np.exp(flow.relative_uncertainty * self._of_stand * stand)
         pressure = self.stand.ambient - vacuum
         supply = self.stand.ambient - self.stand.supply
@@ -407,7 +411,8 @@ def _finding(
     sizes = np.array([land.nominal_diameter for land in lands])
     last, gauge = readings[-1], tests.assumptions.vacuum_gauge
     drawn, clearance = np.cbrt(cubes), float(np.cbrt(cubes.mean()))
-    if last.vacuum <= gauge:  # it says no more than that they are so wide at least
+    is_open = last.vacuum <= gauge  # it says no more than that they are so wide at least
+    if is_open:
         clearance = interval_of(drawn, COVERAGE)[0]
     new, widest, high = (_common(lands, name) for name in ("new_clearance", "widest_new", "mounting_high"))
     decided = None
@@ -421,6 +426,10 @@ def _finding(
         decided = decide_rule(rule, (spread,) * len(reached), reached, guard_factor, skewed=True, interval=ends)
     usual = np.array([[land.contact_length] for land in lands])
     passes = _cubes(tests, readings, lands, number, usual, 1.0) * float(np.sum(1.0 / usual[:, 0] * sizes))
+    passed, u_passed = float(passes.mean()), float(passes.std())
+    if is_open:
+        passed = interval_of(passes, COVERAGE)[0]
+        u_passed = passed * tests.flow_of(last).relative_uncertainty
     flows = _service_flow(cubes, lands, lengths, split, unit, tests.assumptions, number)
     return VacuumFinding(
         readings=tuple(readings),
@@ -431,14 +440,14 @@ def _finding(
         new_clearance=new,
         widest_new=widest,
         each=_shares(tests, last, lands, number, lengths) if len(lands) > 1 else (),
-        passes=float(passes.mean()),
-        u_passes=float(passes.std()),
+        passes=passed,
+        u_passes=u_passed,
         leakage=float(flows.mean()),
         leakage_interval=interval_of(flows, COVERAGE),
         decided=decided,
         change=_change(tests, group, lands, number, lengths, split),
         tight=last.vacuum >= tests.stand.supply - gauge,
-        open=last.vacuum <= gauge,
+        open=is_open,
     )
 
 

@@ -268,9 +268,9 @@ def with_leak(state: LandClearance, uncertainty: float, leak: LeakClearance) -> 
     -------
     LandClearance
         with the mean of both cubes, weighted by their inverse variances at that common clearance: those of the
-        clearances. Where these differ by more than `CONTRADICTION` uncertainties there is no mean: a tighter bore read after its repair counts alone, as its
-        diameters are then those before it; else the wider counts until one of them is measured again. A message says
-        so.
+        clearances. Where these differ by more than `CONTRADICTION` uncertainties there is no mean: a tighter bore read
+        after its repair counts alone, as its diameters are then those before it; else the wider counts until one of
+        them is measured again. A message says so.
 
     Notes
     -----

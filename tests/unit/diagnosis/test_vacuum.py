@@ -393,6 +393,43 @@ def test_a_gauge_at_its_end_is_a_bound(
     assert [each.code for each in diagnosed(reading).messages if each.code in ("vacuum_tight", "vacuum_open")] == [code]
 
 
+@pytest.mark.parametrize("gauge", [0.5, 0.0])
+@pytest.mark.parametrize("several", [False, True])
+def test_more_than_the_supply_is_an_upper_bound(
+    several: bool, gauge: float, diagnosed: Callable[..., Diagnosis], five_speed: Controller
+) -> None:
+    lands = five_speed.lands_around(five_speed.circuits[0].id) if several else [five_speed.land("boost_valve", 2)]
+    keys = tuple(land.key for land in lands)
+    assumptions = DEFAULTS.with_settings({"vacuum_gauge_in_hg": gauge})
+    supply, above = (
+        diagnosed(VacuumReading("", None, keys, STAND.supply + over / IN_HG, 1e-3), assumptions=assumptions)
+        for over in (0.0, 0.9)
+    )
+    (found,) = above.vacuum
+    assert found.tight
+    assert found.passes > 0.0
+    assert found.u_passes > 0.0
+    assert found.interval[0] == 0.0 < found.interval[1]
+    assert found.interval == supply.vacuum[0].interval
+    if not several:
+        land = above.uncertainty.land(lands[0].key)
+        assert land.u_clearance > 0.1 * found.clearance > 0.0
+
+
+def test_hardly_any_vacuum_tells_what_lands_pass_at_least(
+    diagnosed: Callable[..., Diagnosis], five_speed: Controller
+) -> None:
+    keys = tuple(land.key for land in five_speed.lands_around(five_speed.circuits[0].id))
+    none, least = (
+        diagnosed(VacuumReading("", None, keys, shows / IN_HG, 1e-3)).vacuum[0] for shows in (0.3, 0.8)
+    )  # a gauge that shows 0.3 in-Hg errs by no more than the half that makes 0.8 of it
+    assert none.open
+    assert not least.open
+    assert none.passes == pytest.approx(least.passes, rel=0.35, abs=0.0)
+    assert none.passes < least.passes
+    assert none.u_passes < 0.1 * none.passes
+
+
 def test_a_land_that_the_valve_body_does_not_have_is_refused(diagnosed: Callable[..., Diagnosis]) -> None:
     reading = VacuumReading("x/1", None, (("x", 1),), 5e4, 1e-3, place=Place("vacuum.csv", row=4))
     with pytest.raises(InputError, match="row 4: no such land"):
