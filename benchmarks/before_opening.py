@@ -12,7 +12,7 @@ reading errs by itself); lands are not measured. Counted is what `evidence_of` s
 - group: it, or one that no gauge can tell from it, is first;
 - circuit: the one that has lost most is first;
 - found, false: circuits that have truly lost the first limit or more, and those that have not, whose probability of it
-  is a half or more;
+  is `LIKELY` or more;
 - calibration: of what is said with a probability in one tenth, how much is true, where that is said `CASES` times;
 - CPU time of a job, diagnosis included.
 
@@ -40,7 +40,7 @@ from timing import options
 
 from atleak.catalogue.limits import load_limits
 from atleak.catalogue.repairs import LandKey
-from atleak.diagnosis.evidence import evidence_of
+from atleak.diagnosis.evidence import LIKELY, evidence_of
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.engine.operation import LINE
@@ -238,7 +238,7 @@ def judged(prior: Prior, unit: Unit, said: Said, groups: Mapping[LandKey, object
     numbers["circuit"] += next(each for each in circuits if each in lost) == max(lost, key=lambda each: lost[each])
     for tap, loss in lost.items():
         numbers["lost" if loss >= LIMIT else "sound"] += 1
-        numbers["found" if loss >= LIMIT else "alarms"] += said.circuits[tap] >= 0.5
+        numbers["found" if loss >= LIMIT else "alarms"] += said.circuits[tap] >= LIKELY
     of_lands = [(said.lands[key], bool(worn(unit.parts[LAND, key], unit.parts[NEW, key]))) for key in prior.lands]
     of_circuits = [(said.circuits[tap], bool(loss >= LIMIT)) for tap, loss in lost.items()]
     return Counts(numbers, {"land": of_lands, "circuit": of_circuits})

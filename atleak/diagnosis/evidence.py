@@ -33,7 +33,9 @@ from atleak.engine.operation import LINE
 from atleak.measurements.gauge_readings import LINE_TAP
 from atleak.measurements.measuring_plan import QUICK_LANDS, Plan
 
+LIKELY = 0.65  # from which probability on a circuit is said to have lost too much: 0.5 % false alarms by simulation
 NEXT = 3  # lands that are named to be measured next
+_FINEST = 0.1e-6  # [m]
 _ENDS = 0.025, 0.5, 0.975
 _EDGES = 0.5, 0.75, 0.88, 0.95  # of the bins of a reading, as parts of all that it may be; fine where lands are worn
 _BINS = len(_EDGES) + 1
@@ -136,15 +138,16 @@ class _Finder:
     def evidence(self) -> Evidence:
         lands = sorted(self._lands(), key=lambda each: (-each.loss, -each.probability))
         circuits = sorted(self._circuits(), key=lambda each: (-each.probability, -each.loss))
+        pump, worth = self._pump(), readings_by_value(self.diagnosis, NEXT)
         return Evidence(
             lands=tuple(lands),
             circuits=tuple(circuits),
-            pump=self._pump(),
+            pump=pump,
             seals=tuple(sorted(self._seals(), key=lambda each: -each.probability)),
-            next=readings_by_value(self.diagnosis, NEXT),
+            next=tuple(each for each in worth if each.value >= WORTH),
             effective_samples=min((each.effective for each in self.weighed.told), default=0.0),
             assumptions=self.assumptions,
-            thin=None if self._tells(lands, circuits) else _THIN,
+            thin=None if self._tells(lands, circuits, pump) else _THIN,
         )
 
     def _lands(self) -> Iterator[LandEvidence]:
@@ -156,9 +159,24 @@ class _Finder:
                 measured = key not in self.diagnosis.open_lands
                 group, worn = groups.get(key), self.worn(told, key)
                 alike = [self.worn(told, each) for each in told.now if group is not None and groups.get(each) == group]
-                probability, of_group = float(np.mean(worn)), float(np.mean(np.any([worn, *alike], axis=0)))
+                usual = self._usual(land, now) if measured else None
+                probability = float(np.average(worn, weights=usual))
+                of_group = float(np.mean(np.any(alike, axis=0))) if alike else probability
                 costs = self.explains(key, read=True)
                 yield LandEvidence(land, probability, middle, low, high, costs, group, of_group, measured)
+
+    def _usual(self, land: Land, clearance: np.ndarray) -> np.ndarray:
+        """Return how usual a clearance is of a used unit: what a measurement cannot tell stays as it was assumed.
+
+        It is the density of lands that were new anywhere in their range, some of them worn since.
+        """
+        u, (low, high), now = self.assumptions, land.mounting_range, np.asarray(clearance, float)
+        spread = max(u.mounting_clearance, 0.5 * (land.mounting_tolerance or 0.0), _FINEST)
+        low, high, mean = low - spread, high + spread, max(u.land_wear, _FINEST)
+        new = (low <= now) & (now <= high)
+        gone = np.exp(-(now - np.clip(now, low, high)) / mean) - np.exp(-np.maximum(now - low, 0.0) / mean)
+        density = (1.0 - u.worn_lands) * new + u.worn_lands * gone
+        return density if density.any() else np.ones_like(density)
 
     def worn(self, told: Told, key: LandKey) -> np.ndarray:
         """Return in which draws a land is worn: its clearance has grown past its first limit for wear."""
@@ -263,11 +281,15 @@ class _Finder:
         past = [each.probability_over_limit or 0.0 for each in self.diagnosis.pump.decisions]
         return PumpEvidence(max(past, default=float(np.mean(slip >= PUMP_WORN))), middle, low, high)
 
-    def _tells(self, lands: Iterable[LandEvidence], circuits: Iterable[CircuitEvidence]) -> bool:
+    def _tells(
+        self, lands: Iterable[LandEvidence], circuits: Iterable[CircuitEvidence], pump: PumpEvidence | None
+    ) -> bool:
         """Tell whether anything was measured of a land, or the evidence moves the probability of anything."""
-        prior = self.assumptions.worn_lands
-        moved = any(each.measured or each.probability > prior + _TELLS for each in lands)
-        return moved or bool(self.read) or any(each.probability > 0.5 for each in circuits)
+        u = self.assumptions
+        moved = [each.measured or each.probability > u.worn_lands + _TELLS for each in lands]
+        moved += [pump is not None and pump.probability > u.worn_pumps + _TELLS, bool(self.read)]
+        moved += [len(each.lands) > 1 for each in self.diagnosis.vacuum]
+        return any(moved) or any(each.probability > 0.5 for each in circuits)
 
 
 def _of_lands(rows: Mapping[Row, Mapping[LandKey, np.ndarray]]) -> dict[LandKey, float]:

@@ -23,7 +23,7 @@ from atleak.diagnosis.messages import messages_of, sheet_messages
 from atleak.diagnosis.road import diagnosed_road
 from atleak.diagnosis.rules import UnitRules, unit_rules
 from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR, Assumptions, UnitUncertainty, assess
-from atleak.diagnosis.vacuum import vacuum_findings, vacuum_messages, with_vacuum
+from atleak.diagnosis.vacuum import repaired_messages, vacuum_findings, vacuum_messages, with_vacuum
 from atleak.diagnosis.warm_up import warm_up
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import pressure_losses
@@ -179,6 +179,7 @@ def diagnose(
         *sheet_messages(readings, measured_at, uncertainty, road_test, mileage),
         *(vacuum.messages if vacuum else ()),
         *(vacuum_messages(findings, vacuum.stand, assumptions) if vacuum else ()),
+        *repaired_messages(findings, shown_before=bool(pressures or road_test or caught)),
     ]
     return Diagnosis(
         readings=readings,

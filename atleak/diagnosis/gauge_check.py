@@ -20,7 +20,7 @@ from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence, in_a_row
 from atleak.common.units import KPA, Quantity, gear_name
 from atleak.common.verdicts import Verdict, worst
-from atleak.diagnosis.flows import FlowFinding, log_likelihood
+from atleak.diagnosis.flows import FlowFinding, caught_error, log_likelihood
 from atleak.diagnosis.gauge_card import Expected, GaugeCard, StandsToExpected, held_at, point_of, standing_point
 from atleak.diagnosis.gauge_patterns import GaugeStanding, Pattern, Stands, find_patterns
 from atleak.diagnosis.missing import Cause, Missing
@@ -170,7 +170,9 @@ class Beside:
     def shared(self) -> tuple[Plug, ...]:
         """Return the plugs on several lands: one on a single land measured it."""
         several = (each for each in self.plugs if len(each.lands) > 1)
-        return tuple(Plug(tuple(land.key for land in each.lands), each.passes, each.u_passes) for each in several)
+        return tuple(
+            Plug(tuple(land.key for land in each.lands), each.passes, each.u_passes, each.open) for each in several
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -330,7 +332,9 @@ class _Checker:
     def weighed(self) -> Weighed:
         """Return it, kept with what it rests on."""
         log = None if self.beside.log is None else self.beside.log.road_test
-        rests_on = self.card, log and log.sha256, self.beside.flows, self.beside.plugs
+        card, sheet = self.card, self.card.readings
+        of_card = card.model, card.unworn, sheet and sheet.sha256, card.instruments, card.assumptions
+        rests_on = *of_card, self._in_log, self.beside.flows, self.beside.plugs
         owner = self.table if self.table.readings else log
         return self._weighed() if owner is None else kept_with(owner, "weighed", rests_on, self._weighed, most=1)
 
@@ -376,13 +380,10 @@ class _Checker:
             if point is not None and each.usual is not None and each.consumer is not None and each.consumer.after_line:
                 at = Operation.of(self.model, point)
                 others = consumed(at.network, at.held.required, at.held.required, after_line=True) - each.usual
-                likely = partial(
-                    log_likelihood,
-                    each.flow,
-                    usual=each.usual,
-                    spread=u.consumer_flow,
-                    reading=u.caught_flow,
-                )
+                # what is left is known no better than what the pump delivers
+                least = float(caught_error(each.flow, each.usual, 1.0))
+                reading = math.hypot(u.caught_flow, u.volumetric_efficiency * self.at_hand[point].pump_supply / least)
+                likely = partial(log_likelihood, each.flow, usual=each.usual, spread=u.consumer_flow, reading=reading)
                 yield FlowShown(point, float(others), likely)
 
     def _not_read(self, read: Iterable[tuple[str, OperatingPoint]]) -> Iterator[tuple[str, OperatingPoint]]:

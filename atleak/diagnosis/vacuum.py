@@ -594,6 +594,25 @@ def vacuum_messages(
             yield Message("warning", "vacuum_shared_leak", text, place)
 
 
+def repaired_messages(findings: Iterable[VacuumFinding], *, shown_before: bool) -> Iterator[Message]:
+    """Say that a repaired bore and what the unit showed in the car may be of two states.
+
+    Parameters
+    ----------
+    findings
+        all of the test.
+    shown_before
+        whether gauges, a log or a jug tell of the unit too.
+    """
+    repaired = [each.reading for each in findings if each.reading.repaired]
+    if repaired and shown_before:
+        text = Sentence(
+            "The vacuum test holds repaired bores: gauges, log and jug are taken as of the same state. Were they read "
+            "before the repair, leave the repaired readings out to find the cause"
+        )
+        yield Message("warning", "vacuum_repaired_since", text, repaired[0].place)
+
+
 # --- what a stand should show
 
 

@@ -121,11 +121,11 @@ class Assumptions:
                 raise unknown(Sentence("no such assumption"), key, names)
             name = names[key]
             number = decimal_number(str(given))
-            most = _MOST.get(name, math.inf)
-            if number is None or not 0.0 <= number * _UNITS[name][1] <= most:
-                expected = Sentence("0 or more")
+            least, most = _ENDS.get(name, (0.0, math.inf))
+            if number is None or not least <= number * _UNITS[name][1] <= most:
+                expected, size = Sentence("0 or more"), _UNITS[name][1]
                 if not math.isinf(most):
-                    expected = Sentence("a number from 0 to {most:g}", most=most / _UNITS[name][1])
+                    expected = Sentence("a number from {least:g} to {most:g}", least=least / size, most=most / size)
                 problem = Sentence("assumption {key} does not take this value", key=key)
                 raise InputError(problem, value=given, expected=expected)
             changes[name] = number * _UNITS[name][1]
@@ -133,7 +133,11 @@ class Assumptions:
 
 
 _UNITS: dict[str, tuple[str, float]] = {each.name: each.metadata["unit"] for each in fields(Assumptions)}
-_MOST = {"one_sided_wear": 1.0, "tested_position": 1.0}  # no more than all wear to one side, nor beyond the bore
+_ENDS = {  # least and most, where there can be no more: all wear to one side, a spool at its bore, nearly all parts worn
+    **dict.fromkeys(("one_sided_wear", "tested_position"), (0.0, 1.0)),
+    **dict.fromkeys(("worn_lands", "worn_seals", "worn_pumps", "sticking_regulators", "high_lines"), (0.0, 0.95)),
+    "discharge_coefficient": (0.3, 1.0),
+}
 
 DEFAULTS = Assumptions()
 NOTHING_ELSE = Assumptions(  # only the instruments err

@@ -152,6 +152,7 @@ class Plug:
     lands: tuple[LandKey, ...]
     passes: float  # [m³], F 1 of a concentric spool
     uncertainty: float  # [m³] one standard deviation
+    at_least: bool = False  # hardly any vacuum: they pass so much or more
 
 
 class PosteriorUnit:
@@ -239,8 +240,8 @@ class PosteriorUnit:
         if not as_judged:
             chances = stream_of(SEED, 15, seed)
             found = {key: self._with_unworn(each, *chances.random((2, draws))) for key, each in found.items()}
-        for number, plug in enumerate(self._plugs):
-            self._fill(plug, deviates, wear, found, stream_of(SEED, 16, seed, number))
+        for number, plugs in enumerate(self._joined):
+            self._fill(plugs, deviates, wear, found, stream_of(SEED, 16, seed, number))
         return UnitDraws(
             deviates,
             wear,
@@ -249,34 +250,48 @@ class PosteriorUnit:
             {land.key[0]: positions.of(land) for land in self._open},
         )
 
+    @cached_property
+    def _joined(self) -> list[list[Plug]]:
+        """Return the plugs, those in one that share lands that nobody measured."""
+        open_, joined = {land.key for land in self._open}, list[list[Plug]]()
+        for plug in self._plugs:
+            shares = [each for each in joined if any(open_ & set(plug.lands) & set(one.lands) for one in each)]
+            with_it = [*(one for each in shares for one in each), plug]
+            joined = [*(each for each in joined if each not in shares), with_it]
+        return joined
+
     def _fill(
         self,
-        plug: Plug,
+        plugs: Sequence[Plug],
         deviates: np.ndarray,
         wear: np.ndarray,
         measured: Mapping[LandKey, LandDraws],
         stream: np.random.Generator,
     ) -> None:
-        """Draw the lands of a plug anew, as likely as they are before gauges are read and together as what it passes.
+        """Draw the lands of plugs anew, as likely as they are before gauges are read and together as what each passes.
 
         Where the spool lay in the test is not known, and says nothing of where it lies in service.
         """
-        lands = [land for land in self._open if land.key in plug.lands]
+        keys = dict.fromkeys(key for plug in plugs for key in plug.lands)
+        lands = [land for land in self._open if land.key in keys]
         rows = [self.quantities.index((_LAND, land.key)) for land in lands]
         causes = [self.causes.index((_LAND, land.key)) for land in lands]
         tried, gone = self.prior.draw(stream, _TRIED)
-        factor = {
-            key[0]: np.asarray(eccentricity_factor(stream.random(_TRIED), 1.0)) for key in dict.fromkeys(plug.lands)
+        factor = {key[0]: np.asarray(eccentricity_factor(stream.random(_TRIED), 1.0)) for key in keys}
+        passes = {
+            land.key: factor[land.key[0]] * _passes(land, self._new(tried, land) + gone[cause])
+            for land, cause in zip(lands, causes, strict=True)
         }
-        passes = np.zeros(_TRIED)
-        for land, cause in zip(lands, causes, strict=True):
-            clearance = self._new(tried, land) + gone[cause]
-            passes += factor[land.key[0]] * _passes(land, clearance)
-        for key in set(plug.lands).intersection(measured):
+        for key in sorted(set(keys).intersection(measured)):
             clearance = stream.permutation(np.resize(measured[key].bore.clearance, _TRIED))
-            passes += factor[key[0]] * _passes(measured[key].land, clearance)
-        apart = (passes - plug.passes) / max(plug.uncertainty, _FINEST_PLUG * plug.passes)
-        weights = np.cumsum(np.exp(-0.5 * (apart**2 - np.min(apart**2))))
+            passes[key] = factor[key[0]] * _passes(measured[key].land, clearance)
+        apart = np.zeros(_TRIED)
+        for plug in plugs:
+            more = np.sum([passes[key] for key in plug.lands if key in passes], axis=0) - plug.passes
+            apart += (np.minimum(more, 0.0) if plug.at_least else more) ** 2 / (
+                max(plug.uncertainty, _FINEST_PLUG * plug.passes, 1e-18) ** 2
+            )
+        weights = np.cumsum(np.exp(-0.5 * (apart - np.min(apart))))
         places = np.searchsorted(weights, weights[-1] * stream.random(wear.shape[1])).clip(0, _TRIED - 1)
         deviates[rows], wear[causes] = tried[rows][:, places], gone[causes][:, places]
 

@@ -8,7 +8,7 @@ from typing import Any
 from atleak.common.units import KPA, PERCENT, UM
 from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.evidence import CircuitEvidence, Evidence, LandEvidence, evidence_of
+from atleak.diagnosis.evidence import LIKELY, CircuitEvidence, Evidence, LandEvidence, evidence_of
 from atleak.engine.profile import UNKNOWN
 from atleak.report.json.conditions import of_land
 from atleak.report.tables.before_opening import before_opening, flow_record
@@ -76,7 +76,7 @@ class _Words:
         if evidence.thin is not None:
             yield Text(say.sentence(evidence.thin))
             return
-        lost = [self._lost(each) for each in evidence.circuits if each.probability >= _LIKELY]
+        lost = [self._lost(each) for each in evidence.circuits if each.probability >= LIKELY]
         worn = [part for probability, part in self._parts() if probability >= _LIKELY]
         first = [part for _, part in self._parts()][:_NAMED]
         likely = say("likely.likely", parts=", ".join(worn[:_NAMED])) if worn else ""

@@ -14,16 +14,19 @@ from atleak.catalogue.fluid import load_fluid
 from atleak.catalogue.limits import load_limits
 from atleak.catalogue.pump import PumpClearances
 from atleak.catalogue.repairs import Complaint, LandKey
+from atleak.common.errors import Place
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.evidence import WORTH, evidence_of, readings_by_value
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty.posterior import Plug, PosteriorUnit
+from atleak.diagnosis.vacuum import pass_marks
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
 from atleak.job.case import Case, SourceFile
 from atleak.measurements.clearances import clearances
 from atleak.measurements.flow_readings import FlowReading, FlowTable
 from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, GaugeReading, PressureTable
+from atleak.measurements.vacuum import VacuumReading, VacuumStand, VacuumTable
 
 SAMPLES = Path(__file__).parents[3] / "sample_data"
 UNITS = {"five_speed_2005": "forward_clutch", "zf_6hp26": "clutch_a", "jatco_jf506e": "low_clutch"}
@@ -218,3 +221,56 @@ def test_a_pump_that_was_measured_is_as_worn_as_it_measures(side: float, worn: b
     assert (pump.probability > 0.95) is worn
     assert (pump.probability < 0.05) is not worn
     assert pump.low <= pump.growth <= pump.high
+
+
+def test_a_nearly_empty_jug_leaves_little_but_a_worn_pump() -> None:
+    evidence = [evidence_of(with_jug(litres)) for litres in (0.1, 0.4, 1.2)]
+    probabilities = [each.pump.probability for each in evidence]
+    assert probabilities == sorted(probabilities, reverse=True)
+    assert probabilities[0] > 0.95
+    assert min(each.effective_samples for each in evidence) > 100.0
+    assert all(each.thin is None for each in evidence)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_plugs_that_share_a_land_are_drawn_together(plugged, order: int) -> None:
+    diagnosis, (first, second) = plugged
+    third = next(land.key for land in diagnosis.controller.lands if land.key not in (first, second))
+    card, states = diagnosis.gauge_card, {each.land.key: each for each in diagnosis.model.clearances}
+
+    def passes(*keys: LandKey, width: float) -> float:
+        return sum(1.5 * states[key].spool_diameter * width**3 / states[key].land.contact_length for key in keys)
+
+    tight, leaky = (passes(first, second, width=10e-6), passes(second, third, width=50e-6))
+    plugs = [Plug((first, second), tight, 0.1 * tight), Plug((second, third), leaky, 0.1 * leaky)][::order]
+    unit = PosteriorUnit(card.model, card.sources, card.assumptions, [diagnosis.projection], plugs)
+    drawn = unit.clearances(unit.draw(unit.prior, 2048, 0))
+    worn = {key: float(np.mean(now - new > 4e-6)) for key, (now, new) in drawn.items()}
+    assert worn[third] > 0.95
+    assert max(worn[first], worn[second]) < 0.1
+
+
+def test_a_plug_with_hardly_any_vacuum_makes_its_lands_likelier_worn(plugged) -> None:
+    diagnosis, keys = plugged
+    card, passes = diagnosis.gauge_card, 5e-12
+    worn = []
+    for plugs in ((), [Plug(tuple(keys), passes, 0.05 * passes, at_least=True)]):
+        unit = PosteriorUnit(card.model, card.sources, card.assumptions, [diagnosis.projection], plugs)
+        drawn = unit.clearances(unit.draw(unit.prior, 2048, 0))
+        worn.append(np.mean(np.any([drawn[key][0] - drawn[key][1] > 4e-6 for key in keys], axis=0)))
+    assert worn[1] > 0.95 > 0.5 > worn[0]
+
+
+@pytest.mark.parametrize("name", ["zf_6hp26", "gm_4l60e"])
+def test_a_land_that_the_stand_passes_as_new_is_not_called_worn(name: str) -> None:
+    controller = load_controller(name)
+    marks = [each for each in pass_marks(controller, by_land=True) if each.orifice is not None][:4]
+    readings = [
+        VacuumReading(each.name, None, (each.lands[0].key,), each.new, each.orifice, False, Place("made", row=row))
+        for row, each in enumerate(marks)
+    ]
+    table = VacuumTable("made", "0" * 64, None, VacuumStand(), tuple(readings))
+    diagnosis = diagnose(controller, load_fluid("hipol_atf_iid"), load_limits("project_default"), vacuum=table)
+    found = {each.land.key: each.probability for each in evidence_of(diagnosis).lands}
+    for each in marks:
+        assert found[each.lands[0].key] < 0.3
