@@ -25,6 +25,7 @@ from atleak.measurements.flow_readings import FlowReading, FlowTable, consumer_o
 
 _USUAL_FROM = 1.960  # standard deviations below the usual flow, from which on a reading is as usual: wrong in 2.5 %
 _ENDS = 2.241  # of the jug's error, to each end of an interval: wrong in 1.25 % each, so that all is right in 95 %
+_EXACT = 0.001  # relative: a standard uncertainty of less counts as so much, none at all too
 _LEAST = 0.1  # of the usual flow: the error of a smaller one is that of so much
 
 
@@ -130,7 +131,7 @@ def caught_error(measured: Any, usual: Any, reading: float) -> Any:
     reading
         relative; of a flow below a tenth of the usual one it is as large as of that tenth.
     """
-    return reading * np.maximum(measured, _LEAST * np.asarray(usual))
+    return max(reading, _EXACT) * np.maximum(measured, _LEAST * np.asarray(usual))
 
 
 def left_over(measured: float, usual: float | None, spread: float, reading: float) -> tuple[float, float]:
@@ -191,7 +192,7 @@ def log_likelihood(measured: Any, left: Any, usual: Any, spread: float, reading:
     from scipy.special import log_ndtr  # dear to import, and seldom needed
 
     usual, left = np.broadcast_arrays(np.asarray(usual, float), np.asarray(left, float))
-    error, own = caught_error(measured, usual, reading), spread * usual
+    error, own = caught_error(measured, usual, reading), max(spread, _EXACT) * usual
     both = np.hypot(own, error)
     finite = np.where(np.isfinite(left), left, 0.0)
     limited = _log_normal(measured, np.maximum(finite, 0.0), error) + log_ndtr((usual - finite) / own)

@@ -147,6 +147,16 @@ def test_the_likelihood_is_a_density_of_each_draw() -> None:
     assert np.isfinite(log_likelihood(0.0, np.array([0.0, 50.0]), 1.0, 0.2, 0.04)).all()
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("spread", "jug"), [(0.0, 0.04), (0.2, 0.0), (0.0, 0.0)])
+def test_a_flow_that_is_taken_as_exact_has_a_likelihood_too(spread: float, jug: float) -> None:
+    left = np.array([0.0, 0.5, 0.6, 2.0, math.inf])
+    assert np.isfinite(log_likelihood(0.5, left[:-1], 1.0, spread, jug)).all()
+    assert np.argmax(log_likelihood(0.5, left, 1.0, spread, jug)) == 1
+    low, high = left_over(0.5, 1.0, spread, jug)
+    assert low < 0.5 < high < math.inf
+
+
 def test_the_assumptions_are_settable() -> None:
     assert DEFAULTS.settings["consumer_flow_percent"] == 20.0
     assert DEFAULTS.settings["caught_flow_percent"] == 4.0
