@@ -133,7 +133,7 @@ class Assumptions:
 
 
 _UNITS: dict[str, tuple[str, float]] = {each.name: each.metadata["unit"] for each in fields(Assumptions)}
-_ENDS = {  # least and most, where there can be no more: all wear to one side, a spool at its bore, nearly all parts worn
+_ENDS = {  # least and most: all wear to one side, a spool at its bore, nearly all parts worn
     **dict.fromkeys(("one_sided_wear", "tested_position"), (0.0, 1.0)),
     **dict.fromkeys(("worn_lands", "worn_seals", "worn_pumps", "sticking_regulators", "high_lines"), (0.0, 0.95)),
     "discharge_coefficient": (0.3, 1.0),
