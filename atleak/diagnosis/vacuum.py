@@ -97,8 +97,8 @@ class VacuumFinding:
     each: tuple[LandShare, ...]  # none where there is but one
     passes: float  # [m³] Σ D c³/l with every spool concentric; at least, where `open`
     u_passes: float  # [m³] standard uncertainty of it by gauge and stand; of a bound, by the stand
-    leakage: float  # [m³/s] at hot idle, or the stated condition
-    leakage_interval: Interval  # [m³/s]
+    leakage: float | None  # [m³/s] at hot idle, or the stated condition; None where no pressure is applied to them
+    leakage_interval: Interval | None  # [m³/s]
     decided: RuleDecision | None  # by the wear limits on the common clearance; None where the set has none
     change: VacuumChange | None
     tight: bool  # as good as closed: an upper bound
@@ -144,8 +144,18 @@ def flow_of_reading(table: VacuumTable, reading: VacuumReading, assumptions: Ass
     Raises
     ------
     InputError
-        where nothing tells it, and where a calibration says more than an orifice can pass.
+        where nothing tells it, where one flow area is stated for several orifices, and where a calibration says more
+        than an orifice can pass.
     """
+    uncalibrated = [each for each in table.readings if each.orifice and not table.calibrations_of(each.orifice)]
+    others = [each for each in uncalibrated if each.orifice != reading.orifice]
+    if table.stand.flow_area is not None and reading in uncalibrated and others:
+        raise InputError(
+            Sentence("the stand's flow area is that of one orifice, and readings state several"),
+            place=others[0].place,
+            value=f"{(others[0].orifice or 0.0) * 1e3:g} mm",
+            expected=Sentence("a calibration with each orifice, or no flow area"),
+        )
     found = stand_flow(table, reading.orifice, assumptions)
     if found is None:
         expected = Sentence("the diameter of the stand's orifice, a calibration with a known one, or its C_d A")
@@ -442,8 +452,8 @@ def _finding(
         each=_shares(tests, last, lands, number, lengths) if len(lands) > 1 else (),
         passes=passed,
         u_passes=u_passed,
-        leakage=float(flows.mean()),
-        leakage_interval=interval_of(flows, COVERAGE),
+        leakage=float(flows.mean()) if flows.any() else None,
+        leakage_interval=interval_of(flows, COVERAGE) if flows.any() else None,
         decided=decided,
         change=_change(tests, group, lands, number, lengths, split),
         tight=last.vacuum >= tests.stand.supply - gauge,

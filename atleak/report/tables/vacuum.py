@@ -15,7 +15,7 @@ from atleak.diagnosis.uncertainty import DEFAULTS, Assumptions
 from atleak.diagnosis.uncertainty.draws import Interval
 from atleak.diagnosis.vacuum import GROWN, LandShare, PassMark, VacuumChange, VacuumFinding, pass_marks
 from atleak.measurements.vacuum import VacuumStand
-from atleak.report.json.conditions import of_land
+from atleak.report.json.conditions import interval_ends, of_land, scaled
 from atleak.report.tables.names import component_words, land_number, land_words
 from atleak.report.tables.table import VERDICT, Column, Section, SectionPart, Table, Text, span
 
@@ -28,7 +28,6 @@ def vacuum_records(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 def _record(finding: VacuumFinding) -> dict[str, Any]:
     reading, change = finding.reading, finding.change
     low, high = finding.interval
-    least, most = finding.leakage_interval
     return {
         "circuit": reading.circuit,
         "target": reading.target,
@@ -43,9 +42,8 @@ def _record(finding: VacuumFinding) -> dict[str, Any]:
         "high_um": high * UM,
         "bound": "lower" if finding.open else "upper" if finding.tight else None,
         "new_clearance_um": finding.new_clearance * UM,
-        "leakage_dm3_min": finding.leakage * DM3_MIN,
-        "leakage_low_dm3_min": least * DM3_MIN,
-        "leakage_high_dm3_min": most * DM3_MIN,
+        "leakage_dm3_min": scaled(finding.leakage, DM3_MIN),
+        **interval_ends("leakage_{}_dm3_min", finding.leakage_interval, DM3_MIN),
         "verdict": finding.verdict,
         "alone_worn": [
             {**of_land(share.land.key), "low_um": share.low * UM, "high_um": share.high * UM} for share in finding.each
@@ -97,7 +95,9 @@ class _Words:
             return self.say("vacuum.at_most", value=high)
         return self._between(finding.clearance, finding.interval, UM, "clearance", 1)
 
-    def _leakage(self, finding: VacuumFinding) -> str:
+    def _leakage(self, finding: VacuumFinding) -> str | None:
+        if finding.leakage is None or finding.leakage_interval is None:
+            return None
         return self._between(finding.leakage, finding.leakage_interval, DM3_MIN, "leak", 3)
 
     def _between(self, value: float, ends: Interval, factor: float, kind: str, digits: int) -> str:

@@ -32,6 +32,8 @@ from atleak.measurements.readings import Readings
 from atleak.measurements.vacuum import Calibration, LeakClearance, VacuumReading, VacuumStand, VacuumTable
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.tables.first_sentence import first_sentence
+from atleak.report.tables.table import Table
+from atleak.report.tables.vacuum import vacuum_section
 
 STAND = VacuumStand()
 UNITS = ("five_speed_2005", "zf_6hp26", "gm_4l60e")
@@ -373,6 +375,33 @@ def test_a_calibrated_stand_needs_no_assumed_coefficient(five_speed: Controller,
     found = diagnose(five_speed, hipol, limits, vacuum=table(reading, stand=calibrated)).vacuum[0].stand
     assert found.area == pytest.approx(0.75 * math.pi / 4.0 * 1e-6, rel=1e-3, abs=0.0)
     assert found.known
+
+
+def test_a_flow_area_holds_for_one_orifice(diagnosed: Callable[..., Diagnosis], five_speed: Controller) -> None:
+    first, second = (plug([five_speed.land("boost_valve", number)], [25e-6], row=number + 1) for number in (1, 2))
+    first, second = replace(first, orifice=1e-3), replace(second, orifice=0.5e-3)
+    stand = replace(STAND, flow_area=0.15e-6)
+    with pytest.raises(InputError, match=r"row 3: the stand's flow area is that of one orifice.*found '0\.5 mm'"):
+        diagnosed(first, second, stand=stand)
+    for other in (replace(second, orifice=1e-3), replace(second, orifice=None)):
+        assert {each.stand.area for each in diagnosed(first, other, stand=stand).vacuum} == {0.15e-6}
+    calibrated = replace(stand, calibrations=(Calibration(0.5e-3, 5.7 / IN_HG, 0.5e-3),))
+    of_first, of_second = (each.stand.area for each in diagnosed(first, second, stand=calibrated).vacuum)
+    assert of_first == 0.15e-6 != of_second
+
+
+def test_a_circuit_without_pressure_at_hot_idle_leaks_nothing_to_tell(
+    diagnosed: Callable[..., Diagnosis], five_speed: Controller
+) -> None:
+    names = ("epc", "direct_clutch")
+    plugs = [plug(five_speed.lands_around(name), [20e-6] * 3, circuit=name, row=row) for row, name in enumerate(names)]
+    diagnosis = diagnosed(*plugs)
+    keys = ("leakage_dm3_min", "leakage_low_dm3_min", "leakage_high_dm3_min")
+    epc, direct = ([each[key] for key in keys] for each in diagnosis_record(diagnosis)["vacuum"])
+    assert all(epc)
+    assert direct == [None] * 3
+    rows = next(part for part in vacuum_section(diagnosis, wording("en")).parts if isinstance(part, Table))
+    assert [" to " in rows.texts(row)[-1] for row in rows.rows] == [True, False], rows.texts(rows.rows[1])
 
 
 def test_the_stand_s_error_is_one_for_all_lands(diagnosed: Callable[..., Diagnosis], five_speed: Controller) -> None:
