@@ -184,7 +184,7 @@ def in_the_car(page: Page) -> Part:
     idle(page)
     page.get_by_text("What is likely worn, and what").click()
     idle(page)
-    return Part(page.get_by_text("Forward clutch has lost").first, title(page))
+    return Part(page.get_by_text("Forward clutch has lost").last, title(page))
 
 
 def road_test(page: Page) -> Part:
