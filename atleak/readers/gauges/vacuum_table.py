@@ -79,8 +79,36 @@ class _Rows(Faults):
     readings: list[VacuumReading] = field(default_factory=list)
     calibrations: list[Calibration] = field(default_factory=list)
     stated: dict[str, float] = field(default_factory=dict)  # of the stand, in SI; temperatures in °C
+    supply_place: Place = Place()  # noqa: RUF009  frozen, so safe to share
     rows: int = 0  # that are to hold a reading
     unit: Unit | None = None  # of the supply's vacuum: that of all where none is stated
+
+    @property
+    def ambient(self) -> float:
+        """Return the pressure of the air [Pa], as stated or assumed."""
+        return self.stated.get("ambient", STANDARD_ATMOSPHERE)
+
+    @property
+    def supply(self) -> float:
+        """Return the supply's vacuum [Pa], as stated or assumed: then no more than the air's own pressure."""
+        return self.stated.get("supply", min(USUAL_SUPPLY, self.ambient))
+
+    def refuse_impossible(self) -> None:
+        """Note a supply of more vacuum than there is air, and calibrations that no stand can show."""
+        shown = self.unit or unit("in-Hg", "pressure")
+
+        def written(vacuum: float) -> str:
+            return f"{shown.from_si(vacuum):.4g} {shown.name}"
+
+        if self.supply > self.ambient:
+            problem = Sentence("more vacuum than the pressure of the air allows")
+            expected = Sentence("at most {vacuum}", vacuum=written(self.ambient))
+            self.refuse(problem, self.supply_place, written(self.supply), expected=expected)
+        for each in self.calibrations:
+            if not 0.0 < each.vacuum < self.supply:
+                problem = Sentence("no stand shows this with air coming in through a known orifice")
+                expected = Sentence("more than 0 and less than the supply's {vacuum}", vacuum=written(self.supply))
+                self.refuse(problem, each.place, written(each.vacuum), expected=expected)
 
 
 class _Targets:
@@ -191,6 +219,8 @@ class _Reader:
             value = self._in_si(row, amounts[0], asked, of, unit(usual, of) if usual else None)
             if value is not None:
                 self.rows.stated[label] = value
+                if label == "supply":
+                    self.rows.supply_place = self.table.place(row, amounts[0].column)
 
     def _amounts(self, row: int, column: int) -> list[_Amount]:
         """Return the numbers behind a label, each with the unit behind it, in the next cell or in the label."""
@@ -305,7 +335,7 @@ class _Reader:
         vacuum = table.value(
             self.rows, row, "reading", _VACUUM, "pressure", self.rows.unit, unit_beside=True, changed=_without_sign
         )
-        supply = self.rows.stated.get("supply", USUAL_SUPPLY)
+        supply = self.rows.supply
         if vacuum is not None and vacuum > supply + _OVER_SUPPLY:
             shown = self.rows.unit or unit("in-Hg", "pressure")
             expected = Sentence("0 to {supply:.4g} {unit}", supply=shown.from_si(supply), unit=shown.name)
@@ -366,7 +396,8 @@ def read_vacuum_table(source: str | Path | bytes, controller: Controller, *, nam
     ------
     VacuumTableError
         with all problems found: an unknown circuit, land, state or unit, a cell that is no vacuum, more vacuum than
-        the supply; or where the file as a whole holds no such table, or none filled in.
+        the supply, a supply of more than the air's pressure, a calibration that no stand can show; or where the file
+        as a whole holds no such table, or none filled in.
     """
     targets = _Targets(controller)
     missing = VacuumTableError(Sentence("holds no table of a vacuum test"), expected=_HEADINGS)
@@ -374,6 +405,7 @@ def read_vacuum_table(source: str | Path | bytes, controller: Controller, *, nam
     rows = _Rows()
     for table in held.tables:
         _Reader(table, targets, rows).read()
+    rows.refuse_impossible()
     if rows.problems:
         raise faults_together(rows.problems)
     if not rows.readings and (rows.rows or not rows.stated):
@@ -386,7 +418,7 @@ def read_vacuum_table(source: str | Path | bytes, controller: Controller, *, nam
         held.file,
         held.sha256,
         held.sheet,
-        VacuumStand(**rows.stated, calibrations=tuple(rows.calibrations)),
+        VacuumStand(**{**rows.stated, "supply": rows.supply}, calibrations=tuple(rows.calibrations)),
         tuple(rows.readings),
         (*held.notes, *_assumed(rows, Place(held.file)), *rows.messages),
     )
@@ -396,7 +428,7 @@ def _assumed(rows: _Rows, place: Place) -> Iterator[Message]:
     """Yield what of the stand is assumed because the table does not say it."""
     shown = rows.unit or unit("in-Hg", "pressure")
     stated = {
-        "supply": (USUAL_SUPPLY, Sentence("the table states no supply vacuum: {value:.4g} {unit} assumed")),
+        "supply": (rows.supply, Sentence("the table states no supply vacuum: {value:.4g} {unit} assumed")),
         "ambient": (STANDARD_ATMOSPHERE, Sentence("the table states no ambient pressure: {value:.4g} {unit} assumed")),
     }
     for name, (value, text) in stated.items():

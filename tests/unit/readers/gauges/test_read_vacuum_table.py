@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import datetime as dt
 import io
+import math
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,8 +17,10 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import VacuumTableError
 from atleak.common.translations import languages
 from atleak.common.wording import wording
+from atleak.diagnosis.vacuum import flow_of_reading
 from atleak.measurements.vacuum import STANDARD_ATMOSPHERE, USUAL_SUPPLY, VacuumTable
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
+from tests.unit.docs.pages import text_of
 
 INHG = 3386.389  # [Pa]
 
@@ -193,3 +197,30 @@ def test_a_workbook_and_the_date_that_a_spreadsheet_makes_of_a_land(unit: Contro
     said = refused(workbook(Stand=[*head, [dt.datetime(2026, 1, 8), 17.5]]), unit)
     assert "sheet 'Stand', row 3, column A: the spreadsheet made a date of a land" in said
     assert "holds no table of a vacuum test" in refused(workbook(Wrong=[["P", "R"], [1, 2]]), unit)
+
+
+def test_a_supply_of_more_vacuum_than_there_is_air_is_refused_and_never_assumed(unit: Controller) -> None:
+    high = "ambient,83.4,kPa\nforward_clutch,17.5,in-Hg,1 mm\n"
+    said = refused(f"{high}supply,25,in-Hg\n", unit)
+    assert all(part in said for part in ("row 3", "25 in-Hg", "at most 24.63 in-Hg")), said
+    table = read(high, unit)
+    assert table.stand.supply == table.stand.ambient == pytest.approx(83.4e3, abs=0.0)
+    (assumed,) = (each for each in table.messages if each.code == "supply_assumed")
+    assert "24.63 in-Hg" in str(assumed.text)
+
+
+@pytest.mark.parametrize("shown", ["0", "25", "26"])
+def test_a_calibration_that_no_stand_can_show_is_refused(shown: str, unit: Controller) -> None:
+    said = refused(f"supply,25,in-Hg\ncalibration,0.5 mm,{shown} in-Hg\nforward_clutch,17.5,in-Hg,1 mm\n", unit)
+    assert all(part in said for part in ("row 2", f"{shown} in-Hg", "less than the supply's 25 in-Hg")), said
+
+
+def test_the_stand_of_the_documented_table_is_calibrated_with_each_of_its_orifices(unit: Controller) -> None:
+    (text,) = re.findall(r"^```text\n(supply.*?)^```", text_of("docs/vacuum-and-flows.md"), re.MULTILINE | re.DOTALL)
+    table = read(text, unit)
+    assert {each.orifice for each in table.readings} == {0.5e-3, 1e-3}
+    for each in table.readings:
+        assert each.orifice is not None
+        flow = flow_of_reading(table, each)
+        assert flow.known
+        assert flow.area / (0.25 * math.pi * each.orifice**2) == pytest.approx(0.8, abs=0.02)
