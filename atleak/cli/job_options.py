@@ -172,9 +172,9 @@ def chosen_job(options: argparse.Namespace, *, may_be_new: bool = False) -> tupl
     from atleak.job.case import OWN_FILES, SLOTS, Reader, with_record
 
     if not may_be_new and all(getattr(options, name) is None for name in OWN_FILES):
-        problem = "there is nothing to diagnose: neither a measuring sheet nor a road test nor gauge readings are given"
+        given = "no measuring sheet, road test, gauge readings, vacuum test or flows are given"
         named = "READINGS, --road-test LOG, --pressures FILE, --vacuum FILE or --flows FILE"
-        options.refuse(f"{problem}; expected {named}")
+        options.refuse(f"there is nothing to diagnose: {given}; expected {named}")
     case = chosen_case(options)
     if options.job is None:
         return case, None

@@ -98,7 +98,7 @@ class _Words:
         if diagnosis.too_tight:
             return "tight"
         if diagnosis.verdict is Verdict.NOT_MEASURED:
-            return "not_measured"
+            return "flows" if diagnosis.flows else "not_measured"
         if diagnosis.vacuum_rules:
             return "vacuum"
         return "passed" if diagnosis.passed and not diagnosis.without_sheet else "so_far"

@@ -47,6 +47,13 @@ def test_without_them_the_record_has_none(record_of, small_sheet) -> None:
     assert record_of(small_sheet(), "--controller", "minimal_example")["flows"] == []
 
 
+def test_a_jug_alone_is_named_with_what_tells_more(run: Run, flows: Path) -> None:
+    said = " ".join(run("diagnose", "--flows", flows, *UNIT)[1].split())
+    assert "What was caught in the jug gives no verdict" in said
+    assert "atleak evidence" in said
+    assert "Nothing can be judged yet" not in said
+
+
 def test_every_medium_shows_both_the_usual_flow_and_what_was_caught(run: Run, flows: Path, tmp_path: Path) -> None:
     names = {kind: tmp_path / f"out.{kind}" for kind in ("pdf", "xlsx", "zip")}
     status, out, _ = run(
