@@ -21,7 +21,7 @@ UNIT = "five_speed_2005"
 FLOWS = "condition,what,value,unit\nhot_idle,cooler,400,ml/15 s\n"
 VACUUM = """customer,Erika Mustermann
 supply,25,in-Hg
-calibration,1.0,mm,12.1,in-Hg,0.5 mm
+calibration,0.5,mm,5.7,in-Hg,0.5 mm
 flow area,0.6,mm2
 circuit,reading [in-Hg],orifice [mm],state
 forward_clutch,17.5,1,worn
