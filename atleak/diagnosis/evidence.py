@@ -39,6 +39,7 @@ _FINEST = 0.1e-6  # [m]
 _ENDS = 0.025, 0.5, 0.975
 _EDGES = 0.5, 0.75, 0.88, 0.95  # of the bins of a reading, as parts of all that it may be; fine where lands are worn
 _BINS = len(_EDGES) + 1
+_NONE = 1e-9  # draws: of a cell that holds none
 _SMOOTH = 4.0  # effective draws that the draws around a bin stand for beside its own
 _BESIDE = 2  # readings before, beside which the value of one is worked out
 _NAMED = 3.0  # times as much does a land cost that the customer's complaint names: choice of this project
@@ -258,7 +259,8 @@ class _Finder:
         return steps.levels[0][1] if steps is not None else math.inf
 
     def _circuits(self) -> Iterator[CircuitEvidence]:
-        for section, lost in self._lost.items():
+        judged = self._lost if self.diagnosis.limits.circuit_loss is not None else {}
+        for section, lost in judged.items():
             low, middle, high = (lost.quantile(each) for each in _ENDS)
             probability = lost.probability_over(self._limit)
             yield CircuitEvidence(self._circuit(section), probability, middle, low, high, section in self.read)
@@ -376,7 +378,7 @@ class _Part:
                 draws = self._counts * np.bincount(cell[taken], minlength=around.shape[1])
                 sums = [self._counts * np.bincount(cell[taken], each[taken], around.shape[1]) for each in costs]
                 smooth = _SMOOTH if level else 0.0
-                around = (np.array(sums) + smooth * around) / (draws + smooth)
+                around = (np.array(sums) + smooth * around) / np.maximum(draws + smooth, _NONE)
             lost += float(np.sum(np.where(around[:, cells[-1][met]] > 0.5, 1.0 - costs[:, met], costs[:, met])))
         return lost / self._fold.size
 

@@ -18,6 +18,7 @@ from atleak.common.errors import Place
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.evidence import WORTH, evidence_of, readings_by_value
 from atleak.diagnosis.examination import diagnose
+from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.diagnosis.uncertainty.posterior import Plug, PosteriorUnit
 from atleak.diagnosis.vacuum import pass_marks
 from atleak.engine.leakage import LeakageModel
@@ -274,3 +275,11 @@ def test_a_land_that_the_stand_passes_as_new_is_not_called_worn(name: str) -> No
     found = {each.land.key: each.probability for each in evidence_of(diagnosis).lands}
     for each in marks:
         assert found[each.lands[0].key] < 0.3
+
+
+def test_where_nothing_is_unknown_no_reading_is_worth_its_time() -> None:
+    known = replace(DEFAULTS, worn_lands=0.0, mounting_clearance=0.0, worn_pumps=0.0)
+    fluid, limits = load_fluid("hipol_atf_iid"), load_limits("project_default")
+    diagnosis = diagnose(load_controller("four_speed_2023"), fluid, limits, assumptions=known)
+    assert evidence_of(diagnosis).next == ()
+    assert all(each.value == pytest.approx(0.0, abs=1e-12) for each in readings_by_value(diagnosis, 3))
