@@ -471,7 +471,7 @@ class FluidFile(Entry):
 
 
 FLUIDS = Shelf("fluids", FluidFile, _fluid)
-fluids = FLUIDS.usable
+checked_fluid, fluids = FLUIDS.checked, FLUIDS.usable
 
 
 def load_fluid(id_or_path: str | Path) -> Fluid:

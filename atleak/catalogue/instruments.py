@@ -173,7 +173,7 @@ class InstrumentFile(Entry):
 
 
 INSTRUMENTS = Shelf("instruments", InstrumentFile, _instrument)
-instruments = INSTRUMENTS.usable
+checked_instrument, instruments = INSTRUMENTS.checked, INSTRUMENTS.usable
 
 
 def load_instrument(id_or_path: str | Path) -> Instrument:

@@ -546,7 +546,7 @@ class LimitsFile(Entry):
 
 
 LIMIT_SETS = Shelf("limits", LimitsFile, _limits)
-limit_sets = LIMIT_SETS.usable
+checked_limits, limit_sets = LIMIT_SETS.checked, LIMIT_SETS.usable
 
 
 def load_limits(id_or_path: str | Path) -> Limits:
