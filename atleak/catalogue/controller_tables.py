@@ -159,6 +159,29 @@ class LineTable(Strict):
     evidence: StatedEvidence = key("How that is known", default=None)
 
 
+def _viscosity_range(value: object) -> list[float]:
+    """Check the range [mm²/s] in which the viscosity of a fluid lies at 100 °C."""
+    ends = value if isinstance(value, list) else [value]
+    numbers = [float(end) for end in ends if isinstance(end, int | float) and not isinstance(end, bool)]
+    if len(ends) != 2 or len(numbers) != 2 or not 1.0 <= numbers[0] < numbers[1] <= 50.0:
+        raise NotAccepted(Sentence("mm²/s from 1 to 50, the lower end first, such as [4.5, 7.5]"))
+    return numbers
+
+
+class RequiredFluidTable(Strict):
+    """The fluid that the maker requires, and the catalogue's entry that is taken for it unless another is chosen."""
+
+    required: NonEmptyText = key("Fluid required", "By the maker, as the manual calls it: Mercon V, ATF+4")
+    entry: Identifier = key("Fluid taken", "Id of that fluid's entry, or else of the nearest one")
+    viscosity_100_mm2_s: Annotated[list[float], PlainValidator(_viscosity_range)] | None = key(
+        "Viscosity at 100 °C from",
+        "Only where the entry is not of that fluid but the nearest: the range of what is sold as the one required",
+        up_to=("Viscosity at 100 °C to", "The upper end of that range"),
+        default=None,
+    )
+    source: NonEmptyText = key("Source of the fluid required", "Manual and page; and of the range, where it has one")
+
+
 class LeakTable(Strict):
     id: Identifier = key("Id", ID_HELP, width=20)
     name: NonEmptyText | None = key("Name", width=30, default=None)
@@ -468,6 +491,7 @@ class ControllerFile(Entry):
     representative: str = key("Representative", "In a sentence: what of it is representative", default="")
     representative_values: list[LandValue] = []
     gears: list[int] = key("Gears", "Such as R N 1 2 3 4; P counts as N", min_length=1)
+    fluid: RequiredFluidTable | None = key(default=None)
     materials: dict[str, MaterialTable] = Field(min_length=1)
     defaults: DefaultsTable = key(default=DefaultsTable())
     pump: PumpTable
