@@ -3,19 +3,19 @@
 A part is worn in a draw of the unit where its clearance has grown past its first limit for wear. What is said of it are
 shares of the draws, weighed by gauges, log, flows and plugs (`atleak.diagnosis.uncertainty.weighing`).
 
-A reading is worth the expected fall of what wrong decisions cost when it becomes known with its own uncertainty: the
-draws fall into bins of it, and in each bin every land is repaired where that is the likelier to be right. To leave a
-land costs what its wear takes from the unit, 1 where that reaches a first limit of a circuit's loss or of a pair's
-share of the pump; to open it costs what is left of 1. Readings are chosen one after the other, each beside those before
-it.
+A land that nobody reads may be the one that costs most. Its reading is worth what that costs on average, in first
+limits: of a circuit's loss, and of a pair's share of the pump, 1 at most of each. Lands are read by turns, the
+likeliest to cost a pressure most and the likeliest to cost the pump most: of flow gauges that miss nothing tell little.
 """
 
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
+from itertools import zip_longest
 
 import numpy as np
 
@@ -37,16 +37,11 @@ LIKELY = 0.65  # from which probability on a circuit is said to have lost too mu
 NEXT = 3  # lands that are named to be measured next
 _FINEST = 0.1e-6  # [m]
 _ENDS = 0.025, 0.5, 0.975
-_EDGES = 0.5, 0.75, 0.88, 0.95  # of the bins of a reading, as parts of all that it may be; fine where lands are worn
-_BINS = len(_EDGES) + 1
-_NONE = 1e-9  # draws: of a cell that holds none
-_SMOOTH = 4.0  # effective draws that the draws around a bin stand for beside its own
-_BESIDE = 2  # readings before, beside which the value of one is worked out
 _NAMED = 3.0  # times as much does a land cost that the customer's complaint names: choice of this project
 _USUAL_SHARE = 0.02  # of the pump's flow, where no limit is set
 _TELLS = 0.1  # of a probability, by which evidence moves it at least: choice of this project
 PUMP_WORN = 0.5  # growth of its slip from which on a pump is called worn: choice of this project
-WORTH = 0.02  # wrong decisions that a reading spares at least, to be worth its time: choice of this project
+WORTH = 0.02  # of a first limit that a reading is worth at least, to be worth its time: choice of this project
 
 _THIN = Sentence(
     "Nothing that was read sets a land or a circuit apart: this is what is assumed of any used unit. Read gauges at "
@@ -96,7 +91,7 @@ class NextReading:
     """A land to measure next."""
 
     land: Land
-    value: float  # wrong decisions that its reading spares on average
+    value: float  # what it would cost on average to leave it unread, in first limits
 
 
 @dataclass(frozen=True)
@@ -139,13 +134,13 @@ class _Finder:
     def evidence(self) -> Evidence:
         lands = sorted(self._lands(), key=lambda each: (-each.loss, -each.probability))
         circuits = sorted(self._circuits(), key=lambda each: (-each.probability, -each.loss))
-        pump, worth = self._pump(), readings_by_value(self.diagnosis, NEXT)
+        pump = self._pump()
         return Evidence(
             lands=tuple(lands),
             circuits=tuple(circuits),
             pump=pump,
             seals=tuple(sorted(self._seals(), key=lambda each: -each.probability)),
-            next=tuple(each for each in worth if each.value >= WORTH),
+            next=self.worth(NEXT, WORTH),
             effective_samples=min((each.effective for each in self.weighed.told), default=0.0),
             assumptions=self.assumptions,
             thin=None if self._tells(lands, circuits, pump) else _THIN,
@@ -193,19 +188,53 @@ class _Finder:
         shown = (each for tap, each in self._pressure if tap in taps or not (read and taps))
         return max((each.get(key, 0.0) for each in shown), default=0.0)
 
-    def costs(self, told: Told, key: LandKey) -> np.ndarray:
-        """Return what the wear of a land costs the unit in each draw, in first limits: as its clearance cubed grows."""
-        growth = np.maximum(told.now[key] ** 3 - told.new[key] ** 3, 0.0)
-        mean = float(growth.mean())
-        return growth * (self.cost(key) / mean) if mean > 0.0 else growth
+    def worth(self, most: int, least: float = 0.0) -> tuple[NextReading, ...]:
+        """Return what to read next: by turns what likeliest costs a pressure most, and the pump most."""
+        ways, values = list[list[LandKey]](), defaultdict[LandKey, float](float)
+        for costs in (self._by_pressure, self._by_flow):
+            worst = self._worst(costs)
+            ways.append(sorted(worst, key=lambda key: (-worst[key].size, key)))
+            for key, found in worst.items():
+                values[key] += float(np.minimum(found, 1.0).sum()) / self._draws
+        turns = dict.fromkeys(key for turn in zip_longest(*ways) for key in turn if key is not None)
+        chosen = [key for key in turns if values[key] >= least][:most]
+        return tuple(NextReading(self.controller.land(*key), values[key]) for key in chosen)
 
-    def cost(self, key: LandKey) -> float:
-        """Return what a land costs the unit on average, in first limits; one that the complaint names costs more."""
-        share, of_pairs = self._flow.get(key, 0.0), self.diagnosis.limits.pair_share
+    def _worst(self, costs: Mapping[LandKey, float]) -> dict[LandKey, np.ndarray]:
+        """Return what each land that nobody measured costs in the draws in which no land costs more, from averages."""
+        keys, in_draws = list[LandKey](), list[np.ndarray]()
+        for number, told in enumerate(self.weighed.told):
+            any_order = np.random.default_rng(number).permutation(self._draws)  # parts are drawn apart from one another
+            for key in told.now:
+                growth = np.maximum(told.now[key] ** 3 - told.new[key] ** 3, 0.0)[any_order]
+                mean = float(growth.mean())
+                keys.append(key)
+                in_draws.append(growth * (costs.get(key, 0.0) / mean if mean > 0.0 else 0.0))
+        most, worst = np.max(in_draws, axis=0), np.argmax(in_draws, axis=0)
+        found = {key: most[(worst == place) & (most > 0.0)] for place, key in enumerate(keys)}
+        return {key: each for key, each in found.items() if each.size and key in self.diagnosis.open_lands}
+
+    @property
+    def _draws(self) -> int:
+        return int(self.weighed.told[0].slip.size)
+
+    @property
+    def _by_pressure(self) -> dict[LandKey, float]:
+        """Return what each land costs the pressure that loses most by it, on average, in first limits."""
+        keys = {key for told in self.weighed.told for key in told.now}
+        return {key: self._counts(key) * self.explains(key) / self._limit for key in keys}
+
+    @property
+    def _by_flow(self) -> dict[LandKey, float]:
+        """Return what each land costs the pump, on average, in first limits of a pair's share."""
+        shares, of_pairs = self._flow, self.diagnosis.limits.pair_share
         limit = of_pairs.levels[0][1] if of_pairs is not None else _USUAL_SHARE
+        return {key: self._counts(key) * share / limit for key, share in shares.items()}
+
+    def _counts(self, key: LandKey) -> float:
+        """Return as how much a land counts that the complaint names."""
         complaint = self.diagnosis.complaint
-        named = complaint is not None and key in complaint.lands
-        return (self.explains(key) / self._limit + share / limit) * (_NAMED if named else 1.0)
+        return _NAMED if complaint is not None and key in complaint.lands else 1.0
 
     @cached_property
     def _pressure(self) -> list[tuple[str, dict[LandKey, float]]]:
@@ -221,13 +250,6 @@ class _Finder:
         supplied = point.engine_speed, point.main_pressure, point.temperature
         capacity = float(self.diagnosis.model.pump_capacity(*supplied)) or math.inf
         return {key: each / capacity for key, each in _of_lands(self.weighed.lost[at].split.flows_of_lands).items()}
-
-    @property
-    def error_of_a_reading(self) -> float:
-        """Return the standard uncertainty of a clearance that is read once, in one direction [m]."""
-        card = self.diagnosis.gauge_card
-        variance = sum(each.calibration**2 + (each.repeatability or 0.0) ** 2 for each in vars(card.gauges).values())
-        return 0.5 * math.sqrt(variance + card.assumptions.unseen_ovality**2)
 
     def _groups(self) -> dict[LandKey, int]:
         """Return a number for every land that no gauge can tell from others: nobody measured them, and they see alike.
@@ -299,7 +321,7 @@ def _of_lands(rows: Mapping[Row, Mapping[LandKey, np.ndarray]]) -> dict[LandKey,
 
 
 def readings_by_value(diagnosis: Diagnosis, most: int) -> tuple[NextReading, ...]:
-    """Return which lands to measure, in one direction and once, one after the other: the one worth most first.
+    """Return which lands to measure, one after the other: by turns for a pressure and for the pump's flow.
 
     Parameters
     ----------
@@ -308,86 +330,10 @@ def readings_by_value(diagnosis: Diagnosis, most: int) -> tuple[NextReading, ...
     most
         as many at the most. One of less than `WORTH` is not worth its time.
     """
-    finder, found = _Finder(diagnosis), list[NextReading]()
-    parts = [_Part(finder, told) for told in finder.weighed.told]
-    while len(found) < most:
-        worth = [(value, finder.cost(key), key, part) for part in parts for key, value in part.values.items()]
-        if not worth:
-            break
-        value, _, key, part = max(worth, key=lambda each: each[:3])
-        found.append(NextReading(diagnosis.controller.land(*key), value))
-        part.read(key)
-    return tuple(found)
+    return _Finder(diagnosis).worth(most)
 
 
 def quick_pass(diagnosis: Diagnosis) -> Plan | None:
     """Return the plan of the few lands that tell most, the one whose reading is worth most first; None without one."""
     lands = [each.land.key for each in readings_by_value(diagnosis, QUICK_LANDS)]
     return Plan.quick(lands) if lands else None
-
-
-class _Part:
-    """Lands that are weighed together, while one after the other of them is read."""
-
-    def __init__(self, finder: _Finder, told: Told) -> None:
-        self._keys = [key for key in told.now if key in finder.diagnosis.open_lands]
-        size, error = told.slip.size, finder.error_of_a_reading
-        costs = [np.minimum(finder.costs(told, key), 1.0) for key in self._keys]
-        self._costs = np.array(costs, float).reshape(-1, size)
-        self._bins = {
-            key: _binned(told.now[key] + error * np.random.default_rng(number).standard_normal(size))
-            for number, key in enumerate(self._keys)
-        }
-        self._one_circuit, self._read = told.one_circuit, list[LandKey]()
-        alike = next(iter(told.now.values()), np.zeros(size))  # of the same draw, chosen more than once
-        self._fold = np.unique(alike, return_inverse=True)[1] % 2 == 0
-        self._counts = min(told.effective / size, 1.0)  # of a draw
-
-    @property
-    def values(self) -> dict[LandKey, float]:
-        """Return what the reading of each land spares."""
-        return {key: self._value(key) for key in self._keys if key not in self._read}
-
-    def read(self, key: LandKey) -> None:
-        """Take a land as read."""
-        self._read.append(key)
-
-    def _value(self, key: LandKey) -> float:
-        """Return what the reading of a land spares beside those of the lands read before that tell most of the same."""
-        place = self._keys.index(key)
-        own = self._costs[place]
-        costs = self._costs if self._one_circuit else self._costs[[place]]  # elsewhere it tells of itself alone
-        telling = sorted(self._read, key=lambda each: -abs(_covariance(self._bins[each], own)))[:_BESIDE]
-        cells = np.zeros((1, own.size), int)
-        for each in (*telling, key):
-            cells = np.vstack([cells, cells[-1] * _BINS + self._bins[each]])
-        return self._lost(costs, cells[:-1]) - self._lost(costs, cells)
-
-    def _lost(self, costs: np.ndarray, cells: np.ndarray) -> float:
-        """Return what decisions cost on average, each taken by what lands cost in a cell of other draws than it meets.
-
-        ``cells`` of shape (levels, draws), each level finer than the one before it; where few draws are in a cell, what
-        a land costs in it is near what it costs in the cell around it.
-        """
-        lost = 0.0
-        for fold in (True, False):
-            taken, met = self._fold == fold, self._fold != fold
-            around = np.zeros((len(costs), 1))
-            for level, cell in enumerate(cells):
-                around = np.repeat(around, _BINS if level else 1, axis=1)
-                draws = self._counts * np.bincount(cell[taken], minlength=around.shape[1])
-                sums = [self._counts * np.bincount(cell[taken], each[taken], around.shape[1]) for each in costs]
-                smooth = _SMOOTH if level else 0.0
-                around = (np.array(sums) + smooth * around) / np.maximum(draws + smooth, _NONE)
-            lost += float(np.sum(np.where(around[:, cells[-1][met]] > 0.5, 1.0 - costs[:, met], costs[:, met])))
-        return lost / self._fold.size
-
-
-def _binned(shown: np.ndarray) -> np.ndarray:
-    """Return the bin of what a reading shows in each draw."""
-    return np.searchsorted(np.quantile(shown, _EDGES), shown)
-
-
-def _covariance(bins: np.ndarray, cost: np.ndarray) -> float:
-    """Return the covariance of a reading's bin with what a land costs."""
-    return float(np.mean(bins * cost) - np.mean(bins) * np.mean(cost))

@@ -143,15 +143,21 @@ def test_lands_that_the_complaint_names_are_read_sooner() -> None:
     assert sum(with_it) < sum(before)
 
 
-def test_a_reading_spares_less_once_it_was_taken_and_dear_lands_come_first() -> None:
-    diagnosis = gauged("five_speed_2005", {}, (LINE_TAP,))
+@pytest.mark.parametrize("name", UNITS)
+def test_lands_are_read_by_turns_first_of_the_circuit_that_lost_its_pressure_then_for_the_pump(name: str) -> None:
+    new, circuit = gauged(name, {}, (LINE_TAP,)), UNITS[name]
+    lands = lands_of(new, circuit)
+    diagnosis = gauged(name, dict.fromkeys(lands, 20e-6), (LINE_TAP, circuit))
     chosen = readings_by_value(diagnosis, 10)
-    assert len({each.land.key for each in chosen}) == 10
-    values = [each.value for each in chosen]
-    assert values[0] > WORTH
-    assert max(values) < 1.5 * values[0]
-    assert values[-1] < values[0]
+    keys = [each.land.key for each in chosen]
+    assert len(set(keys)) == 10
+    assert keys[0] in lands
+    assert chosen[0].value > WORTH
     assert readings_by_value(diagnosis, 3) == chosen[:3]
+    of_pump = [each.land.key for each in readings_by_value(new, 10)][1::2]
+    leaks = {each.key: each.leakage or 0.0 for each in new.lands}
+    leakiest = sorted(leaks, key=lambda key: -leaks[key])
+    assert np.mean([leakiest.index(key) for key in of_pump]) < 0.4 * len(leakiest), "what leaks when new can leak most"
 
 
 @pytest.fixture(scope="module")
