@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from atleak.analysis.repair.plan import plan_repairs
@@ -40,34 +39,6 @@ REGULATOR, SECOND, TCC, PISTON = (
 
 
 # --- the road test's extremes
-
-
-def test_an_extreme_of_a_road_test_has_the_interval_of_a_condition_with_its_pressures(sample: Diagnosis) -> None:
-    road = sample.road
-    for instant in (road.max_leakage, road.max_share):
-        there = diagnose(
-            sample.controller,
-            sample.fluid,
-            sample.limits,
-            readings=sample.readings,
-            profile=sample.profile,
-            condition=road.condition_at(instant),
-        )
-        # over a log, gaps whose entry loss stays under 1 % may go without it
-        assert there.projection.leakage == pytest.approx(instant.leakage, rel=0.01, abs=0.0)
-        uncertainty, total = sample.uncertainty.instants[instant], there.uncertainty.totals[0]
-        of_log, of_point = np.array(uncertainty.leakage_interval), np.array(total.leakage_interval)
-        np.testing.assert_allclose(of_log / instant.leakage, of_point / total.leakage, rtol=1e-9)
-        of_log, of_point = np.array(uncertainty.share_interval), np.array(total.share_interval)
-        np.testing.assert_allclose(of_log / instant.share, of_point / total.share, rtol=1e-9)
-
-
-def test_every_extreme_lies_in_its_interval(sample: Diagnosis) -> None:
-    assert len(sample.road.instants) == 5
-    for instant in sample.road.instants:
-        uncertainty = sample.uncertainty.instants[instant]
-        assert uncertainty.leakage_interval[0] < instant.leakage < uncertainty.leakage_interval[1]
-        assert uncertainty.share_interval[0] < instant.share < uncertainty.share_interval[1]
 
 
 def test_without_readings_no_extreme_has_an_interval(sample: Diagnosis) -> None:

@@ -173,23 +173,6 @@ def test_a_log_in_which_the_engine_never_turns_has_no_other_samples(over: Over, 
     assert "other samples" not in said
 
 
-def test_instants_are_where_the_series_say(over: Over, full: Full) -> None:
-    road = over(**full)
-    assert road.share is not None
-    for instant, series, choose in (
-        (road.max_leakage, road.leakage, np.argmax),
-        (road.min_leakage, road.leakage, np.argmin),
-        (road.max_share, road.share, np.argmax),
-    ):
-        at = int(choose(series))
-        assert instant is not None
-        assert road.pump_capacity is not None
-        assert (instant.time, instant.leakage) == (TIME[at], road.leakage[at])
-        assert instant.share == pytest.approx(road.leakage[at] / road.pump_capacity[at], rel=1e-15, abs=0.0)
-    assert road.max_leakage.time == TIME[-1]  # at the highest pressure
-    assert road.max_share.time < road.max_leakage.time  # where the pump turns slowest
-
-
 def test_where_the_hottest_samples_are_left_out_the_largest_leakage_is_a_lower_bound(over: Over, full: Full) -> None:
     temperature = np.full(len(TIME), 80.0)
     temperature[4] = -25.0  # colder than the fluid's data: nothing larger is missing
