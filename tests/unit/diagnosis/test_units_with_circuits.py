@@ -286,9 +286,9 @@ def test_the_sample_sheet_shows_a_forward_clutch_that_loses_its_pressure(
 
 # --- the units of many makers, shipped as starting points
 
-STARTING_POINTS = ("ford_4r70w", "gm_4l60e", "chrysler_41te", "aisin_aw55_50sn", "jatco_jf506e", "zf_6hp26")
+STARTING_POINTS = sorted({each.id for each in controllers() if "compiled" in each.source} - {"five_speed_2005"})
 WHO_SAYS_SO = (
-    *("Ford", "GM", "Holden", "Chrysler", "Sonnax", "trutechtrans.com"),
+    *("Ford", "GM", "Holden", "Chrysler", "Dodge", "Jeep", "Toyota", "Nissan", "Sonnax", "TransGo", "trutechtrans.com"),
     *("Suzuki", "TransTec", "Mazda", "Land Rover", "Jaguar", "rangerovers.net"),
 )
 with_circuits = [each for each in controllers() if each.circuits]
@@ -339,6 +339,12 @@ def test_a_land_worn_to_45_um_shows_as_a_loss_of_its_clutch(
         ("jatco_jf506e", ("pressure_modifier", 2), "circuit_loss", "modifier", "reverse_stall"),
         ("zf_6hp26", ("pressure_regulator", 1), "total_share", None, "hot_idle"),
         ("zf_6hp26", ("pressure_regulator_boost", 1), "circuit_loss", "eds_5", "stall"),
+        ("toyota_a340e", ("primary_regulator", 1), "total_share", None, "hot_idle"),
+        ("toyota_a340e", ("primary_regulator_plunger", 1), "circuit_loss", "throttle_pressure", "reverse_stall"),
+        ("ford_4f27e", ("main_regulator", 1), "total_share", None, "hot_idle"),
+        ("ford_4f27e", ("boost_valve", 2), "circuit_loss", "reverse_clutch", "reverse_stall"),
+        ("chrysler_a518", ("regulator", 1), "total_share", None, "reverse_idle"),
+        ("chrysler_a518", ("throttle_plug", 1), "circuit_loss", "front_clutch", "reverse_stall"),
     ],
 )
 def test_a_boost_or_regulator_land_worn_to_60_um_shows(
@@ -377,6 +383,12 @@ def test_every_table_says_what_it_is_known_from_and_names_who_says_so(unit: str)
     assert {"nominal_diameter_mm", "contact_length_mm"} <= set(data["representative_values"])
     assert data["defaults"]["published"] == ["mounting_clearance_um"]
     assert {"displacement_mm3", "volumetric_efficiency", "slip_coefficient"} <= set(data["pump"]["representative"])
+
+
+def test_the_documents_say_of_each_what_is_published(root: Path) -> None:
+    text = (root / "docs" / "describing-a-controller.md").read_text(encoding="utf-8")
+    table = text.partition("| id | unit | published of it |\n")[2].partition("\n\n")[0]
+    assert [line.split("`")[1] for line in table.splitlines()[1:]] == STARTING_POINTS
 
 
 @pytest.mark.parametrize("unit", STARTING_POINTS)
