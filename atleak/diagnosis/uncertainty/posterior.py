@@ -112,15 +112,19 @@ class Proposal:
         gone = -self.mean[:, None] * np.log1p(-stream.random(shape) * cut[:, None])
         return deviates, np.where(stream.random(shape) < self.chance[:, None], gone, 0.0)
 
-    def log_density(self, deviates: np.ndarray, wear: np.ndarray) -> np.ndarray:
-        """Return the logarithm of the density, but for a constant that all proposals of a unit share."""
-        z = (deviates - self.centre[:, None]) / self.spread[:, None]
-        normal = -0.5 * np.sum(z * z, axis=0) - np.sum(np.log(self.spread))
-        with np.errstate(divide="ignore"):
-            off, on = np.log1p(-self.chance), np.log(self.chance)
-        on = on - np.log(self.mean) - np.log(-np.expm1(-self.most / self.mean))
-        worn = on[:, None] - wear / self.mean[:, None]
-        return np.asarray(normal + np.sum(np.where(wear > 0.0, worn, off[:, None]), axis=0))
+    def log_ratio(self, prior: Proposal, deviates: np.ndarray, wear: np.ndarray) -> np.ndarray:
+        """Return the logarithm of the density over that of the prior: of what is drawn from both alike it is 0."""
+        quantities = np.flatnonzero((self.centre != prior.centre) | (self.spread != prior.spread))
+        causes = np.flatnonzero((self.chance != prior.chance) | (self.mean != prior.mean))
+        ratio = np.zeros(wear.shape[1])
+        for sign, each in ((1.0, self), (-1.0, prior)):
+            z = (deviates[quantities] - each.centre[quantities, None]) / each.spread[quantities, None]
+            ratio -= sign * (0.5 * np.sum(z * z, axis=0) + np.sum(np.log(each.spread[quantities])))
+            chance, mean, gone = each.chance[causes], each.mean[causes], wear[causes]
+            on = np.log(chance) - np.log(mean) - np.log(-np.expm1(-each.most[causes] / mean))
+            worn = on[:, None] - gone / mean[:, None]
+            ratio += sign * np.sum(np.where(gone > 0.0, worn, np.log1p(-chance)[:, None]), axis=0)
+        return ratio
 
     def around(
         self, deviates: np.ndarray, wear: np.ndarray, weights: np.ndarray, near: tuple[np.ndarray, np.ndarray]

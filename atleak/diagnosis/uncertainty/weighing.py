@@ -216,9 +216,10 @@ class _WeighedDraws:
         self._deviates = np.concatenate([each.drawn.deviates for each in self.rounds], axis=1)
         self._wear = np.concatenate([each.drawn.wear for each in self.rounds], axis=1)
         sizes = np.array([each.draws for each in self.rounds])
-        logs = np.array([each.proposal.log_density(self._deviates, self._wear) for each in self.rounds])
+        prior = self.rounds[0].proposal
+        logs = np.array([each.proposal.log_ratio(prior, self._deviates, self._wear) for each in self.rounds])
         mixture = np.logaddexp.reduce(logs + np.log(sizes / sum(sizes))[:, None], axis=0)
-        self._log_weight = self._likely(self._expected) + self._by_flows + logs[0] - mixture
+        self._log_weight = self._likely(self._expected) + self._by_flows - mixture
 
     def _held(self, each: _Round, point: OperatingPoint, tap: str) -> np.ndarray:
         """Return what a tap holds in each draw of a round [Pa]."""
