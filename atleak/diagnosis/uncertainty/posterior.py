@@ -115,7 +115,7 @@ class Proposal:
     def log_ratio(self, prior: Proposal, deviates: np.ndarray, wear: np.ndarray) -> np.ndarray:
         """Return the logarithm of the density over that of the prior: of what is drawn from both alike it is 0."""
         quantities = np.flatnonzero((self.centre != prior.centre) | (self.spread != prior.spread))
-        causes = np.flatnonzero((self.chance != prior.chance) | (self.mean != prior.mean))
+        causes = np.flatnonzero((prior.chance > 0.0) & ((self.chance != prior.chance) | (self.mean != prior.mean)))
         ratio = np.zeros(wear.shape[1])
         for sign, each in ((1.0, self), (-1.0, prior)):
             z = (deviates[quantities] - each.centre[quantities, None]) / each.spread[quantities, None]
