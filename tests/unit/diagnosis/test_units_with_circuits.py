@@ -345,6 +345,12 @@ def test_a_land_worn_to_45_um_shows_as_a_loss_of_its_clutch(
         ("ford_4f27e", ("boost_valve", 2), "circuit_loss", "reverse_clutch", "reverse_stall"),
         ("chrysler_a518", ("regulator", 1), "total_share", None, "reverse_idle"),
         ("chrysler_a518", ("throttle_plug", 1), "circuit_loss", "front_clutch", "reverse_stall"),
+        ("nissan_re4r01a", ("pressure_regulator", 1), "total_share", None, "hot_idle"),
+        ("nissan_re4r01a", ("pressure_modifier", 2), "circuit_loss", "modifier", "reverse_stall"),
+        ("gm_6l80", ("pressure_regulator", 1), "total_share", None, "hot_idle"),
+        ("gm_6l80", ("actuator_feed_limit", 2), "circuit_loss", "actuator_feed", "reverse_idle"),
+        ("gm_4l80e", ("pressure_regulator", 1), "total_share", None, "hot_idle"),
+        ("gm_4l80e", ("reverse_boost", 1), "circuit_loss", "forward_clutch", "stall"),
     ],
 )
 def test_a_boost_or_regulator_land_worn_to_60_um_shows(
