@@ -127,22 +127,15 @@ def test_a_sheet_written_coarser_than_the_instrument_reads(four_speed: Controlle
     assert coarse["spool"].resolution == pytest.approx(10 * UM, rel=1e-12, abs=0.0)
 
 
-def test_one_direction_leaves_the_ovality_in_and_two_take_it_out(four_speed: Controller) -> None:
+def test_directions_that_cross_evenly_take_the_ovality_out(four_speed: Controller) -> None:
     tools = two_instruments(calibration=0.0)
     seen = replace(NOTHING_ELSE, unseen_ovality=4 * UM)
-    single, _ = _found(four_speed, a_sheet(four_speed, directions=(0.0,)), tools, seen)
-    # a two-lobe form of 4 µm across, at any phase: 4/2/√2 on each diameter
-    assert single.standard_uncertainty == pytest.approx(
-        0.5 * math.sqrt(2.0) * 2 * UM / math.sqrt(2.0), rel=1e-4, abs=0.0
-    )
     crossed, _ = _found(four_speed, a_sheet(four_speed, directions=(0.0, 90.0)), tools, seen)
     assert crossed.standard_uncertainty < 0.01 * UM
     three, _ = _found(four_speed, a_sheet(four_speed, directions=(0.0, 60.0, 120.0)), tools, seen)
     assert three.standard_uncertainty < 0.01 * UM
     askew, _ = _found(four_speed, a_sheet(four_speed, directions=(0.0, 45.0), ovality=4 * UM), tools, seen)
     assert askew.standard_uncertainty > 0.4 * UM
-    rest, _ = _found(four_speed, a_sheet(four_speed, ovality=10 * UM), tools, replace(NOTHING_ELSE, form_residual=0.1))
-    assert rest.standard_uncertainty == pytest.approx(0.5 * 0.1 * 10 * UM, rel=1e-3, abs=0.0)
 
 
 def test_what_was_not_measured_has_the_uncertainty_of_its_catalogue_value(four_speed: Controller) -> None:
@@ -156,16 +149,6 @@ def test_what_was_not_measured_has_the_uncertainty_of_its_catalogue_value(four_s
     assert land.standard_uncertainty == pytest.approx(0.5 * math.hypot(3.0, 1.0) * UM, rel=1e-4, abs=0.0)
     land, _ = _found(four_speed, None, two_instruments(), given)
     assert land.standard_uncertainty == pytest.approx(0.5 * UM, rel=1e-9, abs=0.0)
-
-
-def test_the_measuring_temperature_is_one_error_for_all_lands_and_parts(four_speed: Controller) -> None:
-    given = replace(NOTHING_ELSE, room_temperature=5.0)
-    glass = two_instruments(calibration=0.0, expansion=8e-6)
-    land, _ = _found(four_speed, a_sheet(four_speed), glass, given)
-    state = land.state
-    body, spool = state.land.body_expansion - 8e-6, state.land.spool_expansion - 8e-6
-    rate = 0.5 * (body * state.sleeve_diameter - spool * state.spool_diameter)
-    assert land.groups["measuring temperature"] == pytest.approx(rate * 5.0 / math.sqrt(3.0), rel=1e-12, abs=0.0)
 
 
 def test_a_gauge_that_expands_as_the_part_does_hides_the_temperature(four_speed: Controller) -> None:
