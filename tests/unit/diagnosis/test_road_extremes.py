@@ -21,6 +21,7 @@ from atleak.diagnosis.uncertainty import DEFAULTS, NOTHING_ELSE
 from atleak.engine.profile import WORKSHOP
 from atleak.measurements.road_test import RoadTest, Segment
 from tests.unit.diagnosis.uncertainty.conftest import two_instruments
+from tests.unit.equations import referees
 
 DRAWS = 20_000
 NAN = math.nan
@@ -32,14 +33,6 @@ ASSUMED = replace(NOTHING_ELSE, **{name: getattr(DEFAULTS, name) for name in FLO
 @pytest.fixture(scope="module", autouse=True)
 def as_for_users(all_draws: None) -> None:
     """Draw as often as for users."""
-
-
-def walther(temperature: Any) -> Any:
-    """ν [m²/s] of a fluid of 42 and 7.0 mm²/s at 40 and 100 °C."""
-    ends = [math.log10(math.log10(nu + 0.7)) for nu in (42.0, 7.0)]
-    logs = [math.log10(t + 273.15) for t in (40.0, 100.0)]
-    slope = (ends[1] - ends[0]) / (logs[1] - logs[0])
-    return (10.0**10.0 ** (ends[0] + slope * (np.log10(temperature + 273.15) - logs[0])) - 0.7) * 1e-6
 
 
 class Unit:
@@ -66,7 +59,7 @@ class Unit:
 
         z = {name: of_all[name] if drawn else 0.0 for name in FLOWS}
         temperature = sample["atf_temperature"] + 1.0 * z["temperature"]
-        nu = walther(temperature) * np.exp(0.05 * z["viscosity"])
+        nu = referees.walther(temperature) * np.exp(0.05 * z["viscosity"])
         rho = 826.0 - 0.73 * (temperature - 20.0)
         main = sample["main_pressure"] * (1.0 + 0.02 * z["main_pressure"])
         converter = sample["converter_pressure"] * (1.0 + 0.02 * z["converter_pressure"])

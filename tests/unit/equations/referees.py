@@ -109,6 +109,14 @@ def wilson_efficiency(slip: float, pressure: float, viscosity: float, speed: flo
     return 1.0 - slip * pressure / (2.0 * math.pi * viscosity * speed)
 
 
+def walther(temperature: Any) -> Any:
+    """Compute ν [m²/s] by ASTM D341 of a fluid of 42 and 7.0 mm²/s at 40 and 100 °C, as HIPOL ATF IID is."""
+    ends = [math.log10(math.log10(nu + 0.7)) for nu in (42.0, 7.0)]
+    logs = [math.log10(t + 273.15) for t in (40.0, 100.0)]
+    slope = (ends[1] - ends[0]) / (logs[1] - logs[0])
+    return (10.0**10.0 ** (ends[0] + slope * (np.log10(temperature + 273.15) - logs[0])) - 0.7) * 1e-6
+
+
 def normal_density(z: ArrayLike) -> Any:
     """Compute the density of the standard normal distribution."""
     return np.exp(-0.5 * np.square(z)) / math.sqrt(2.0 * math.pi)

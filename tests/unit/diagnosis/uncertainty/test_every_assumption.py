@@ -32,8 +32,8 @@ from atleak.measurements.clearances import clearances
 from atleak.measurements.flow_readings import FlowReading, FlowTable
 from atleak.measurements.readings import Readings
 from atleak.measurements.vacuum import VacuumReading, VacuumStand, VacuumTable
-from tests.unit.diagnosis.test_road_extremes import walther
 from tests.unit.diagnosis.uncertainty.conftest import a_sheet, new_at, two_instruments
+from tests.unit.equations import referees
 
 UM, DRAWS = 1e-6, 8_192
 EXACT = two_instruments(calibration=0.0)
@@ -147,7 +147,7 @@ def temperature(bench: Bench, given: Assumptions) -> Two:
     land = bench.twenty.lands[0]
     at = bench.twenty.operating_points[0].temperature + given.temperature * Z
     grows = 0.5 * (land.body_expansion - land.spool_expansion) * gap.diameter * given.temperature * Z
-    flow = (gap.effective_clearance + grows) ** 3 / walther(at) / (826.0 - 0.73 * (at - 20.0))
+    flow = (gap.effective_clearance + grows) ** 3 / referees.walther(at) / (826.0 - 0.73 * (at - 20.0))
     return total.u_leakage / total.leakage, float(np.std(flow) / np.mean(flow))
 
 
@@ -169,7 +169,7 @@ def efficiency(bench: Bench, given: Assumptions) -> Two:
 def of_slip(bench: Bench, coefficient: float, relative: float) -> float:
     """How a share spreads where the slip does."""
     point = bench.twenty.operating_points[0]
-    mu = walther(point.temperature) * (826.0 - 0.73 * (point.temperature - 20.0))
+    mu = referees.walther(point.temperature) * (826.0 - 0.73 * (point.temperature - 20.0))
     slip = coefficient * point.main_pressure / (2.0 * math.pi * mu)
     return float(np.std((point.engine_speed - slip) / (point.engine_speed - slip * np.exp(relative * Z))))
 
@@ -304,7 +304,7 @@ def gauged_temperature(bench: Bench, given: Assumptions) -> Two:
     unit, point, drawn = bench.before(given)
     _, _, mu = unit.demand(drawn, point, point.main_pressure)
     at = point.temperature + given.gauged_temperature * Z
-    own = walther(at) * (826.0 - 0.73 * (at - 20.0))
+    own = referees.walther(at) * (826.0 - 0.73 * (at - 20.0))
     return float(np.std(mu)), float(np.std(own))
 
 
