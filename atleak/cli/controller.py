@@ -1,6 +1,6 @@
 """Describe a valve body in a workbook, and learn its mounting clearances from measuring sheets of new units.
 
-``atleak controller template|from-workbook|to-workbook|learn|check``.
+``atleak controller template|from-workbook|to-workbook|learn|export|check``.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from atleak.job_book.book import open_book
 from atleak.job_book.new_sheets import NewSheet, new_sheets, shared_instruments
 from atleak.readers.controller_workbook import is_workbook, read_controller_workbook
 from atleak.readers.sheets.measuring_sheet import read_several
+from atleak.report.sheets.controller_export import exported_controller
 from atleak.report.sheets.controller_workbook import write_controller_workbook
 from atleak.report.tables.catalogue import evidence_counts, open_values
 from atleak.report.tables.learned import learned_lands, learned_record
@@ -156,6 +157,12 @@ def add_parser(commands: Any, name: str) -> None:
     written.add_argument("controller", metavar="ID|FILE", help="the valve body")
     _add_workbook(written)
     add_learn(group)
+    about = "a valve body to pass on: where it comes from, what was learned, nothing of whose units"
+    example = "controller export my_unit_learned.toml -o my_unit_for_all.toml"
+    passed_on = add_command(group, "export", _export, about, examples=[example])
+    passed_on.add_argument("controller", metavar="ID|FILE", help="the valve body")
+    passed_on.add_argument("-o", "--output", metavar="FILE.toml|-", required=True, help="what --controller takes")
+    add_force(passed_on)
     about = "whether a valve body is described well: lists all faults at once"
     check = add_command(group, "check", _check, about, examples=("controller check my_unit.xlsx",))
     check.add_argument("file", metavar="FILE", help="workbook, TOML file, or id of a shipped one")
@@ -203,6 +210,21 @@ def _from_workbook(options: argparse.Namespace) -> int:
     outputs.say_written()
     if outputs.shown:
         print(_summary(controller))
+    return 0
+
+
+def _export(options: argparse.Namespace) -> int:
+    outputs = Outputs(options, [options.controller], "TOML file")
+    controller = load_controller(options.controller)
+    exported = exported_controller(read_tables("controllers", options.controller)[0], controller, dt.date.today())
+    outputs.write(output=lambda: exported.text)
+    outputs.say_written()
+    if exported.left_out:
+        print(f"atleak: left out {exported.left_out} paths, names of files and numbers of vehicles", file=sys.stderr)
+    if exported.own_words:
+        print("atleak: words of your own go along; read them before you pass the file on:", file=sys.stderr)
+    for words in exported.own_words:
+        print(f"  {words}", file=sys.stderr)
     return 0
 
 

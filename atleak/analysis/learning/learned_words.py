@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import datetime as dt
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from statistics import median
 from typing import Any
@@ -85,6 +86,19 @@ def origin_note(learned: Learned, day: dt.date) -> str:
     )
 
 
+def without_sheets(note: str) -> tuple[str, list[str]]:
+    """Return a note that names no sheets, and the days on which clearances were learned.
+
+    What `origin_note` has added says on which day and of how many sheets alone; whatever stands behind it is left out.
+    """
+    found = list(_LEARNED.finditer(note))
+    kept = [note[: found[0].start()].strip() if found else note, *(f"{match[0]}." for match in found)]
+    return " ".join(part for part in kept if part), [match["day"] for match in found]
+
+
+_LEARNED = re.compile(
+    r"Mounting clearances of \d+ of \d+ lands were learned on (?P<day>[\d-]+) from \d+ measuring sheets?"
+)
 _FEW_UNITS = 4  # up to so many a result says how few they are
 
 

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from atleak.catalogue.controller_file import load_controller, written_toml
-from atleak.catalogue.entries import read_tables
+from atleak.catalogue.entries import read_tables, shipped_files
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts
 from atleak.job_book.book import open_book
 from atleak.measurements.job_card import Job
+from atleak.version import __version__
 
 Run = Callable[..., tuple[int, str, str]]
 NAME = "minimal_example"
@@ -150,3 +155,48 @@ def test_sheets_of_the_job_book_are_learned_from(run: Run, tmp_path: Path, small
     status, _, error = run("controller", "learn", "--from-book", "--controller", "four_speed_2023")
     assert status == 2
     assert "no measuring sheet of a new or repaired four_speed_2023" in error
+
+
+# --- passed on
+
+
+def test_a_learned_valve_body_is_passed_on_without_whose_units_it_is_of(
+    run: Run,
+    new_unit: Callable[..., Path],
+    tmp_path: Path,
+    small_sheet: Callable[..., Path],
+    record_of: Callable[..., dict[str, Any]],
+) -> None:
+    learned, own, passed_on = (tmp_path / f"{name}.toml" for name in ("learned", "own", "passed_on"))
+    sheets = [new_unit(name) for name in ("KR 4711A, Nowak (job 17).csv", "WVWZZZ1JZXW000001.csv")]
+    assert run("controller", "learn", *sheets, "--controller", NAME, "-o", learned)[0] == 0
+    tables, _ = read_tables("controllers", learned)
+    tables["source"] = r"own gauge, C:\Users\nowak\unit.xlsx, of WVWZZZ1JZXW000001"
+    tables["note"] = f"Of our stand. {tables['note']}"
+    own.write_text("# the unit of Mrs Nowak\n" + written_toml(tables), encoding="utf-8")
+    status, out, err = run("controller", "export", own, "-o", passed_on)
+    assert (status, out) == (0, f"written: {passed_on}\n")
+    text = passed_on.read_text(encoding="utf-8")
+    for named in ("nowak", "4711", "wvwzzz", "job 17", ".csv", ".xlsx", "users", str(tmp_path).lower()):
+        assert named not in text.lower()
+    assert "own gauge, …, of …" in err  # and in the file
+    before, after = load_controller(own), load_controller(passed_on)
+    assert after.note.startswith("Of our stand. Mounting clearances of")
+    assert replace(after, origin=before.origin, source=before.source, note=before.note) == before
+    results = [record_of(small_sheet(), "--controller", each) for each in (own, passed_on)]
+    assert all(results[0][key] == results[1][key] for key in ("lands", "gaps", "conditions", "unit"))
+    head = tomllib.loads("\n".join(line.removeprefix("# ") for line in text.partition("\n\n")[0].splitlines()))
+    said = head["provenance"]
+    assert (said["atleak"], said["sha256"]) == (__version__, hashlib.sha256(own.read_bytes()).hexdigest())
+    assert said["learned"] == {"lands": len(after.lands), "units": [2, 2], "on": [said["exported"]]}
+    assert said["values"]["measured"] == len(after.lands)
+    again = run("controller", "export", passed_on, "-o", "-")[1]
+    assert again.partition("\n\n")[2] == text.partition("\n\n")[2]
+
+
+@pytest.mark.parametrize("unit", shipped_files("controllers"))
+def test_a_shipped_valve_body_is_the_same_after_it_was_passed_on(run: Run, unit: str, tmp_path: Path) -> None:
+    target = tmp_path / "passed_on.toml"
+    assert run("controller", "export", unit, "-o", target) == (0, f"written: {target}\n", "")
+    shipped = load_controller(unit)
+    assert replace(load_controller(target), origin=shipped.origin) == shipped
