@@ -13,7 +13,7 @@ from atleak.common.units import KPA
 from atleak.common.verdicts import Verdict
 from atleak.diagnosis.examination import diagnose
 from atleak.readers.logs import read_road_test
-from tests.unit.docs.pages import ROOT, text_of
+from tests.unit.docs.pages import text_of
 
 TEXT = " ".join(text_of("docs/faq.md").split())
 
@@ -41,8 +41,3 @@ def test_a_log_with_two_fifths_of_the_pressure_is_critical(
     low = replace(log, channels={**log.channels, "main_pressure": replace(pressure, values=0.4 * pressure.values)})
     assert diagnose(four_speed, hipol, limits, road_test=low).verdict is Verdict.CRITICAL
     assert "two fifths of the sample's pressures is *critical*" in TEXT
-
-
-def test_as_many_valve_bodies_ship_as_the_page_says() -> None:
-    assert len(list((ROOT / "atleak" / "catalogue" / "controllers").glob("*.toml"))) == 9
-    assert "nine descriptions ship with atleak" in TEXT
