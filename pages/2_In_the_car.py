@@ -32,6 +32,7 @@ with guide.step("fluid") as opened:
     if opened:
         choices.catalogue_entry("fluid")
         choices.fluid_state()
+        choices.own_fluid()
         job_form.draw_part(job_form.scan_and_fluid)
 
 with guide.step("gauges") as opened:

@@ -33,6 +33,7 @@ from atleak.catalogue.controller_tables import (
     State,
 )
 from atleak.catalogue.entries import Evidence, Headed, Origin
+from atleak.catalogue.fluid import DEFAULT_FLUID, RequiredFluid
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump, PumpClearances
@@ -277,6 +278,8 @@ class Controller(Headed):
         those that the file names.
     gaps_not_described
         lands taken to leak from main pressure to the sump, as the file says nothing: an upper bound.
+    fluid
+        that its maker requires.
     entry
         the tables that it was read from.
     doubts
@@ -301,8 +304,14 @@ class Controller(Headed):
     permissible: tuple[PermissiblePressure, ...] = ()
     repairs: tuple[Repair, ...] = ()
     gaps_not_described: frozenset[LandKey] = frozenset()
+    fluid: RequiredFluid | None = None
     entry: ControllerFile | None = field(default=None, repr=False, compare=False)
     doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)
+
+    @property
+    def usual_fluid(self) -> str:
+        """Return the id of the fluid that is taken unless another is chosen."""
+        return DEFAULT_FLUID if self.fluid is None else self.fluid.entry
 
     @property
     def sha256(self) -> str:

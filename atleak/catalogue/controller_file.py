@@ -38,6 +38,7 @@ from atleak.catalogue.controller_tables import (
 )
 from atleak.catalogue.doubts import doubts_of
 from atleak.catalogue.entries import Evidence, Origin, Shelf
+from atleak.catalogue.fluid import RequiredFluid
 from atleak.catalogue.keys import made
 from atleak.catalogue.limits import DEFAULT_LIMITS, load_limits, reaches
 from atleak.catalogue.operating_point import STATED, OperatingPoint
@@ -170,6 +171,7 @@ def _read(
         permissible=read_permissible(entry.permissible_pressure, reading),
         repairs=_repairs(entry.repairs, lands, known, reading),
         gaps_not_described=frozenset(land.key for land in without),
+        fluid=None if entry.fluid is None else made(RequiredFluid, entry.fluid),
         entry=entry,
     )
     if not reading.faults:

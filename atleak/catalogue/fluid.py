@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -14,7 +15,17 @@ from pydantic import Field, field_validator
 
 from atleak.catalogue import usual_values as usual
 from atleak.catalogue.doubts import doubts_of
-from atleak.catalogue.entries import NO_ENTRY, Entry, Headed, Origin, Shelf, Strict, read_tables, shipped_files
+from atleak.catalogue.entries import (
+    NO_ENTRY,
+    Entry,
+    Headed,
+    Origin,
+    Shelf,
+    Strict,
+    id_from_name,
+    read_tables,
+    shipped_files,
+)
 from atleak.catalogue.keys import key, made
 from atleak.common.errors import CatalogueError, DomainError, InputError, Message, Place, unknown
 from atleak.common.file_faults import NotAccepted, place_of, validated
@@ -56,8 +67,8 @@ class Fluid(Headed):
         whether the data are those of the fresh or the used fluid.
     used
         id of the entry with this fluid's used data.
-    viscosity_half_width
-        relative: the viscosity may lie anywhere within ± this of what is given.
+    viscosity_range
+        of what is given: the viscosity may lie anywhere from the first to the second of these times it.
     origin
         the file.
     doubts
@@ -75,7 +86,7 @@ class Fluid(Headed):
     study_regression: bool
     state: FluidState
     used: str | None
-    viscosity_half_width: float
+    viscosity_range: tuple[float, float]
     origin: Origin
     doubts: tuple[Message, ...] = field(default=(), repr=False, compare=False)
     fresh: Fluid | None = field(default=None, repr=False, compare=False)
@@ -92,7 +103,7 @@ class Fluid(Headed):
         -------
         Fluid
             used, with its own used data where its file names them; else with the fresh one's density and a viscosity
-            thinner by `USED_THINNER`, the middle as the value and the width as `viscosity_half_width`.
+            thinner by `USED_THINNER`, the middle as the value and the width in `viscosity_range`.
 
         Raises
         ------
@@ -107,8 +118,8 @@ class Fluid(Headed):
             problem = Sentence("the data of {fluid} describe a used fluid", fluid=Name(self.name))
             raise InputError(problem, value=state, expected=Sentence("used, or the file of the fresh fluid"))
         if self.used is not None:
-            return replace(load_fluid(self.used), fresh=self)
-        low, high = _USED_VISCOSITY
+            return replace(load_fluid(self.used), fresh=self, viscosity_range=self.viscosity_range)
+        (low, high), (thinnest, thickest) = _USED_VISCOSITY, self.viscosity_range
         middle = 0.5 * (low + high)
         return replace(
             self,
@@ -117,14 +128,25 @@ class Fluid(Headed):
             table=tuple((at, nu * middle, rho) for at, nu, rho in self.table),
             study_regression=False,  # it was fitted to a fresh fluid
             representative=(*self.representative, Sentence("viscosity and density of the used fluid")),
-            viscosity_half_width=0.5 * (high - low) / middle,
+            viscosity_range=(thinnest * low / middle, thickest * high / middle),
             fresh=self,
         )
 
     @property
     def estimated(self) -> bool:
         """Return whether the data are those of the fresh fluid, made thinner for want of data of the used one."""
-        return self.viscosity_half_width > 0.0
+        return self.fresh is not None and self.fresh.used is None
+
+    def viscosity_factor(self, deviate: Any) -> Any:
+        """Return by which factor of `viscosity_range` the viscosity is another one than given.
+
+        Parameters
+        ----------
+        deviate
+            of a rectangular distribution of mean 0 and standard deviation 1, a number or an array.
+        """
+        low, high = self.viscosity_range
+        return 0.5 * (low + high) + (high - low) / math.sqrt(12.0) * deviate
 
     def kinematic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
         """Compute the kinematic viscosity.
@@ -341,6 +363,91 @@ class Fluid(Headed):
         return fluid_equations.astm_d341_coefficients(t_1, nu_1, t_2, nu_2)
 
 
+def tables_of_two_points(
+    name: str, source: str, day: str, at_40: float, at_100: float, density: float | None = None
+) -> dict[str, Any]:
+    """Return the tables of a fluid's file from what any data sheet states; the rest is representative.
+
+    Parameters
+    ----------
+    name, source, day
+        what people see, where the numbers come from, and when they were read, as ``2026-01-31``.
+    at_40, at_100
+        kinematic viscosities at 40 and 100 °C [mm²/s].
+    density
+        at 15 °C [g/cm³]; unless given that of transmission fluids in general.
+    """
+    assumed = ["density_slope_g_cm3_k"] if density else ["density_g_cm3", "density_slope_g_cm3_k"]
+    return {
+        "id": id_from_name(name),
+        "name": name,
+        "source": source,
+        "date": day,
+        "representative": assumed,
+        "density": {"density_g_cm3": density or 0.85, "density_slope_g_cm3_k": -0.0007},
+        "viscosity": [
+            {"temperature_c": 40.0, "kinematic_viscosity_mm2_s": at_40},
+            {"temperature_c": 100.0, "kinematic_viscosity_mm2_s": at_100},
+        ],
+    }
+
+
+FluidChoice = Literal["required", "assumed", "other"]
+
+
+@dataclass(frozen=True)
+class RequiredFluid:
+    """The fluid that a unit's maker requires, and the entry that is taken for it unless another is chosen."""
+
+    required: str  # as the manual calls it
+    entry: str  # id of that fluid's entry, or of the nearest one
+    viscosity_100: tuple[float, float] | None  # [m²/s] at 100 °C, where the entry is but the nearest: of what is sold
+    source: str  # who requires it
+
+    def choice(self, fluid: Fluid) -> FluidChoice:
+        """Return whether a fluid is the one required, the one that is assumed to be near it, or another one."""
+        if fluid.state == "used" and fluid.fresh is None:  # data of a used fluid, chosen as such
+            used = shipped_files("fluids").get(self.entry) and load_fluid(self.entry).used
+            other = fluid.id not in (self.entry, used)
+        else:
+            other = (fluid.fresh or fluid).id != self.entry
+        return "other" if other else "required" if self.viscosity_100 is None else "assumed"
+
+    def taken(self, fluid: Fluid) -> Fluid:
+        """Return a fluid with the range of what is sold as the one required, where it is assumed to be near that.
+
+        A fluid whose range is known already stays as it is.
+        """
+        if self.viscosity_100 is None or self.choice(fluid) == "other" or fluid.viscosity_range != (1.0, 1.0):
+            return fluid
+        nu = fluid.kinematic_viscosity(100.0)
+        low, high = self.viscosity_100
+        return replace(fluid, viscosity_range=(low / nu, high / nu))
+
+    def messages(self, fluid: Fluid) -> list[Message]:
+        """Return what a reader must know of a fluid that is not surely the one required."""
+        choice = self.choice(fluid)
+        if choice == "other":
+            text = Sentence(
+                "The maker requires {required}; this unit is computed with {fluid}, which was chosen.",
+                required=Name(self.required),
+                fluid=Name(fluid.name),
+            )
+            return [Message("warning", "fluid_not_required", text)]
+        if self.viscosity_100 is None or choice == "required":
+            return []
+        low, high = (each * 1e6 for each in self.viscosity_100)
+        text = Sentence(
+            "{fluid} is assumed: the maker requires {required}, of which no entry is known. At 100 °C what is sold as "
+            "that has {low:g} to {high:g} mm²/s; every flow is uncertain by as much.",
+            fluid=Name(fluid.name),
+            required=Name(self.required),
+            low=round(low, 6),
+            high=round(high, 6),
+        )
+        return [Message("info", "fluid_assumed", text)]
+
+
 def fresh_assumed(fluid: Fluid) -> Message:
     """Return the message that nobody said in which state a fluid is."""
     low, high = USED_THINNER
@@ -366,7 +473,7 @@ def _fluid(data: Mapping[str, Any], origin: Origin) -> Fluid:
         density_at=(entry.density.at_c, entry.density.density_g_cm3 * 1e3),
         density_slope=entry.density.density_slope_g_cm3_k * 1e3,
         used=_used_entry(entry, origin),
-        viscosity_half_width=0.0,
+        viscosity_range=(1.0, 1.0),
         origin=origin,
         doubts=doubts_of("fluids", FluidFile, data, origin.file),
     )
@@ -472,6 +579,10 @@ class FluidFile(Entry):
 
 FLUIDS = Shelf("fluids", FluidFile, _fluid)
 checked_fluid, fluids = FLUIDS.checked, FLUIDS.usable
+
+
+DEFAULT_FLUID = "hipol_atf_iid"
+"""Taken for a unit whose file names no fluid."""
 
 
 def load_fluid(id_or_path: str | Path) -> Fluid:

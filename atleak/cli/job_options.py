@@ -109,7 +109,8 @@ def _add_road_test(group: CommandOptions) -> None:
 
 def _add_catalogue(group: CommandOptions) -> None:
     add_controller(group)
-    group.add_argument("--fluid", metavar="ID|FILE", help="ATF in the transmission; `atleak fluids` lists those known")
+    help = "ATF in the transmission; the one that the valve body's file names unless given; `atleak fluids` lists all"
+    group.add_argument("--fluid", metavar="ID|FILE", help=help)
     help = "of the fluid in the transmission; taken as fresh unless given"
     group.add_argument("--fluid-state", metavar="fresh|used", type=_fluid_state, help=help)
 

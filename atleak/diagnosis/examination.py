@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller
-from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed
+from atleak.catalogue.fluid import Fluid, FluidState, fresh_assumed, load_fluid
 from atleak.catalogue.instruments import Instruments
 from atleak.catalogue.limits import Limits
 from atleak.catalogue.operating_point import OperatingPoint
@@ -41,7 +41,7 @@ from atleak.measurements.vacuum import VacuumTable
 @translates_refusals
 def diagnose(
     controller: Controller,
-    fluid: Fluid,
+    fluid: Fluid | None,
     limits: Limits,
     *,
     fluid_state: FluidState | None = None,
@@ -67,7 +67,7 @@ def diagnose(
     controller
         the type of valve body, from the catalogue or the workshop's own file, as fluid and limits are.
     fluid
-        the fluid in the transmission.
+        the fluid in the transmission; None takes that of the controller's file.
     limits
         by which the unit is judged.
     fluid_state
@@ -108,6 +108,8 @@ def diagnose(
 
     Raises
     ------
+    CatalogueError
+        no fluid is given, and the one that the controller's file names is not in the catalogue.
     DomainError
         a condition's temperature outside the fluid's data.
     InputError
@@ -116,6 +118,7 @@ def diagnose(
     ReadingsError
         a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
+    fluid = load_fluid(controller.usual_fluid) if fluid is None else fluid
     mileage = mileage_of(mileage, readings)
     measured_pump = pump_clearances if readings is None else pump_clearances.or_else(readings.pump)
     described, controller = controller, controller.with_measured_pump(measured_pump)
@@ -141,6 +144,8 @@ def diagnose(
         controller = readings.own_lands.applied(controller)
     condition = condition or controller.operating_points[0]
     fluid_state_assumed = fluid_state is None and fluid.state == "fresh"
+    required = controller.fluid
+    fluid = fluid if required is None else required.taken(fluid)
     fluid = fluid if fluid_state is None else fluid.in_state(fluid_state)
     measured_at = None if readings is None else readings.measured_at(measuring_temperature)
     temperature = REFERENCE_TEMPERATURE if measured_at is None else measured_at.value
@@ -175,6 +180,7 @@ def diagnose(
         *(checked.messages if checked else ()),
         *road.messages,
         *(() if flows is None else (*flows.messages, *flow_messages(caught))),
+        *(required.messages(fluid) if required else ()),
         *([fresh_assumed(fluid)] if fluid_state_assumed else ()),
         *sheet_messages(readings, measured_at, uncertainty, road_test, mileage),
         *(vacuum.messages if vacuum else ()),

@@ -506,6 +506,7 @@ def _service_flow(
     nu = nu * np.exp(assumptions.viscosity * stream.standard_normal(_DRAWS))
     weights = np.array([[land.nominal_diameter / land.contact_length] for land in lands])
     places = {component: stream.random(_DRAWS) for component in dict.fromkeys(land.component for land in lands)}
+    nu = nu * model.fluid.viscosity_factor(math.sqrt(12.0) * (stream.random(_DRAWS) - 0.5))
     total = np.zeros(_DRAWS)
     for land, part, length, weight in zip(lands, split, lengths, weights, strict=True):
         cold = np.cbrt(cubes * part * weights.sum() / weight)

@@ -32,7 +32,17 @@ from atleak.common.errors import AtleakError, InputError, Message, Place, one_of
 from atleak.common.file_faults import faults_together, validated
 from atleak.common.sentences import Sentence
 from atleak.fleet.units import TABLE, FleetUnit, travelling
-from atleak.job.case import OWN_FILES, SLOTS, Case, CaseChoice, SourceFile, pairs_of, with_log_choices, with_record
+from atleak.job.case import (
+    OWN_FILES,
+    SLOTS,
+    Case,
+    CaseChoice,
+    Reader,
+    SourceFile,
+    pairs_of,
+    with_log_choices,
+    with_record,
+)
 from atleak.job.zip_file import load_job
 from atleak.measurements.job_card import Job
 from atleak.readers.cells.sheet import Cell
@@ -280,7 +290,7 @@ class TableUnits:
         self._written = written_choices(defaults)
         chosen: dict[str, Any] = {name: travelling_choice(name, getattr(defaults, name), Path.cwd()) for name in SLOTS}
         self._defaults = replace(defaults, remember=False, **chosen)
-        self._chosen: dict[tuple[str, str], CaseChoice] = {}
+        self._chosen: dict[tuple[str, str], CaseChoice | None] = {}
         remembered = default_path()
         self._remembered = remembered if remembered.exists() else None
 
@@ -391,6 +401,9 @@ class TableUnits:
         changes["engine_speed"] = None if speed is None else speed / 60.0
         case = replace(self._defaults, **{name: value for name, value in changes.items() if value not in (None, ())})
         case = _recorded(case, job)
+        if case.fluid is None and isinstance(case.controller, SourceFile):  # it may name a fluid of the user's own
+            usual = Reader().entry(SLOTS["controller"], case.controller).usual_fluid
+            case = replace(case, fluid=travelling_choice("fluid", usual, self.path.parent))
         return case if self._remembered is None else _with_remembered(case, self._remembered)
 
     def _choice(self, read: RowCells, slot: str) -> CaseChoice | None:
@@ -406,7 +419,7 @@ class TableUnits:
         return self._chosen[slot, chosen]
 
 
-def travelling_choice(slot: str, chosen: CaseChoice, folder: Path) -> CaseChoice:
+def travelling_choice(slot: str, chosen: CaseChoice | None, folder: Path) -> CaseChoice | None:
     """Return a choice from the catalogue as it goes along with a unit: the id of a shipped entry, or a file's bytes.
 
     Parameters
@@ -414,7 +427,7 @@ def travelling_choice(slot: str, chosen: CaseChoice, folder: Path) -> CaseChoice
     slot
         name of the choice in `Case`.
     chosen
-        an id, or the path of a file.
+        an id, or the path of a file; None stays so.
     folder
         from which that path leads.
 
@@ -424,7 +437,7 @@ def travelling_choice(slot: str, chosen: CaseChoice, folder: Path) -> CaseChoice
         neither an id of the catalogue nor a file.
     """
     kind = SLOTS[slot].folder
-    if isinstance(chosen, SourceFile) or chosen in shipped_files(kind):
+    if chosen is None or isinstance(chosen, SourceFile) or chosen in shipped_files(kind):
         return chosen
     own = own_files(kind).get(chosen)
     path = file_at(folder, chosen) if own is None else own

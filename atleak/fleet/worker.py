@@ -306,7 +306,7 @@ class _Reader(Reader):
         remembered = default_path() if case.remember else None
         return understand(file.given, name=file.name, memory=self._memory, remembered=remembered, **case.log_choices)
 
-    def entry(self, slot: Slot, choice: CaseChoice) -> Any:
+    def entry(self, slot: Slot, choice: CaseChoice | None) -> Any:
         """Return an entry as it was loaded before, where it is of the same bytes."""
         own = slot.own_file(choice)
         key = (slot.name, str(choice), "") if own is None else (slot.name, own.name, own.sha256)

@@ -139,9 +139,9 @@ class Slot:
     required: bool  # in a job file: an instrument may have been made in Python
     part: Part | None = None  # that an instrument measures
 
-    def own_file(self, choice: CaseChoice) -> SourceFile | None:
+    def own_file(self, choice: CaseChoice | None) -> SourceFile | None:
         """Return the file behind a choice, where it is the user's own, which can change; None for a shipped one."""
-        if isinstance(choice, SourceFile):
+        if choice is None or isinstance(choice, SourceFile):
             return choice
         path = None if choice in shipped_files(self.folder) else own_files(self.folder).get(choice)
         return None if path is None else SourceFile.at(path)
@@ -183,7 +183,7 @@ class Case:
     vacuum: SourceFile | None = None  # a vacuum test of circuits and lands
     flows: SourceFile | None = None  # flows that were caught in a jug
     controller: CaseChoice = "four_speed_2023"  # id or file, as of fluid, limits and instruments
-    fluid: CaseChoice = "hipol_atf_iid"  # in the transmission
+    fluid: CaseChoice | None = None  # in the transmission; None: as the controller's file names it
     fluid_state: FluidState | None = None  # None: nobody said; as its data are, fresh as a rule
     limits: CaseChoice = DEFAULT_LIMITS  # by which it is judged
     spool_instrument: CaseChoice = DEFAULT_SPOOL_INSTRUMENT  # that measured spools
@@ -216,6 +216,8 @@ class Case:
         """Return a key under which a result can be kept: equal for equal files and choices, and only for those."""
         files = {name: (file.name, file.sha256) for name, file in self._files()}
         values = {name: files.get(name, value) for name, value in vars(self).items() if not name.startswith("_")}
+        if self.fluid is None and "controller" in files:  # it may name a fluid of the user's own
+            values["fluid"] = [SourceFile.at(path).sha256 for path in own_files("fluids").values()]
         for name, unchosen in _ADDED_LATER.items():
             if values[name] == unchosen:
                 del values[name]
@@ -456,14 +458,16 @@ def _one_table(own: PressureTable | None, readings: Readings | None) -> Pressure
 class Reader:
     """Read every file of a job anew; the dashboard has one that keeps what it has read."""
 
-    def entry(self, slot: Slot, choice: CaseChoice) -> Any:
-        """Load a controller, fluid, limit set or instrument by id, path or bytes.
+    def entry(self, slot: Slot, choice: CaseChoice | None) -> Any:
+        """Load a controller, fluid, limit set or instrument by id, path or bytes; nothing where nothing is chosen.
 
         Raises
         ------
         CatalogueError
             naming file, table, key and value.
         """
+        if choice is None:
+            return None
         return load_source(slot.load, choice) if isinstance(choice, SourceFile) else slot.load(choice)
 
     def readings(self, case: Case, controller: Controller) -> Readings:

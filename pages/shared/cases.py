@@ -105,19 +105,20 @@ def held(case: PageCase) -> PageCase:
     What is done later to the entries' files, or to the columns that are remembered, changes nothing.
     """
     case = case_with_columns(case)
-    own = {name: slot.own_file(getattr(case, name)) for name, slot in SLOTS.items()}
+    usual = controller_of(case).usual_fluid
+    own = {name: slot.own_file(getattr(case, name) or usual) for name, slot in SLOTS.items()}
     return case.with_files(
         {name: SourceFile(file.name, file.content) for name, file in own.items() if file is not None}
     )
 
 
-def chosen_by_id(case: Case) -> dict[str, CaseChoice]:
+def chosen_by_id(case: Case) -> dict[str, CaseChoice | None]:
     """Return what a job takes from the catalogue, by id wherever the catalogue here holds that very file."""
     return {name: _by_id(slot, getattr(case, name)) for name, slot in SLOTS.items()}
 
 
-def _by_id(slot: Slot, choice: CaseChoice) -> CaseChoice:
-    if isinstance(choice, str):
+def _by_id(slot: Slot, choice: CaseChoice | None) -> CaseChoice | None:
+    if not isinstance(choice, SourceFile):
         return choice
     known = catalogue_files(slot.folder).items()
     return next((name for name, path in known if path.read_bytes() == choice.content), choice)
@@ -136,7 +137,9 @@ def _released(_: object) -> None:
 class Kept(Reader):
     """A reader of a job's files that reads each once: for every session of this server, large logs for each session."""
 
-    def entry(self, slot: Slot, choice: CaseChoice) -> Any:
+    def entry(self, slot: Slot, choice: CaseChoice | None) -> Any:
+        if choice is None:
+            return None
         own = slot.own_file(choice)
         called = choice if isinstance(choice, str) else choice.name
         return _entry(slot.name, called, "" if own is None else own.sha256, choice)

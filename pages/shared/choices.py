@@ -5,6 +5,7 @@ Each choice is taken as soon as it is made, before anything is drawn: the result
 
 from __future__ import annotations
 
+import datetime as dt
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, get_args, get_type_hints
@@ -12,13 +13,17 @@ from typing import Any, get_args, get_type_hints
 import streamlit as st
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.fluid import USED_THINNER, FluidState
-from atleak.common.errors import AtleakError
+from atleak.catalogue.controller_file import written_toml
+from atleak.catalogue.entries import id_from_name, write_own
+from atleak.catalogue.fluid import USED_THINNER, FluidFile, FluidState, checked_fluid, tables_of_two_points
+from atleak.catalogue.written_numbers import AskedNumber
+from atleak.common.errors import AtleakError, InputError
+from atleak.common.sentences import Sentence
 from atleak.engine.profile import PROFILES, UNKNOWN, Profile
 from atleak.job.case import SLOTS, CaseChoice, SourceFile
-from pages.shared import reader, show
+from pages.shared import fields, reader, show
 from pages.shared.cases import catalogue_list, controller_of, entry_doubts, shown_name
-from pages.shared.state import choose, session
+from pages.shared.state import choose, pick, session
 
 OPTIONS = ("diameter", "viscosity", "pump_draw", "pump_efficiency", "entry_loss", "form")
 
@@ -28,21 +33,67 @@ def catalogue_entry(name: str) -> None:
     say, now, slot = reader.say(), session(), SLOTS[name]
     current = getattr(now.case, name)
     known = catalogue_list(name).entries
-    options: list[CaseChoice] = [
-        each for each, entry in known.items() if slot.part is None or slot.part in entry.measures
-    ]
+    options: list[CaseChoice | None] = [None] if name == "fluid" else []
+    options += [each for each, entry in known.items() if slot.part is None or slot.part in entry.measures]
     given = current if isinstance(current, SourceFile) else now.own.get(name)
     options += [given] if given is not None else [] if current in options else [current]
 
-    def shown(option: CaseChoice) -> str:
+    def shown(option: CaseChoice | None) -> str:
+        if option is None:
+            usual = controller().usual_fluid
+            return say("settings.fluid_of_unit", name=shown_name(known[usual], say) if usual in known else usual)
         if isinstance(option, SourceFile):
             return say("settings.own_file", name=option.name)
         return shown_name(known[option], say) if option in known else option
 
     _select(say(f"slots.{name}"), name, options, current, shown, lambda picked: choose(**{name: picked}))
     with st.container():
-        for doubt in entry_doubts(name, current):
+        for doubt in () if current is None else entry_doubts(name, current):
             st.warning(show.plain(doubt.text))
+
+
+AT_40 = AskedNumber(Sentence("viscosity"), "mm²/s", 34.0, (0.5, 1e6), (10.0, 80.0), "viscosity")
+AT_100 = AskedNumber(Sentence("viscosity"), "mm²/s", 7.2, (0.5, 1e6), (2.7, 14.0), "viscosity")
+DENSITY = AskedNumber(Sentence("density"), "g/cm³", 0.85, (0.5, 1.5), (0.75, 0.95), "density")
+_REFUSED = "own-fluid-refused"
+
+
+def own_fluid() -> None:
+    """Offer to type a fluid's data sheet, which is kept in the user's own catalogue and chosen for the job."""
+    say = reader.say()
+    with fields.fold(say("settings.fluid_own"), key="own-fluid"):
+        st.caption(say("settings.fluid_own_help"))
+        left, right = st.columns(2)
+        name = left.text_input(say("settings.fluid_name"), **fields.kept("own-fluid-name", "")).strip()
+        source = right.text_input(say("settings.fluid_source"), **fields.kept("own-fluid-source", "")).strip()
+        asked, places = {"at_40": AT_40, "at_100": AT_100, "density": DENSITY}, st.columns(3)
+        values: dict[str, float | None] = {}
+        for column, (key, each) in zip(places, asked.items(), strict=True):
+            with column:
+                label = say(f"settings.fluid_{key}", temperature=say.plain_quantity(_AT[key], "temperature"))
+                values[key] = fields.number(label, each, None, key=f"own-fluid-{key}", optional=True)
+        st.button(say("settings.fluid_keep"), on_click=_keep_fluid, args=(name, source, values), key="own-fluid-keep")
+        if refused := st.session_state.pop(_REFUSED, None):
+            st.error(show.plain(refused))
+
+
+_AT = {"at_40": 40.0, "at_100": 100.0, "density": 15.0}  # °C
+
+
+def _keep_fluid(name: str, source: str, values: dict[str, float | None]) -> None:
+    """Keep the fluid that was typed, and choose it; or say what is missing or wrong."""
+    try:
+        at_40, at_100 = values["at_40"], values["at_100"]
+        if not id_from_name(name) or not source or at_40 is None or at_100 is None:
+            expected = Sentence("a name, where the numbers come from, and the viscosities at 40 and 100 °C")
+            raise InputError(Sentence("the fluid is not complete"), expected=expected)
+        tables = tables_of_two_points(name, source, dt.date.today().isoformat(), at_40, at_100, values["density"])
+        checked_fluid(tables, name)
+        write_own("fluids", tables["id"], written_toml(tables, FluidFile))
+    except AtleakError as error:
+        st.session_state[_REFUSED] = error.sentence
+        return
+    pick("fluid", tables["id"])
 
 
 def controller() -> Controller:

@@ -124,7 +124,7 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> WhatIf:
         gear=gear,
         wear=wear,
         growth=growth / PERCENT,
-        fluid=catalogue_entry("fluid", case.fluid if fluid is None else fluid),
+        fluid=catalogue_entry("fluid", fluid or case.fluid or diagnosis.controller.usual_fluid),
         fluid_state=state,
         eccentricity=position,
     )

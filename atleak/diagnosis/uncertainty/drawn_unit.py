@@ -40,7 +40,6 @@ from atleak.engine.restrictions import GapBranch as Restricted
 from atleak.engine.restrictions import leaks_both_ways
 from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
-from atleak.equations.statistics import rectangular
 
 _GRID = np.linspace(0.0, 1.0, 17)  # fractions of the required pressure at which the demand is worked out
 _HALVINGS = 40  # of the pressure that holds
@@ -213,9 +212,7 @@ class Drawn:
         temperature = self.point.temperature + u.temperature * deviates["temperature"]
         self.rise = temperature - REFERENCE_TEMPERATURE
         nu, self.rho = _fluid_at(model, temperature)
-        nu = nu * np.exp(u.viscosity * deviates["viscosity"])
-        if model.fluid.viscosity_half_width:
-            nu = nu * (1.0 + rectangular(model.fluid.viscosity_half_width) * deviates[FLUID_STATE])
+        nu = nu * np.exp(u.viscosity * deviates["viscosity"]) * model.fluid.viscosity_factor(deviates[FLUID_STATE])
         self.nu, self.viscosity = nu, dynamic_viscosity(nu, self.rho)
         main = self.point.main_pressure * np.maximum(1.0 + u.main_pressure * deviates["main pressure"], 0.0)
         converter = self.point.converter_pressure * np.maximum(

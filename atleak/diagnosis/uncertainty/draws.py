@@ -249,7 +249,7 @@ def stream_of(*seed: int) -> np.random.Generator:
 LEAST_SEEN = 0.5
 
 NORMAL_FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
-FLUID_STATE = "viscosity of the used fluid"  # rectangular; only where the fluid has no data of its own used state
+FLUID_STATE = "range of the fluid's viscosity"  # rectangular: of one without data of its own used state, or assumed
 FACTORS = (*NORMAL_FACTORS, FLUID_STATE)
 
 

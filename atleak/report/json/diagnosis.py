@@ -111,6 +111,7 @@ def head_record(diagnosis: Diagnosis) -> dict[str, Any]:
             "representative": list(diagnosis.fluid.representative),
             "state": diagnosis.fluid.state,
             "state_assumed": diagnosis.fluid_state_assumed,
+            **_required_fluid(diagnosis),
         },
         "pump": {
             **pump_record(diagnosis),
@@ -131,6 +132,17 @@ def head_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "complaint": _complaint(diagnosis),
         "verdict": diagnosis.verdict,
         "unit": _unit(diagnosis),
+    }
+
+
+def _required_fluid(diagnosis: Diagnosis) -> dict[str, Any]:
+    required = diagnosis.controller.fluid
+    low, high = (required and required.viscosity_100) or (None, None)
+    return {
+        "required": required and required.required,
+        "taken_as": required and required.choice(diagnosis.fluid),
+        "required_viscosity_100_low_mm2_s": low and low * MM2_S,
+        "required_viscosity_100_high_mm2_s": high and high * MM2_S,
     }
 
 

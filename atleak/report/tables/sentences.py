@@ -66,10 +66,15 @@ def full_stroke(diagnosis: Diagnosis, say: Wording) -> str | None:
 
 
 def fluid_in_state(diagnosis: Diagnosis, say: Wording) -> str:
-    """Return the name of the fluid and the state in which it is taken: ``Mobil ATF 220; used``."""
+    """Return the name of the fluid, its state, and whether it is not the one required: ``Mobil ATF 220; used``."""
     fluid, (low, high) = diagnosis.fluid, USED_THINNER
     state = "fresh_assumed" if diagnosis.fluid_state_assumed else "used_estimated" if fluid.estimated else fluid.state
-    return f"{isolated(say.name(fluid.name))}; {say(f'fluid_states.{state}', low=low, high=high)}"
+    said = f"{isolated(say.name(fluid.name))}; {say(f'fluid_states.{state}', low=low, high=high)}"
+    required = diagnosis.controller.fluid
+    choice = "required" if required is None else required.choice(fluid)
+    if required is None or choice == "required":
+        return said
+    return f"{said}; {say(f'fluid_states.{choice}', required=isolated(say.name(required.required)))}"
 
 
 def profile_words(profile: Profile, say: Wording) -> str:

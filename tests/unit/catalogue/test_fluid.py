@@ -100,7 +100,7 @@ def test_without_used_data_the_viscosity_is_a_fifth_to_a_quarter_lower_and_the_d
         ratio = used.kinematic_viscosity(at, model) / fresh.kinematic_viscosity(at, model)
         assert ratio == pytest.approx(0.775, rel=1e-9, abs=0.0)
         assert used.density(at, model) == fresh.density(at, model)
-        ends = (ratio * (1.0 - used.viscosity_half_width), ratio * (1.0 + used.viscosity_half_width))
+        ends = tuple(ratio * each for each in used.viscosity_range)
         assert ends == pytest.approx((0.75, 0.80), rel=1e-9, abs=0.0)
     assert used.state == "used"
     assert "viscosity and density of the used fluid" in used.representative

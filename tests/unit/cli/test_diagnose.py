@@ -22,7 +22,7 @@ RecordOf = Callable[..., dict[str, Any]]
 SmallSheet = Callable[..., Path]
 OWN_FILES = {
     "controller": "minimal_example",
-    "fluid": Case.fluid,
+    "fluid": "mobil_atf_220",
     "limits": Case.limits,
     "spool_instrument": Case.spool_instrument,
     "sleeve_instrument": Case.sleeve_instrument,

@@ -72,15 +72,15 @@ def test_the_width_of_an_estimated_used_viscosity_is_part_of_every_interval(samp
         )
 
     used = of(load_fluid("mobil_atf_220"), "used")
-    known = of(replace(used.fluid, viscosity_half_width=0.0), "used")
+    known = of(replace(used.fluid, viscosity_range=(1.0, 1.0)), "used")
     for wide, narrow in zip(used.uncertainty.totals, known.uncertainty.totals, strict=True):
         assert wide.leakage == narrow.leakage
         assert wide.u_leakage > narrow.u_leakage
         parts = dict(wide.budget)
-        ratio = parts["viscosity of the used fluid"] / parts["viscosity"]
+        ratio = parts["range of the fluid's viscosity"] / parts["viscosity"]
         rectangle = (0.80 - 0.75) / (0.80 + 0.75) / math.sqrt(3.0)
         assert ratio == pytest.approx((rectangle / used.uncertainty.assumptions.viscosity) ** 2, rel=0.02, abs=0.0)
-        assert "viscosity of the used fluid" not in dict(narrow.budget)
+        assert "range of the fluid's viscosity" not in dict(narrow.budget)
 
 
 # --- verdicts

@@ -39,9 +39,10 @@ def vacuum(text: str = VACUUM) -> SourceFile:
 
 def test_keys_of_jobs_without_them_are_those_of_the_version_before() -> None:
     """Results that were kept stay found: both were computed by atleak as it was before it knew such files."""
+    kept = "hipol_atf_iid"  # stood in every job for which no fluid was chosen
     gauges = SourceFile("gauges.csv", b"range;stall [kPa]\nD;1100\n")
-    assert Case().key == "4fbd531339b035c036fb4da28c2e87e163968d178c74d7fc6c5c2b28b489a22b"
-    of_both = Case(controller=UNIT, pressures=gauges, temperature=95.0)
+    assert Case(fluid=kept).key == "4fbd531339b035c036fb4da28c2e87e163968d178c74d7fc6c5c2b28b489a22b"
+    of_both = Case(controller=UNIT, pressures=gauges, temperature=95.0, fluid=kept)
     assert of_both.key == "c3c163b38d9496c35ce303d8a0691c0f6b415d4f28f0c3fd84e634c9f4fba134"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from atleak.catalogue.fluid import load_fluid
 from tests.unit.pages.conftest import choice, go, settle, texts
 
 
@@ -64,3 +65,33 @@ def test_options_have_plain_labels_and_keep_their_value_in_the_help(app: AppTest
     assert choice(app, "Pump efficiency").options[0] == "Wilson slip"
     for label in ("Diameter in the gap law", "Viscosity", "Counted as drawn from the pump", "Pump efficiency"):
         assert not any("_" in option for option in choice(app, label).options)
+
+
+@pytest.mark.page("22_Settings")
+def test_a_fluid_of_one_s_own_is_two_viscosities_and_no_file(app: AppTest) -> None:
+    def field(label: str):
+        return next(widget for widget in app.text_input if widget.label.startswith(label))
+
+    def keep() -> None:
+        next(widget for widget in app.button if widget.label == "Keep and use").click().run()
+        assert not app.exception
+
+    assert choice(app, "Fluid").value is None
+    assert "HIPOL ATF IID" in choice(app, "Fluid").options[0]
+    field("Name of the fluid").set_value("Drum 7, red").run()
+    keep()
+    assert "the viscosities at 40 and 100 °C" in "".join(error.value for error in app.main.error)
+    field("Where the numbers come from").set_value("label of the drum").run()
+    field("Viscosity at 40").set_value("34,1").run()
+    field("Viscosity at 100").set_value("40").run()
+    keep()
+    assert "viscosity must fall" in "".join(error.value for error in app.main.error)
+    field("Viscosity at 100").set_value("7,1").run()
+    keep()
+    assert choice(app, "Fluid").value == "drum_7_red"
+    fluid = load_fluid("drum_7_red")
+    assert [at for at, _ in fluid.points] == [40.0, 100.0]
+    assert [nu for _, nu in fluid.points] == pytest.approx([34.1e-6, 7.1e-6], rel=1e-12, abs=0.0)
+    assert fluid.representative == ("density_g_cm3", "density_slope_g_cm3_k")
+    go(app, "4_Diagnosis")
+    assert "Drum 7, red" in texts(app)
