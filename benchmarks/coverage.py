@@ -41,6 +41,7 @@ OPTIONS.add_argument("--json", action="store_true", help="the same numbers as JS
 SMALL = {"units": 40, "other_units": 5, "population_units": 8, "draws": 500}
 HELD = 93.0  # [%] of the intervals hold the truth, of any quantity
 UNWORN_PASS, UNWORN_FLAGGED, PAST_FLAGGED = 90.0, 1.0, 95.0  # [%]
+UNWORN_PASS_OF_RANGE, GROWN_PASS = 60.0, 1.0  # [%] where only a range is known of new; in each case
 SMALL_SPARE = 7.0  # [percentage points] by which a small run may miss what is stated
 PORTION = 25  # units that one task of a process counts
 
@@ -102,8 +103,10 @@ def world_failures(rates: dict[str, Any], spare: float) -> list[str]:
 
 def population_failures(rates: dict[str, Any], spare: float) -> list[str]:
     """Say which of the stated rates a case of the population does not meet."""
+    least = UNWORN_PASS_OF_RANGE if rates["known"] == Known.RANGE else UNWORN_PASS
     stated = (
-        ("unworn lands are a plain pass", rates["unworn"]["pass"], UNWORN_PASS - spare, 100.0),
+        ("unworn lands are a plain pass", rates["unworn"]["pass"], least - spare, 100.0),
+        ("lands grown by half are a plain pass", rates["grown"]["pass"], 0.0, GROWN_PASS + spare),
         ("unworn lands are flagged", rates["unworn"]["flagged"], 0.0, UNWORN_FLAGGED + spare),
         ("lands past the limit of their share are flagged", rates["past"]["flagged"], PAST_FLAGGED - spare, 100.0),
         *((f"intervals hold the {name}", held, HELD - spare, 100.0) for name, held in rates["coverage"].items()),
@@ -141,6 +144,7 @@ def show_population(rates: dict[str, Any]) -> None:
     for state, words in (
         ("unworn", "truly unworn"),
         ("worn", "truly worn"),
+        ("grown", "truly grown by half and 4 µm"),
         ("past", "truly at or past 1.25 x the limit of a pair's share"),
     ):
         outcomes = rates[state]

@@ -161,7 +161,7 @@ SCALE_OF_TIME = [[0.0, "#deebf7"], [1.0, "#08519c"]]
 # How sure a verdict is: colour and marker on the screen. A conditional decision is open.
 DECISION_MARKS: dict[str, tuple[str, str]] = {
     "pass": (LOOKS[Verdict.OK].screen, "circle"),
-    "conditional_pass": ("#7aa621", "circle-open"),
+    **dict.fromkeys(("within_range", "conditional_pass"), ("#7aa621", "circle-open")),
     "conditional_fail": ("#e07b00", "square-open"),
     "fail": (LOOKS[Verdict.REPLACE].screen, "square"),
 }

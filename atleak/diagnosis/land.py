@@ -298,6 +298,11 @@ class LandDiagnosis:
         return self.uncertainty.decision if self.uncertainty and self.verdict != Verdict.NOT_MEASURED else None
 
     @property
+    def shown_as(self) -> str | None:
+        """Return the decision as a key of its words, which tell one within the range of new pairs apart."""
+        return self.uncertainty.shown_as if self.uncertainty and self.decision else None
+
+    @property
     def suspect(self) -> bool:
         """Return whether the pair measures tighter than a new one can be."""
         return self.uncertainty is not None and self.uncertainty.suspect

@@ -16,6 +16,7 @@ from simulated.worlds import World
 
 QUANTITIES = ("clearance", "leakage", "share", "total leakage", "total share")
 COUNTED = {RuleKind.WEAR: "wear", RuleKind.CLEARANCE: "clearance", RuleKind.PAIR_SHARE: "share"}
+GROWN, GROWN_BY = 0.5, 4e-6  # of the clearance when new, and [m]: a land truly grown so far must be no plain pass
 PAST = 1.25  # times the limit of a pair's share: a land truly there must be flagged
 
 
@@ -143,6 +144,9 @@ def count_population(known: Known, units: range) -> Counter[str]:
             state = "unworn" if pair.wear == 0.0 else "worn"
             counts[f"{state} lands"] += 1
             counts[f"{state} {_outcome(land)}"] += 1
+            if pair.wear >= max(GROWN * pair.mounting, GROWN_BY):
+                counts["grown lands"] += 1
+                counts[f"grown {_outcome(land)}"] += 1
             if unit.greatest_share(pair) >= PAST * first_limit:
                 counts["past lands"] += 1
                 counts[f"past {_outcome(land)}"] += 1
@@ -187,6 +191,7 @@ def population_rates(known: Known, counts: Counter[str]) -> dict[str, Any]:
         "units": counts["units"],
         "unworn": outcomes("unworn"),
         "worn": outcomes("worn"),
+        "grown": outcomes("grown"),
         "past": outcomes("past"),
         "coverage": {name: percent(counts[f"inside {name}"], counts[name]) for name in held},
         "missed_above": {name: percent(counts[f"above {name}"], counts[name]) for name in held},

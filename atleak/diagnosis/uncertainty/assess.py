@@ -36,6 +36,7 @@ from atleak.diagnosis.uncertainty.results import (
     UnitUncertainty,
 )
 from atleak.diagnosis.uncertainty.sources import PARTS, LandSources, RepeatSpread, find_sources
+from atleak.diagnosis.uncertainty.wear import probabilities_worn
 from atleak.engine.extremes import Instant
 from atleak.engine.gap_messages import named_land
 from atleak.engine.leakage import LeakageModel
@@ -135,8 +136,11 @@ def assess(
         instants=tuple(instants.values()),
         cache=cache,
     )
+    worn = probabilities_worn(sources, limits.wear, assumptions) if limits.wear else {}
     lands = tuple(
-        _land(land, [unit.lands[number] for unit in units], projections, rules, coverage, guard_factor)
+        _land(
+            land, [unit.lands[number] for unit in units], projections, rules, coverage, guard_factor, worn.get(land.key)
+        )
         for number, land in enumerate(sources)
     )
     totals = tuple(
@@ -184,6 +188,7 @@ def _land(
     rules: UnitRules,
     coverage: float,
     guard_factor: float,
+    worn: tuple[float, ...] | None,
 ) -> LandUncertainty:
     state = land.state
     if not state.measured:
@@ -196,7 +201,7 @@ def _land(
         _at(land, projection, spread) for projection, spread in zip(projections, land_spreads, strict=True)
     )
     spreads = {projection.condition: spread for projection, spread in zip(projections, land_spreads, strict=True)}
-    decided = tuple(_decided(rule, land, spreads, rules.limits, guard_factor) for rule in rules.of_land(land.key))
+    decided = tuple(_decided(rule, land, spreads, rules.limits, guard_factor, worn) for rule in rules.of_land(land.key))
     # a true clearance cannot be below zero
     interval = (max(c - reach, min(c, 0.0)), c + reach)
     wear = state.wear - wear_reach, state.wear + wear_reach
@@ -209,15 +214,23 @@ def _decided(
     spreads: Mapping[OperatingPoint, LandSpread],
     limits: Limits,
     guard_factor: float,
+    worn: tuple[float, ...] | None,
 ) -> RuleDecision:
-    """Decide a land's rule: clearance and wear by closed forms, a share by the draws at its condition."""
+    """Decide a land's rule: clearance and wear by closed forms, a share by the draws at its condition.
+
+    ``worn``, of a land of whose new clearance a range is known: how likely each limit of wear is passed.
+    """
     if rule.kind is RuleKind.PAIR_SHARE:
         assert rule.condition is not None
         share = spreads[rule.condition].share_spread
         likely = share.probabilities if land.grown else tuple(min(p, _OPEN) for p in share.probabilities)
         return decide_rule(rule, share.level_uncertainties, likely, guard_factor, skewed=True)
-    worn = rule.kind is RuleKind.WEAR
-    return decide_normal(rule, _wear_uncertainties(land, limits) if worn else land.standard_uncertainty, guard_factor)
+    if rule.kind is RuleKind.CLEARANCE:
+        return decide_normal(rule, land.standard_uncertainty, guard_factor)
+    us = _wear_uncertainties(land, limits)
+    if worn is None:
+        return decide_normal(rule, us, guard_factor)
+    return decide_rule(rule, us, worn, guard_factor, skewed=True, by_value=True)
 
 
 def _wear_uncertainties(land: LandSources, limits: Limits) -> tuple[float, ...]:

@@ -121,6 +121,8 @@ def decide(
     standard_uncertainty: float,
     guard_factor: float = GUARD_FACTOR,
     probability_over: float | None = None,
+    *,
+    by_value: bool = False,
 ) -> Decision:
     """Decide how a value stands to an upper limit, given the uncertainty of its measurement.
 
@@ -133,6 +135,8 @@ def decide(
     probability_over
         that the true value has reached the limit, where its distribution is not normal: it alone says how sure the
         decision is (JCGM 106), because a guard band of k u leaves another risk above a skewed value than below it.
+    by_value
+        whether the value says all the same on which side of the limit the verdict is, however likely the other one is.
 
     Returns
     -------
@@ -157,8 +161,8 @@ def decide(
     over = reaches(value, limit)
     if probability_over is not None:
         risk = _risk_of(guard_factor)
-        over = probability_over >= 0.5
-        sure = probability_over >= 1.0 - risk or probability_over <= risk
+        over = over if by_value else probability_over >= 0.5
+        sure = probability_over >= 1.0 - risk if over else probability_over <= risk
     elif math.isfinite(standard_uncertainty):
         guard = guard_band(standard_uncertainty, guard_factor)
         sure = value > limit + guard if over else value <= limit - guard
@@ -195,16 +199,23 @@ def decide_rule(
     guard_factor: float,
     skewed: bool,
     interval: tuple[float, float] | None = None,
+    *,
+    by_value: bool = False,
 ) -> RuleDecision:
     """Decide a rule level by level; uncertainty and probability over the limit are given for each of its levels.
 
     ``interval`` is that of the value, where it was drawn. Where the value is ``skewed``, the rule's level follows from
-    the probabilities: it has most likely been reached.
+    the probabilities: it has most likely been reached; ``by_value``: from the value, and how sure it is from them.
     """
-    rule = replace(rule, reached=probabilities) if skewed else rule
+    rule = replace(rule, reached=probabilities) if skewed and not by_value else rule
     sign = -1.0 if rule.steps.falling else 1.0  # under a falling limit is over the same limit with another sign
     levels = tuple(
-        LevelDecision(name, limit, decide(sign * rule.value, sign * limit, u, guard_factor, p if skewed else None), p)
+        LevelDecision(
+            name,
+            limit,
+            decide(sign * rule.value, sign * limit, u, guard_factor, p if skewed else None, by_value=by_value),
+            p,
+        )
         for (name, limit), u, p in zip(rule.steps.levels, standard_uncertainties, probabilities, strict=True)
     )
     index = _number_of(rule.limit, levels)
@@ -241,6 +252,8 @@ class Remedy:
     directions: tuple[Part, ...]  # parts that decide it when measured in four directions
     form: float  # of the clearance's variance, for want of directions
     measurable: bool  # False: the limit is finer than the gauge
+    by_range: bool = False  # of wear, where of the pair when new a range is known: measuring it again tells no more
+    unworn_end: bool = False  # whether that of its bore would then decide it
 
     @property
     def decides(self) -> bool:
@@ -329,6 +342,12 @@ def advise(rule: RuleDecision, name: str, way: Remedy, land: LandSources, limit_
     """
     side = "over" if rule.decision == "conditional_fail" else "under"
     tools = _tools(land)
+    if way.by_range and way.measurable:
+        text = f"{name}, counted from the widest new pair, is {side} the {limit_text}"
+        text = "within the range of new" if rule.value <= 0.0 else text
+        text += f", but with {_percent(rule.probability_over_limit)} the pair was narrower and is worn past the limit"
+        first = "measure its bore at an unworn end first, which tells what the pair was when new"
+        return f"{text}: {first}." if way.unworn_end else f"{text}. Measuring again will not settle it."
     if not way.measurable:
         text = f"{name}: the {limit_text} is not measurable with {tools} ({guard_text})."
         if way.first is None and land.state.leak is not None:

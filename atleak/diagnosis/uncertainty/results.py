@@ -224,6 +224,13 @@ class LandUncertainty:
         return "conditional_pass" if decided == "pass" and self.suspect else decided
 
     @property
+    def shown_as(self) -> str | None:
+        """Return the decision as a key of its words: a conditional pass as new pairs measure is within their range."""
+        (low, high), clearance = self.sources.state.land.mounting_range, self.sources.state.radial_clearance
+        within = low < high and low <= clearance <= high
+        return "within_range" if within and self.decision == "conditional_pass" else self.decision
+
+    @property
     def probability_over_limit(self) -> float | None:
         """Return the probability that the limit of the deciding rule is passed."""
         return self.deciding.probability_over_limit if self.deciding else None
@@ -261,7 +268,13 @@ class LandUncertainty:
         measurable = self.measurable(rule)
         distance = abs(rule.value - rule.limit) if measurable else self._allowed_wear(rule)
         allowed = self._allowed_variance(rule, distance)
-        return remedy(self.sources, rule, self._per_clearance(rule), allowed, measurable)
+        way = remedy(self.sources, rule, self._per_clearance(rule), allowed, measurable)
+        low, high = self.sources.state.land.mounting_range
+        if rule.rule.kind is not RuleKind.WEAR or low == high:
+            return way
+        # a bore against its own unworn end, on one and the same spool
+        u = math.sqrt(2.0 * self.sources.part_fraction("sleeve")) * self.sources.standard_uncertainty
+        return replace(way, by_range=True, unworn_end=0.0 < self.guard_factor * u < rule.limit * high)
 
     def advice_on(self, rule: RuleDecision) -> str | None:
         """Say in plain words what would decide a conditional rule; None where it is decided already."""

@@ -21,7 +21,7 @@ from atleak.common.wording import Wording, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
-from atleak.diagnosis.uncertainty import DECISIONS, LandUncertainty, UnitUncertainty
+from atleak.diagnosis.uncertainty import LandUncertainty, UnitUncertainty
 from atleak.report.charts.figure import Figure, by_land, framed
 
 _NAMED = 0.12  # part of the axis from which on a band has room for its name beside its sign
@@ -234,11 +234,10 @@ def land_clearances(
     _open_mark(figure, new, names, say("figures.mounting"), "line-ns-open", um, number)
     limits = list(map(_clearance_limit, chosen))
     _open_mark(figure, limits, names, say("figures.limit"), "triangle-down-open", um, number)
-    for decision in DECISIONS:
-        shown = [land for land in chosen if land.decision == decision]
+    for decision, (colour, symbol) in DECISION_MARKS.items():
+        shown = [land for land in chosen if land.shown_as == decision]
         if not shown:
             continue
-        colour, symbol = DECISION_MARKS[decision]
         figure.marks(
             [land.sources.state.radial_clearance for land in shown],
             list(map(land_name, shown)),

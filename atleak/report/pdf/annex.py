@@ -11,10 +11,11 @@ from typing import Any
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.limits import RuleKind
+from atleak.common.style import DECISION_MARKS
 from atleak.common.units import MM, PERCENT, UM
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
-from atleak.diagnosis.uncertainty import DECISIONS, LandUncertainty, RuleDecision, UnitUncertainty
+from atleak.diagnosis.uncertainty import LandUncertainty, RuleDecision, UnitUncertainty
 from atleak.diagnosis.uncertainty.results import MOST_BUDGETS, BudgetLine, budget_lines, combined
 from atleak.equations.statistics import normal_cdf, normal_quantile
 from atleak.measurements.clearances import LandClearance
@@ -82,8 +83,8 @@ class Annex(PrintedPart):
                 seed=uncertainty.seed,
             )
         )
-        counts = Counter(land.decision for land in lands)
-        words = (f"{say.get('decisions', each)}: {counts[each]}" for each in DECISIONS if counts[each])
+        counts = Counter(land.shown_as for land in lands)
+        words = (f"{say.get('decisions', each)}: {counts[each]}" for each in DECISION_MARKS if counts[each])
         yield text(say("annex.counted", lands=len(lands), counts=joined(words)), leads=True)
         of_unit = ((rule, self.diagnosis.decided(rule)) for rule in self.diagnosis.unit_rules)
         yield listed(
@@ -123,7 +124,7 @@ class Annex(PrintedPart):
             _quantity("annex.limit", decided(lambda _, each: names.rule_value(each.rule, each.limit))),
             _quantity("", decided(guard), "± w"),
             verdict,
-            Column("decision", width=150, of=lambda land: say.get("decisions", land.decision or "")),
+            Column("decision", width=150, of=lambda land: say.get("decisions", land.shown_as or "")),
             _probability(_deciding),
         ]
 

@@ -241,10 +241,11 @@ class Body(PrintedPart):
         say, names = self.say, self.names
         yield bullets(names.advice_by_group(land for land in self.diagnosis.flagged if land.decision in _CONDITIONAL))
         within = [land for land in self.diagnosis.lands if land.verdict == Verdict.OK and land.decision in _CONDITIONAL]
-        for key, suspect in (("texts.unsure", False), ("texts.suspect", True)):
-            lands = [names.land_number(land) for land in within if land.suspect == suspect]
+        kinds = ["suspect" if land.suspect else land.shown_as for land in within]
+        for kind, key in (("within_range", "within_range"), ("conditional_pass", "unsure"), ("suspect", "suspect")):
+            lands = [names.land_number(land) for land, each in zip(within, kinds, strict=True) if each == kind]
             if lands:
-                yield text(say(key, lands=joined(lands)))
+                yield text(say(f"texts.{key}", lands=joined(lands)))
 
     def _all(self) -> Iterable[Block]:
         names = self.names

@@ -102,6 +102,12 @@ class PrintedNames:
         side = "over" if decided.decision == "conditional_fail" else "under"
         spread = uncertainty.guard_factor * decided.standard_uncertainty
         values = {"value": decided.value, "limit": decided.limit, "guard": spread}
+        if remedy.by_range and remedy.measurable:
+            key = "within_range" if land.shown_as == "within_range" else f"range_{side}"
+            chance = say.percent(decided.probability_over_limit, 0)
+            shown = {name: self.rule_value(rule, values[name]) for name in ("value", "limit")}
+            doubt = say(f"advice.{key}", rule=self.rule_name(rule), chance=chance, **shown)
+            return doubt, say("advice.unworn_end" if remedy.unworn_end else "advice.not_again")
         doubt = say(
             f"advice.{side if remedy.measurable else 'not_measurable'}",
             rule=self.rule_name(rule),

@@ -321,3 +321,5 @@ class _Words:
             yield say("answer.read_fast")
         if parts:
             yield say("answer.or_next" if Cause.PUMP in answer.also else "answer.next", parts=", ".join(parts))
+        if within := sum(land.shown_as == "within_range" for land in self.diagnosis.lands):
+            yield say("answer.within_range", count=within)

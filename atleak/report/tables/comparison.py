@@ -247,7 +247,7 @@ def land_table(comparison: Comparison, lands: Sequence[LandComparison], say: Wor
         Column("changed", of=lambda land: land.change and land.significant),
         *both("wear", lambda land: land.wear, "percent", 1, times=PERCENT),
         *both("share", lambda land: finite(land.share), "percent", 2, times=PERCENT),
-        *both("decision", lambda land: land.decision and say.get("decisions", land.decision)),
+        *both("decision", lambda land: land.shown_as and say.get("decisions", land.shown_as)),
     )
     return Table("lands", shown, lands, say).filled
 

@@ -180,7 +180,7 @@ def pair_table(
         return None if worst.drawn_from_pump == 0.0 else worst.share
 
     def decided(land: LandDiagnosis) -> str | None:
-        return land.decision and decision_words(land.decision, land.probability_over_limit, say)
+        return land.shown_as and decision_words(land.shown_as, land.probability_over_limit, say)
 
     at = diagnosis.reported if at is None else at
     shares = (
@@ -303,7 +303,7 @@ def _doubts(land: LandDiagnosis, say: Wording) -> Iterable[str]:
 
 def decision(land: LandDiagnosis, say: Wording) -> str:
     """Say how sure the verdict is, and how likely the true value is past the limit."""
-    words, chance = say.get("decisions", str(land.decision)), land.probability_over_limit
+    words, chance = say.get("decisions", str(land.shown_as)), land.probability_over_limit
     return words if chance is None else say("diagnosis.chance", decision=words, chance=say.percent(chance, 0))
 
 

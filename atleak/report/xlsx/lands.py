@@ -273,7 +273,7 @@ def _as_issued(live: LiveSheets, *, uncertain: bool) -> Iterable[LiveColumn]:
                          end_of(1), times=DM3_MIN)
     if any(land.decision is not None for land in live.lands):
         yield LiveColumn("decision", Sentence("decision as issued"), width=16, look=AFTER_A_NUMBER,
-                         value=lambda land: land.decision and say.get("decisions", land.decision))
+                         value=lambda land: land.shown_as and say.get("decisions", land.shown_as))
         yield LiveColumn("probability", Sentence("probability over the limit as issued [%]"), "percent",
                          lambda land: land.probability_over_limit, times=PERCENT, width=14)
     if any(land.replace_mileage is not None for land in live.lands):

@@ -1,0 +1,117 @@
+"""How likely a land is worn that was new somewhere in a range: against units drawn one by one, and as readers see it."""
+
+from __future__ import annotations
+
+import json
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from atleak.analysis.repair.plan import plan_repairs
+from atleak.catalogue.controller_file import load_controller
+from atleak.catalogue.limits import Limits
+from atleak.common.verdicts import Verdict
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
+from atleak.diagnosis.uncertainty import DEFAULTS
+from atleak.diagnosis.uncertainty.wear import probabilities_worn
+from atleak.report.json.diagnosis import diagnosis_record
+from atleak.report.tables.lands import pair_table
+
+RANGE = (6.4e-6, 20e-6)
+UM = 1e-6
+
+
+def a_land(number: int, clearance: float, new: tuple[float, float] = RANGE, u: float = 1.2e-6) -> Any:
+    pair = SimpleNamespace(mounting_range=new, seal=None)
+    state = SimpleNamespace(measured=True, land=pair, radial_clearance=clearance)
+    return SimpleNamespace(key=("1", number), state=state, standard_uncertainty=u, u_mounting=0.5e-6)
+
+
+def drawn(clearances: list[float], limit: float, least: float, draws: int = 1_000_000) -> np.ndarray:
+    """The same by brute force: units as assumed, each weighed by how near it comes to all the readings."""
+    rng = np.random.default_rng(5)
+    worn_unit = rng.random(draws) < 1.5 * DEFAULTS.worn_lands
+    part = np.where(worn_unit, np.sqrt(rng.random(draws)), 0.0)
+    mean = DEFAULTS.land_wear * 4.0 ** rng.uniform(-1.0, 1.0, draws)
+    weight, over = np.ones(draws), []
+    for clearance in clearances:
+        new = rng.uniform(*RANGE, draws)
+        wear = np.where(rng.random(draws) < part, rng.exponential(mean), 0.0)
+        weight *= np.exp(-0.5 * ((clearance - new - wear) / 1.2e-6) ** 2)
+        over.append(wear >= np.maximum(limit * new, least))
+    return np.array([np.average(each, weights=weight) for each in over])
+
+
+def test_probabilities_are_those_of_units_drawn_one_by_one(limits: Limits) -> None:
+    clearances = [9e-6, 18e-6, 26e-6]
+    found = probabilities_worn([a_land(*each) for each in enumerate(clearances)], limits.wear, DEFAULTS)
+    watch, replace = np.array([found["1", number] for number in range(3)]).T
+    assert watch == pytest.approx(drawn(clearances, 0.1, 4 * UM), abs=0.02)
+    assert replace == pytest.approx(drawn(clearances, 0.5, 0.0), abs=0.02)
+
+
+def test_what_the_other_lands_show_counts(limits: Limits) -> None:
+    def of_first(others: list[float]) -> float:
+        lands = [a_land(*each) for each in enumerate([15e-6, *others])]
+        return probabilities_worn(lands, limits.wear, DEFAULTS)["1", 0][0]
+
+    new, alone, worn = of_first([8e-6, 11e-6, 14e-6, 17e-6, 19e-6] * 4), of_first([]), of_first([25e-6, 40e-6] * 8)
+    assert new < 0.01 < alone < 0.3 < worn < 1.0
+
+
+def test_a_number_says_nothing_of_itself_and_tells_of_its_unit(limits: Limits) -> None:
+    known = [a_land(number, 30e-6, (14e-6, 14e-6)) for number in range(1, 8)]
+    assert probabilities_worn(known, limits.wear, DEFAULTS) == {}
+    beside = probabilities_worn([a_land(0, 15e-6), *known], limits.wear, DEFAULTS)
+    assert set(beside) == {("1", 0)}
+    assert beside["1", 0] > probabilities_worn([a_land(0, 15e-6)], limits.wear, DEFAULTS)["1", 0]
+
+
+@pytest.mark.parametrize("clearance", [-20e-6, 0.0, 6e-6, 23e-6, 60e-6, 900e-6, 5e-3])
+@pytest.mark.parametrize("settings", [{}, {"worn_lands_percent": 0}, {"worn_lands_percent": 90}, {"land_wear_um": 0}])
+@pytest.mark.parametrize("u", [0.0, 1e-6, 5e-6])
+def test_no_less_than_from_the_upper_end_and_never_past_one(
+    limits: Limits, clearance: float, settings: dict[str, float], u: float
+) -> None:
+    assumed = DEFAULTS.with_settings(settings)
+    watch, replace = probabilities_worn([a_land(1, clearance, u=u)], limits.wear, assumed)["1", 1]
+    assert 0.0 <= replace <= watch <= 1.0
+    if clearance > 40e-6:
+        assert replace > 0.99
+    if clearance < RANGE[0]:
+        assert watch < 0.3
+
+
+@pytest.fixture
+def half_worn(hipol: Any, limits: Limits, readings_of: Any) -> Diagnosis:
+    """Five lands as new ones are, in a unit of which others have plainly worn."""
+    unit = load_controller("five_speed_2005")
+    at = dict(zip([land.key for land in unit.lands], [8, 9, 14, 17, 19, 30, 33, 38, 45, 29, 52], strict=False))
+    sizes = {
+        land.key: (land.nominal_diameter, land.nominal_diameter + 2e-6 * at[land.key])
+        for land in unit.lands
+        if land.key in at
+    }
+    return diagnose(unit, hipol, limits, readings=readings_of(unit, sizes))
+
+
+def test_within_the_range_of_new_is_no_plain_pass_and_asks_for_an_unworn_end(half_worn: Diagnosis) -> None:
+    within = [land for land in half_worn.lands if land.within_new]
+    assert len(within) == 5
+    assert {land.verdict for land in within} == {Verdict.OK}
+    shown = [land for land in within if land.shown_as == "within_range"]
+    assert shown
+    html = pair_table(half_worn, shown, wording("en"), at=()).html()
+    assert html.count("within the range of new") == len(shown)
+    record = json.loads(json.dumps(diagnosis_record(half_worn)))
+    for land in shown:
+        (one,) = (each for each in record["lands"] if (each["component"], each["land"]) == land.key)
+        assert one["decision"] == "conditional_pass"
+        assert one["probability_over_limit"] > 0.05
+        assert "unworn end first" in one["advice"]
+    assert "unworn end" in record["answer"]["text"]["sure"]
+    assert not {step.land.key for step in plan_repairs(half_worn).steps} & {land.key for land in shown}
