@@ -310,7 +310,8 @@ def _what_new_was(controller: Controller) -> Iterable[Message]:
         ),
         NewOrigin.RANGE: Sentence(
             "The mounting clearance of {count} of {lands} lands is known as a range only: wear counts from its upper "
-            "end, flows when new from its mean cube.",
+            "end; how likely a pair within it is worn follows from all pairs measured. Flows when new are those of its "
+            "mean cube.",
             count=counts[NewOrigin.RANGE],
             lands=lands,
         ),

@@ -1,4 +1,4 @@
-"""How likely a land is worn that was new somewhere in a range: against units drawn one by one, and as readers see it."""
+"""How likely a land is worn that was new in a range: against units drawn one by one, and as readers see it."""
 
 from __future__ import annotations
 
