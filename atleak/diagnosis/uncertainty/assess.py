@@ -36,7 +36,7 @@ from atleak.diagnosis.uncertainty.results import (
     UnitUncertainty,
 )
 from atleak.diagnosis.uncertainty.sources import PARTS, LandSources, RepeatSpread, find_sources
-from atleak.diagnosis.uncertainty.wear import probabilities_worn
+from atleak.diagnosis.uncertainty.wear import UnitWear
 from atleak.engine.extremes import Instant
 from atleak.engine.gap_messages import named_land
 from atleak.engine.leakage import LeakageModel
@@ -136,7 +136,7 @@ def assess(
         instants=tuple(instants.values()),
         cache=cache,
     )
-    worn = probabilities_worn(sources, limits.wear, assumptions) if limits.wear else {}
+    worn = UnitWear(sources, assumptions).past(limits.wear) if limits.wear else {}
     lands = tuple(
         _land(
             land, [unit.lands[number] for unit in units], projections, rules, coverage, guard_factor, worn.get(land.key)

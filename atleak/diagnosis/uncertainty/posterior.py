@@ -36,6 +36,7 @@ from atleak.diagnosis.uncertainty.draws import (
 )
 from atleak.diagnosis.uncertainty.propagation import SEED
 from atleak.diagnosis.uncertainty.sources import LandSources
+from atleak.diagnosis.uncertainty.wear import UnitWear
 from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.network import SHARP, Network
 from atleak.engine.operation import LINE, consumed
@@ -306,19 +307,24 @@ class PosteriorUnit:
             return np.asarray(low + (high - low) * normal_cdf(deviate))
         return np.maximum(low + land.u_mounting * deviate, 0.0)
 
+    @cached_property
+    def _usual(self) -> tuple[float, float]:
+        return UnitWear(self.sources, self.assumptions).usual
+
     def _with_unworn(self, drawn: LandDraws, first: np.ndarray, second: np.ndarray) -> LandDraws:
         """Return a measured land with what it was when new, given what it is: as wide, or worn from a narrower one.
 
         ``first`` and ``second`` are two numbers from 0 … 1 in each draw. New pairs are alike likely anywhere in their
-        range; a land is worn as one that nobody measured would be.
+        range; a land is worn as those of its unit are that were measured.
         """
-        u, now, (low, high) = self.assumptions, drawn.bore, drawn.land.state.land.mounting_range
+        now, (low, high) = drawn.bore, drawn.land.state.land.mounting_range
         new, worn = drawn.new_bore.clearance, now.clearance > drawn.new_bore.clearance
         if low < high:
-            mean = max(u.land_wear, _LEAST_WEAR)
+            chance, usual = self._usual
+            mean = max(usual, _LEAST_WEAR)
             ways = np.clip(now.clearance, low, high) - low  # from where it may have worn
-            by_wear = -u.worn_lands * np.expm1(-ways / mean)
-            worn = (now.clearance > high) | (first * (by_wear + 1.0 - u.worn_lands) < by_wear)
+            by_wear = -chance * np.expm1(-ways / mean)
+            worn = (now.clearance > high) | (first * (by_wear + 1.0 - chance) < by_wear)
             new = low + mean * np.log1p(second * np.expm1(ways / mean))
         both = zip((new, 0.0, 0.0), vars(now).values(), strict=True)
         return replace(drawn, unworn_bore=Bore(*(np.where(worn, each, as_is) for each, as_is in both)))

@@ -6,7 +6,7 @@ from all that were measured, and counts for each.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -17,75 +17,81 @@ from atleak.diagnosis.uncertainty.sources import LandSources
 from atleak.equations.statistics import normal_cdf, probability_over
 
 _PLACES = (np.arange(32) + 0.5) / 32.0  # in the range of new pairs
-_MEANS = np.geomspace(0.25, 4.0, 9)  # of a unit's wear, over the usual one, alike likely
+_MEANS = 4.0 ** (
+    2.0 * (np.arange(9) + 0.5) / 9.0 - 1.0
+)  # of the wear of a unit's lands, over the usual one, alike likely
 _WORN = (np.arange(20) + 0.5) / 20.0  # part of a worn unit's lands that are worn
 _FINEST = 0.05e-6  # [m] no reading is surer
 _NOTHING = 1e-300
 
 
-def probabilities_worn(
-    lands: Sequence[LandSources], steps: Steps, assumptions: Assumptions
-) -> Mapping[LandKey, tuple[float, ...]]:
-    """Return how likely each land of whose new clearance a range is known has grown past each limit of wear.
+class UnitWear:
+    """How many lands of a unit are worn and by how much, as its measured lands show together.
 
-    Parameters
-    ----------
-    lands
-        of one unit; those that were measured tell how it is worn.
-    steps
-        limits of wear, as of `Limits.wear`.
-    assumptions
-        how many lands are usually worn, and by how much.
-
-    Returns
-    -------
-    Mapping
-        by land, one probability for each level.
-
-    Notes
-    -----
-    A pair was new anywhere in its range alike likely, c_m; its reading is normal about c_m + w. A unit is unworn
-    throughout, or a part p of its lands is worn, of density 2p, exponentially with a mean that all its lands share, of
-    density 1/mean. A land's own probability and the unit's follow from Bayes' rule over a grid of p and mean. No less
-    is said than of a pair that was as wide as the range allows.
+    A pair was new anywhere in its range alike likely, at c_m; its reading is normal about c_m + w. A unit is unworn
+    throughout, or a part p of its lands is worn, of density 4p³, exponentially with a mean that all its lands share, of
+    density 1/mean. A land's own probability and the unit's follow from Bayes' rule over a grid of p and mean.
     """
-    measured = [land for land in lands if land.state.measured and not land.state.land.seal]
-    if not any(len(set(land.state.land.mounting_range)) == 2 for land in measured):
-        return {}
-    ends = np.array([land.state.land.mounting_range for land in measured])
-    step = (ends[:, 1] - ends[:, 0]) / len(_PLACES)
-    known = [0.0 if width else land.u_mounting for land, width in zip(measured, step, strict=True)]
-    u = np.sqrt(np.square([land.standard_uncertainty for land in measured]) + np.square(known) + step**2 / 12.0)
-    u = np.maximum(u, _FINEST)[:, None]
-    new = ends[:, :1] + len(_PLACES) * step[:, None] * _PLACES
-    past = np.array([[land.state.radial_clearance] for land in measured]) - new
-    unworn = np.exp(-0.5 * (past / u) ** 2).mean(axis=1) / (np.sqrt(2.0 * np.pi) * u[:, 0])
-    means = assumptions.land_wear * _MEANS
-    worn = _worn(past, u, means, 0.0)
 
-    whole = max(1.0 - 1.5 * assumptions.worn_lands, 0.0)  # chance of a unit without wear: so many lands are worn in all
-    part = np.concatenate(([0.0], _WORN))
-    prior = np.concatenate(([whole], (1.0 - whole) * _WORN / _WORN.sum()))
-    # by land, mean and part
-    density = (1.0 - part) * unworn[:, None, None] + part * worn[:, :, None] + _NOTHING
-    of_unit = np.log(density).sum(axis=0) + np.log(prior + _NOTHING)
-    of_unit = np.exp(of_unit - of_unit.max())
-    of_unit /= of_unit.sum()
+    def __init__(self, lands: Iterable[LandSources], assumptions: Assumptions) -> None:
+        """Take the lands of one unit, and how many lands are usually worn, and by how much."""
+        self._lands = [land for land in lands if land.state.measured and not land.state.land.seal]
+        ends = np.array([land.state.land.mounting_range for land in self._lands]).reshape(-1, 2)
+        step = (ends[:, 1:] - ends[:, :1]) / len(_PLACES)
+        known = np.array([[land.u_mounting] for land in self._lands]).reshape(-1, 1)
+        readings = [[land.state.radial_clearance, land.standard_uncertainty] for land in self._lands]
+        clearance, u = np.array(readings).reshape(-1, 2, 1).swapaxes(0, 1)
+        variance = u**2 + np.where(step > 0.0, step**2 / 12.0, known**2)
+        self._u = np.maximum(np.sqrt(variance), _FINEST)
+        self._new = ends[:, :1] + len(_PLACES) * step * _PLACES
+        self._past = clearance - self._new
+        self._means = assumptions.land_wear * _MEANS
+        whole = max(1.0 - 1.25 * assumptions.worn_lands, 0.0)  # chance of no wear: so many lands are worn in all
+        self._part = np.concatenate(([0.0], _WORN))
+        prior = np.concatenate(([whole], (1.0 - whole) * _WORN**3 / np.sum(_WORN**3)))
+        unworn = np.exp(-0.5 * (self._past / self._u) ** 2).mean(axis=1) / (np.sqrt(2.0 * np.pi) * self._u[:, 0])
+        worn = _worn(self._past, self._u, self._means, 0.0)
+        # by land, mean and part
+        self._density = (1.0 - self._part) * unworn[:, None, None] + self._part * worn[:, :, None] + _NOTHING
+        told = np.log(self._density).sum(axis=0) + np.log(prior + _NOTHING)
+        told = np.exp(told - told.max())
+        self._told = told / told.sum()
 
-    found = {}
-    for row, land in enumerate(measured):
-        if step[row] > 0.0:
-            limits = np.array([[limit * each for _, limit in steps.of_wear(each)] for each in new[row].tolist()]).T
-            high = ends[row, 1]
-            at_least = probability_over(
-                land.state.radial_clearance - high,
-                [limit * high for _, limit in steps.of_wear(high)],
-                land.standard_uncertainty,
-            )
-            over = [_worn(past[row : row + 1], u[row : row + 1], means, least)[0] for least in limits]
-            likely = [float(np.sum(of_unit * part * each[:, None] / density[row])) for each in over]
-            found[land.key] = tuple(np.maximum(likely, at_least).clip(0.0, 1.0).tolist())
-    return found
+    @property
+    def usual(self) -> tuple[float, float]:
+        """Return which part of its lands is worn, and how far on average [m]."""
+        part = self._told * self._part
+        chance = float(part.sum())
+        return chance, float(part.sum(axis=1) @ self._means) / max(chance, _NOTHING)
+
+    def past(self, steps: Steps) -> Mapping[LandKey, tuple[float, ...]]:
+        """Return how likely each land of which a range is known when new has grown past each limit of wear.
+
+        No less is said than of a pair that was as wide as the range allows.
+
+        Parameters
+        ----------
+        steps
+            limits of wear, as `Limits.wear` has them.
+
+        Returns
+        -------
+        Mapping
+            by land, one probability for each level.
+        """
+        found = {}
+        for row, land in enumerate(self._lands):
+            low, high = land.state.land.mounting_range
+            if low < high:
+                limits = np.array([[limit * c for _, limit in steps.of_wear(c)] for c in self._new[row].tolist()]).T
+                widest = [limit * high for _, limit in steps.of_wear(high)]
+                least = probability_over(land.state.radial_clearance - high, widest, land.standard_uncertainty)
+                this = slice(row, row + 1)
+                over = [_worn(self._past[this], self._u[this], self._means, each)[0] for each in limits]
+                weights = self._told * self._part / self._density[row]
+                likely = [float(np.sum(weights * each[:, None])) for each in over]
+                found[land.key] = tuple(np.maximum(likely, least).clip(0.0, 1.0).tolist())
+        return found
 
 
 def _worn(past: np.ndarray, u: np.ndarray, means: np.ndarray, least: np.ndarray | float) -> np.ndarray:

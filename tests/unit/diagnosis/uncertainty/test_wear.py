@@ -17,7 +17,7 @@ from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
-from atleak.diagnosis.uncertainty.wear import probabilities_worn
+from atleak.diagnosis.uncertainty.wear import UnitWear
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.tables.lands import pair_table
 
@@ -31,24 +31,26 @@ def a_land(number: int, clearance: float, new: tuple[float, float] = RANGE, u: f
     return SimpleNamespace(key=("1", number), state=state, standard_uncertainty=u, u_mounting=0.5e-6)
 
 
-def drawn(clearances: list[float], limit: float, least: float, draws: int = 1_000_000) -> np.ndarray:
-    """The same by brute force: units as assumed, each weighed by how near it comes to all the readings."""
-    rng = np.random.default_rng(5)
-    worn_unit = rng.random(draws) < 1.5 * DEFAULTS.worn_lands
-    part = np.where(worn_unit, np.sqrt(rng.random(draws)), 0.0)
-    mean = DEFAULTS.land_wear * 4.0 ** rng.uniform(-1.0, 1.0, draws)
-    weight, over = np.ones(draws), []
+def drawn(clearances: list[float], limit: float, least: float, units: int = 4000, pairs: int = 500) -> np.ndarray:
+    """The same by brute force: units as assumed, their pairs drawn, each weighed by how near it is to its reading."""
+    rng, shape = np.random.default_rng(5), (units, pairs)
+    worn_unit = rng.random(units) < 1.25 * DEFAULTS.worn_lands
+    part = np.where(worn_unit, rng.random(units) ** 0.25, 0.0)[:, None]
+    mean = DEFAULTS.land_wear * 4.0 ** rng.uniform(-1.0, 1.0, (units, 1))
+    near, past = [], []
     for clearance in clearances:
-        new = rng.uniform(*RANGE, draws)
-        wear = np.where(rng.random(draws) < part, rng.exponential(mean), 0.0)
-        weight *= np.exp(-0.5 * ((clearance - new - wear) / 1.2e-6) ** 2)
-        over.append(wear >= np.maximum(limit * new, least))
-    return np.array([np.average(each, weights=weight) for each in over])
+        new = rng.uniform(*RANGE, shape)
+        wear = np.where(rng.random(shape) < part, rng.exponential(mean, shape), 0.0)
+        weight = np.exp(-0.5 * ((clearance - new - wear) / 1.2e-6) ** 2)
+        near.append(weight.mean(axis=1))
+        past.append((weight * (wear >= np.maximum(limit * new, least))).mean(axis=1))
+    of_unit = np.prod(near, axis=0)
+    return np.array([np.sum(of_unit * over / each) for over, each in zip(past, near, strict=True)]) / np.sum(of_unit)
 
 
 def test_probabilities_are_those_of_units_drawn_one_by_one(limits: Limits) -> None:
     clearances = [9e-6, 18e-6, 26e-6]
-    found = probabilities_worn([a_land(*each) for each in enumerate(clearances)], limits.wear, DEFAULTS)
+    found = UnitWear([a_land(*each) for each in enumerate(clearances)], DEFAULTS).past(limits.wear)
     watch, replace = np.array([found["1", number] for number in range(3)]).T
     assert watch == pytest.approx(drawn(clearances, 0.1, 4 * UM), abs=0.02)
     assert replace == pytest.approx(drawn(clearances, 0.5, 0.0), abs=0.02)
@@ -57,7 +59,7 @@ def test_probabilities_are_those_of_units_drawn_one_by_one(limits: Limits) -> No
 def test_what_the_other_lands_show_counts(limits: Limits) -> None:
     def of_first(others: list[float]) -> float:
         lands = [a_land(*each) for each in enumerate([15e-6, *others])]
-        return probabilities_worn(lands, limits.wear, DEFAULTS)["1", 0][0]
+        return UnitWear(lands, DEFAULTS).past(limits.wear)["1", 0][0]
 
     new, alone, worn = of_first([8e-6, 11e-6, 14e-6, 17e-6, 19e-6] * 4), of_first([]), of_first([25e-6, 40e-6] * 8)
     assert new < 0.01 < alone < 0.3 < worn < 1.0
@@ -65,10 +67,10 @@ def test_what_the_other_lands_show_counts(limits: Limits) -> None:
 
 def test_a_number_says_nothing_of_itself_and_tells_of_its_unit(limits: Limits) -> None:
     known = [a_land(number, 30e-6, (14e-6, 14e-6)) for number in range(1, 8)]
-    assert probabilities_worn(known, limits.wear, DEFAULTS) == {}
-    beside = probabilities_worn([a_land(0, 15e-6), *known], limits.wear, DEFAULTS)
+    assert UnitWear(known, DEFAULTS).past(limits.wear) == {}
+    beside = UnitWear([a_land(0, 15e-6), *known], DEFAULTS).past(limits.wear)
     assert set(beside) == {("1", 0)}
-    assert beside["1", 0] > probabilities_worn([a_land(0, 15e-6)], limits.wear, DEFAULTS)["1", 0]
+    assert beside["1", 0] > UnitWear([a_land(0, 15e-6)], DEFAULTS).past(limits.wear)["1", 0]
 
 
 @pytest.mark.parametrize("clearance", [-20e-6, 0.0, 6e-6, 23e-6, 60e-6, 900e-6, 5e-3])
@@ -78,7 +80,7 @@ def test_no_less_than_from_the_upper_end_and_never_past_one(
     limits: Limits, clearance: float, settings: dict[str, float], u: float
 ) -> None:
     assumed = DEFAULTS.with_settings(settings)
-    watch, replace = probabilities_worn([a_land(1, clearance, u=u)], limits.wear, assumed)["1", 1]
+    watch, replace = UnitWear([a_land(1, clearance, u=u)], assumed).past(limits.wear)["1", 1]
     assert 0.0 <= replace <= watch <= 1.0
     if clearance > 40e-6:
         assert replace > 0.99
