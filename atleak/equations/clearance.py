@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -282,15 +283,54 @@ def cube_mean(low: ArrayLike, high: ArrayLike) -> Any:
     return result(np.cbrt(0.25 * (a + b) * (a * a + b * b)))
 
 
-def one_sided_moments(mean_wear: ArrayLike) -> tuple[Any, Any]:
+def seen_of_one_sided(angle: ArrayLike, exponent: float = 1.0) -> Any:
+    """Compute what one two-point diameter shows of wear to one side, over the mean of that wear.
+
+    A diameter at the angle θ from the worn side grows by ``w₀ |cos θ|^n``, and half of that is taken as clearance:
+    ``|cos θ|^n / 2`` over m(n), the mean of ``max(cos θ, 0)^n``.
+
+    Parameters
+    ----------
+    angle : float or array
+        θ, between the diameter and the middle of the worn side [rad].
+    exponent : float, optional
+        n of the profile [-].
+
+    Returns
+    -------
+    float or ndarray
+        What shows of the mean wear [-]; 1 on average over all angles.
+
+    Raises
+    ------
+    DomainError
+        An exponent that is not positive.
+
+    References
+    ----------
+    Follows from the profile, as `one_sided_moments` has it.
+
+    Examples
+    --------
+    >>> round(seen_of_one_sided(0.0), 4), round(seen_of_one_sided(0.0, 2.0), 4)
+    (1.5708, 2.0)
+    """
+    mean = _mean_of_one_sided(float(positive("exponent", exponent)))
+    return result(0.5 * np.abs(np.cos(values(angle))) ** exponent / mean)
+
+
+def one_sided_moments(mean_wear: ArrayLike, exponent: float = 1.0) -> tuple[Any, Any]:
     """Compute how wear to one side spreads the clearance around the circumference.
 
-    The bore is taken as worn by ``w₀ max(cos θ, 0)``, whose mean is ``w₀ / π``.
+    The bore is taken as worn by ``w₀ max(cos θ, 0)^n``, whose mean is w₀ m(n), with ``m(n) = B((n + 1)/2, 1/2) / 2π``.
+    With a and b for m(2n)/m(n)² and m(3n)/m(n)³ the moments are ``(a − 1) w²`` and ``(b − 3a + 2) w³``.
 
     Parameters
     ----------
     mean_wear : float or array
         Mean over the circumference of what wear has added to the radial clearance on one side [m].
+    exponent : float, optional
+        n [-]: 1 for a half cosine; the larger, the sharper the crescent.
 
     Returns
     -------
@@ -300,12 +340,13 @@ def one_sided_moments(mean_wear: ArrayLike) -> tuple[Any, Any]:
     Raises
     ------
     DomainError
-        A negative mean wear.
+        A negative mean wear; an exponent that is not positive.
 
     References
     ----------
-    Integrals of the powers of max(cos θ, 0): 1/π, 1/4 and 2/(3π). That a bore wears to one side is the trade's
-    experience; the half cosine is a choice of this project.
+    The beta function as an integral of powers of a cosine: NIST Digital Library of Mathematical Functions, 5.12.2. For
+    n = 1 the moments are (π²/4 − 1) w² and (2 − π²/12) w³. That a bore wears to one side is the trade's experience; the
+    profile is a choice of this project.
 
     Examples
     --------
@@ -314,4 +355,12 @@ def one_sided_moments(mean_wear: ArrayLike) -> tuple[Any, Any]:
     (146.74, 1177.5)
     """
     w = not_negative("mean wear", mean_wear, "m")
-    return result((0.25 * np.pi**2 - 1.0) * (w * w)), result((2.0 - np.pi**2 / 12.0) * (w * w * w))
+    n = float(positive("exponent", exponent))
+    mean, square, cube = (_mean_of_one_sided(power * n) for power in (1.0, 2.0, 3.0))
+    a, b = square / mean**2, cube / mean**3
+    return result((a - 1.0) * (w * w)), result((b - 3.0 * a + 2.0) * (w * w * w))
+
+
+def _mean_of_one_sided(exponent: float) -> float:
+    """Return the mean of max(cos θ, 0)^n around the circumference: 1/π, 1/4 and 2/(3π) for n of 1, 2 and 3."""
+    return math.gamma(0.5 * (exponent + 1.0)) / (2.0 * math.sqrt(math.pi) * math.gamma(0.5 * exponent + 1.0))

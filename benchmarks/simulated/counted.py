@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import statistics
 from collections import Counter
 from typing import Any
 
 from atleak.catalogue.limits import RuleKind
-from atleak.common.verdicts import Verdict
+from atleak.common.verdicts import Band, Verdict
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.uncertainty import LandUncertainty, RuleDecision, TotalUncertainty
 from simulated import population, worlds
@@ -17,6 +18,7 @@ from simulated.worlds import World
 QUANTITIES = ("clearance", "leakage", "share", "total leakage", "total share")
 COUNTED = {RuleKind.WEAR: "wear", RuleKind.CLEARANCE: "clearance", RuleKind.PAIR_SHARE: "share"}
 GROWN, GROWN_BY = 0.5, 4e-6  # of the clearance when new, and [m]: a land truly grown so far must be no plain pass
+WIDTH = "width of a total: "  # to two places, over the total that is shown
 PAST = 1.25  # times the limit of a pair's share: a land truly there must be flagged
 
 
@@ -132,11 +134,11 @@ def world_rates(world: World, counts: Counter[str]) -> dict[str, Any]:
 # --- the population
 
 
-def count_population(known: Known, units: range) -> Counter[str]:
+def count_population(known: Known, shape: str, directions: tuple[float, ...], units: range) -> Counter[str]:
     """Count over some units of the population, by what the valve body's file says of the clearance when new."""
     counts: Counter[str] = Counter()
     for number in units:
-        unit = population.simulate(known, number)
+        unit = population.simulate(known, number, shape, directions)
         diagnosis = unit.diagnosis
         assert diagnosis.uncertainty is not None
         first_limit = diagnosis.limits.pair_share.levels[0][1] if diagnosis.limits.pair_share else 0.0
@@ -162,11 +164,12 @@ def count_population(known: Known, units: range) -> Counter[str]:
         for total in diagnosis.uncertainty.totals:
             counts["total leakage"] += 1
             _count_side(counts, "total leakage", total.leakage_interval, unit.true[total.condition].total)
-            counts["width"] += _width(total)  # type: ignore[assignment]
+            counts[f"{WIDTH}{_width(total):.2f}"] += 1
         counts["units"] += 1
         if unit.is_new:
             counts["new units"] += 1
             counts[f"new units {diagnosis.verdict}"] += 1
+            counts["new units green"] += all(diagnosis.band(each) is Band.GREEN for each in diagnosis.projections)
     return counts
 
 
@@ -176,8 +179,8 @@ def _outcome(land: LandDiagnosis) -> str:
     return "pass" if land.verdict is Verdict.OK and land.decision == "pass" else "conditional"
 
 
-def population_rates(known: Known, counts: Counter[str]) -> dict[str, Any]:
-    """Return the rates of the population in one of the three cases [%]."""
+def population_rates(name: str, counts: Counter[str]) -> dict[str, Any]:
+    """Return the rates of the population in one case [%]."""
 
     def outcomes(state: str) -> dict[str, Any]:
         whole = counts[f"{state} lands"]
@@ -186,8 +189,9 @@ def population_rates(known: Known, counts: Counter[str]) -> dict[str, Any]:
         }
 
     held = ("clearance", "leakage", "total leakage")
+    widths = Counter({float(name[len(WIDTH) :]): number for name, number in counts.items() if name.startswith(WIDTH)})
     return {
-        "known": str(known),
+        "known": name,
         "units": counts["units"],
         "unworn": outcomes("unworn"),
         "worn": outcomes("worn"),
@@ -195,7 +199,8 @@ def population_rates(known: Known, counts: Counter[str]) -> dict[str, Any]:
         "past": outcomes("past"),
         "coverage": {name: percent(counts[f"inside {name}"], counts[name]) for name in held},
         "missed_above": {name: percent(counts[f"above {name}"], counts[name]) for name in held},
-        "width_of_total": percent(counts["width"], counts["total leakage"]),
+        "width_of_total": 100.0 * statistics.median(widths.elements()),
         "new_units": counts["new units"],
         "new_units_ok": percent(counts[f"new units {Verdict.OK}"], counts["new units"]),
+        "new_units_green": percent(counts["new units green"], counts["new units"]),
     }

@@ -12,7 +12,7 @@ from atleak.catalogue.controller import Land
 from atleak.catalogue.instruments import Part
 
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 180, endpoint=False)
-MEAN_OF_ONE_SIDED = 1.0 / math.pi  # of max(cos θ, 0) around the bore
+MEAN_OF_ONE_SIDED = {1: 1.0 / math.pi, 2: 0.25, 3: 2.0 / (3.0 * math.pi)}  # of max(cos θ, 0)^n around the bore
 
 
 @dataclass(frozen=True)
@@ -37,10 +37,11 @@ class Pair:
     spool: float  # [m] mean diameter
     mounting: float  # [m] its own radial clearance when it was new
     wear: float  # [m] mean over the circumference
-    one_sided: float  # fraction of the wear that is max(cos(θ − φ), 0) of one side; the rest is even
+    one_sided: float  # fraction of the wear that is max(cos(θ − φ), 0)^n of one side; the rest is even
     side: float  # [rad] φ, the middle of the worn side
     length: float  # [m] of contact
     forms: Mapping[Part, Form]
+    exponent: int = 1  # n
     eccentricity: float = 0.0  # of the spool's axis over the clearance of the even gap
     lies: float = 0.0  # [rad] the direction in which the gap is widest for that
 
@@ -56,8 +57,8 @@ class Pair:
 
     @property
     def deepest(self) -> float:
-        """Return the wear at the middle of the worn side [m], w0 = π · mean · fraction."""
-        return self.one_sided * self.wear / MEAN_OF_ONE_SIDED
+        """Return the wear at the middle of the worn side [m], w0 = fraction · mean over that of the profile."""
+        return self.one_sided * self.wear / MEAN_OF_ONE_SIDED[self.exponent]
 
     def diameter(self, part: Part, direction: float, along: float) -> float:
         """Return the diameter [m] that two opposite points have.
@@ -74,11 +75,11 @@ class Pair:
         if part == "spool":
             return self.spool + shape
         # c(θ) + c(θ + π): of max(cos, 0) at both ends one is zero
-        return self.spool + 2.0 * self.even + self.deepest * abs(math.cos(angle - self.side)) + shape
+        return self.spool + 2.0 * self.even + self.deepest * abs(math.cos(angle - self.side)) ** self.exponent + shape
 
     def around(self, widened: float = 0.0) -> np.ndarray:
         """Return the radial clearance at `ANGLES` [m]; ``widened`` [m] is what warmth adds all around."""
-        radial = self.even + self.deepest * np.maximum(np.cos(ANGLES - self.side), 0.0) + widened
+        radial = self.even + self.deepest * np.maximum(np.cos(ANGLES - self.side), 0.0) ** self.exponent + widened
         radial += 0.5 * (self.forms["sleeve"].deviation(ANGLES) - self.forms["spool"].deviation(ANGLES))
         # a spool off the middle leaves more room on one side and as much less on the other
         radial += self.eccentricity * (self.even + widened) * np.cos(ANGLES - self.lies)
@@ -93,3 +94,8 @@ def random_forms(rng: np.random.Generator, sleeve_ovality: float, spool_ovality:
         phase = rng.uniform(0.0, math.pi)
         forms[part] = Form(ovality, phase, rng.normal(0.0, 0.07 * ovality), rng.normal(0.0, 2e-6))  # type: ignore[index]
     return forms
+
+
+def sides_as_assumed(rng: np.random.Generator) -> tuple[float, int]:
+    """Draw which part of a unit's wear is to one side, and with which exponent, as the assessment assumes it."""
+    return float(rng.choice((0.0, 0.5, 1.0), p=(0.25, 0.25, 0.5))), int(rng.integers(1, 4))

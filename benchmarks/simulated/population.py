@@ -25,7 +25,7 @@ from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
 from simulated.flows import Circumstances, TrueFlows, true_flows
 from simulated.gauges import Reader
-from simulated.pairs import Pair, random_forms
+from simulated.pairs import Pair, random_forms, sides_as_assumed
 
 SEED = 20261121
 NEW = (6.4e-6, 20e-6)  # [m] radial clearance of new valves: Sonnax, valve body inspection, 0.0127 … 0.040 mm diametral
@@ -39,6 +39,16 @@ WORN_OUT = 60e-6  # [m] no land is worn further
 #: [m] half width that holds 95 % of a type's pairs. A bore and a spool of 6-10 mm made to ISO 286 IT5, 6 µm each, vary
 #: by ± √(3² + 3²) µm in D − d; those of 10-18 mm by a third more. Chosen for this benchmark.
 TOLERANCE = 2.0e-6
+
+
+#: All wear of every unit of one shape: which part is to one side, and its exponent. None: drawn as it is assumed.
+SHAPES: dict[str, tuple[float, int] | None] = {
+    "as assumed": None,
+    "even": (0.0, 1),
+    "cos": (1.0, 1),
+    "cos²": (1.0, 2),
+    "cos³": (1.0, 3),
+}
 
 
 class Known(StrEnum):
@@ -77,15 +87,16 @@ def _catalogue_entries() -> tuple[Controller, Fluid, Limits, Instruments]:
     )
 
 
-def simulate(known: Known, unit: int) -> Unit:
-    """Simulate one unit, read it in 2 directions × 2 repeats, and diagnose the sheet like any other.
+def simulate(known: Known, unit: int, shape: str = "as assumed", directions: tuple[float, ...] = (0.0, 90.0)) -> Unit:
+    """Simulate one unit, read it in some directions, twice in each, and diagnose the sheet like any other.
 
-    The unit itself and its readings are the same whatever the file says of the clearance when new.
+    The unit itself and its readings are the same whatever the file says of the clearance when new; whatever the shape
+    of its wear, of `SHAPES`, the unit has the same wear.
     """
     rng = np.random.default_rng((SEED, unit))
     whole, fluid, limits, instruments = _catalogue_entries()
-    pairs = _pairs(rng, whole)
-    readings = Reader(instruments, repeats=2).read(rng, pairs)
+    pairs = _pairs(rng, whole, SHAPES[shape] or sides_as_assumed(np.random.default_rng((SEED, unit, 1))))
+    readings = Reader(instruments, repeats=2, directions=directions).read(rng, pairs)
     circumstances = Circumstances.draw(rng)
     true = {
         point.name: true_flows(pairs, whole, fluid, point, circumstances, DEFAULTS) for point in whole.operating_points
@@ -94,10 +105,10 @@ def simulate(known: Known, unit: int) -> Unit:
     return Unit(pairs, true, diagnose(controller, fluid, limits, readings=readings, instruments=instruments))
 
 
-def _pairs(rng: np.random.Generator, controller: Controller) -> tuple[Pair, ...]:
+def _pairs(rng: np.random.Generator, controller: Controller, sides: tuple[float, int]) -> tuple[Pair, ...]:
     new_unit = rng.random() < NEW_UNITS
     mean_wear = rng.uniform(*MEAN_WEAR)
-    one_sided = rng.uniform()  # a property of the unit: bores wear by how the unit was used and how clean its fluid was
+    one_sided, exponent = sides  # a property of the unit: bores wear by how it was used and how clean its fluid was
     pairs = []
     for land in controller.lands:
         land = replace(
@@ -116,6 +127,7 @@ def _pairs(rng: np.random.Generator, controller: Controller) -> tuple[Pair, ...]
                 mounting=rng.uniform(*NEW),
                 wear=0.0 if new_unit or unworn else min(wear, WORN_OUT),
                 one_sided=one_sided,
+                exponent=exponent,
                 side=rng.uniform(0.0, 2.0 * math.pi),
                 length=land.contact_length + rng.normal(0.0, DEFAULTS.contact_length),
                 forms=random_forms(rng, DEFAULTS.unseen_ovality),

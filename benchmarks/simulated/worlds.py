@@ -22,7 +22,7 @@ from atleak.engine.projection import project, project_unworn
 from atleak.measurements.clearances import clearances
 from simulated.flows import Circumstances, TrueFlows, true_flows
 from simulated.gauges import Reader
-from simulated.pairs import Pair, random_forms
+from simulated.pairs import Pair, random_forms, sides_as_assumed
 
 SEED = 20231122
 LANDS = 12
@@ -46,16 +46,24 @@ class World:
     ovality: float = 4e-6  # [m] root mean square of the sleeves' difference of diameters
     room_temperature: float = 0.5  # [K] half width of its range
     one_sided: float | None = 0.0  # fraction of every land's wear that is on one side; None: each land its own
+    exponent: int = 1  # n of its shape, max(cos θ, 0)^n
+    mixed: bool = False  # fraction and exponent of each unit drawn as the assessment has them
     spools_anywhere: bool = False  # e/c of each component's spool anywhere from 0 to 1, and assessed as unknown
 
 
 AS_DECLARED = World("as declared")
-ONE_SIDED = (
-    World("wear to one side: half of it", one_sided=0.5),
-    World("wear to one side: all of it", one_sided=1.0),
+HALF = World("wear to one side: half of it", one_sided=0.5)
+ONE_SIDED = tuple(
+    World(f"wear to one side: all of it, {name}", one_sided=1.0, exponent=exponent)
+    for exponent, name in enumerate(("cos", "cos²", "cos³"), 1)
 )
+MIXED = World("wear to one side: as assumed", mixed=True)
+FOUR = 0.0, 45.0, 90.0, 135.0
 ANYWHERE = World("spools lie anywhere, assessed as unknown", spools_anywhere=True)
 WRONG = (
+    World("four directions, wear as assumed", directions=FOUR, mixed=True),
+    World("four directions, cos³", directions=FOUR, one_sided=1.0, exponent=3),
+    World("four directions, each land worn to one side by a part of its own", directions=FOUR, one_sided=None),
     World("heavy tails", heavy_tails=True),
     World("common error twice as declared", common=2.0),
     World("all calibration twice as declared", common=2.0, calibration=2.0),
@@ -66,7 +74,7 @@ WRONG = (
     World("each land worn to one side by a part of its own", one_sided=None),
     World("ovality three times as assumed", ovality=12e-6),
 )
-AS_ASSUMED = (AS_DECLARED, *ONE_SIDED, ANYWHERE)  # how much is worn to one side is nothing that is known
+AS_ASSUMED = (AS_DECLARED, HALF, *ONE_SIDED, MIXED, ANYWHERE)  # nobody knows how much is worn to one side, and how
 WORLDS = (*AS_ASSUMED, *WRONG)
 
 
@@ -160,6 +168,7 @@ def _pairs(rng: np.random.Generator, world: World, controller: Controller) -> tu
     eccentricity = dict.fromkeys((land.component for land in controller.lands), 0.0)
     if world.spools_anywhere:
         eccentricity = {component: rng.uniform() for component in eccentricity}
+    one_sided, exponent = sides_as_assumed(rng) if world.mixed else (world.one_sided, world.exponent)
     pairs = []
     for land in controller.lands:
         mounting = land.mounting_clearance + rng.normal(0.0, u.mounting_clearance)
@@ -169,7 +178,8 @@ def _pairs(rng: np.random.Generator, world: World, controller: Controller) -> tu
                 spool=land.nominal_diameter + rng.normal(0.0, 2e-6),
                 mounting=mounting,
                 wear=mounting * rng.exponential(WEAR),
-                one_sided=rng.uniform() if world.one_sided is None else world.one_sided,
+                one_sided=rng.uniform() if one_sided is None else one_sided,
+                exponent=exponent,
                 side=rng.uniform(0.0, 2.0 * math.pi),
                 length=land.contact_length + rng.normal(0.0, u.contact_length),
                 forms=random_forms(rng, world.ovality),

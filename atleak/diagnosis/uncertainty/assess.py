@@ -161,7 +161,7 @@ def assess(
         guard_factor=guard_factor,
         draws=draws,
         seed=seed,
-        messages=(*_messages(sources, instruments, repeats), *_too_fine(lands)),
+        messages=(*_messages(sources, instruments, repeats, model), *_too_fine(lands)),
     )
 
 
@@ -373,7 +373,7 @@ _VALUES = {
 
 
 def _messages(
-    sources: Sequence[LandSources], instruments: Instruments, repeats: dict[Part, RepeatSpread]
+    sources: Sequence[LandSources], instruments: Instruments, repeats: dict[Part, RepeatSpread], model: LeakageModel
 ) -> list[Message]:
     messages: list[Message] = []
     used = [part for part in PARTS if any(part in land.plans for land in sources)]
@@ -415,6 +415,10 @@ def _messages(
             lands=tuple(named_land(state.land.key) for state in single),
         )
         messages.append(Message("warning", "clearance_lower_bound", text))
+    assumed = [land for land in sources if land.grown and land.sees_sides and land.fitted_side is None]
+    if model.law.counts_form and any(land.assumptions.one_sided_wear for land in assumed):
+        text = Sentence("Two directions: the shape of wear to one side is assumed. Four directions show it.")
+        messages.append(Message("info", "wear_shape_assumed", text))
     missing = sum(not land.state.measured for land in sources)
     if missing < len(sources) and missing:
         text = Sentence(

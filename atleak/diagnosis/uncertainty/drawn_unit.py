@@ -24,6 +24,7 @@ from atleak.diagnosis.uncertainty.draws import (
     DrawnSpread,
     Interval,
     LandInState,
+    OneSided,
     flow_ratio,
     interval_of,
     spread_of,
@@ -240,18 +241,19 @@ class Drawn:
         mean = effective_clearance(bore.clearance, land.state.thermal_rate, self.rise)
         clearance = law.flow_clearance(mean, bore.square, bore.cube)
         diameter = law.diameter(land.state.spool_diameter, mean)
-        return law.restriction(diameter, clearance, self.nu, self.rho, length, position)
+        gap = law.restriction(diameter, clearance, self.nu, self.rho, length, position)
+        return gap if np.ndim(bore.entry_loss) == 0 else Restricted(gap.conductance, gap.bend * bore.entry_loss)
 
-    def score(self, land: LandSources, common: Mapping[str, np.ndarray], fraction: np.ndarray) -> np.ndarray:
+    def score(self, land: LandSources, common: Mapping[str, np.ndarray], one_sided: OneSided) -> np.ndarray:
         """Return how much a land would draw by what it shares with others, all that is its own as it was measured.
 
-        ``common`` and ``fraction`` are the shared errors and the part of the wear that lies to one side. The number is
-        in proportion to a share of the pump's flow where the land's pressure follows that of the line.
+        ``common`` and ``one_sided`` are the shared errors and the wear that lies to one side. The number is in
+        proportion to a share of the pump's flow where the land's pressure follows that of the line.
         """
         state = land.state
         mean = np.maximum(state.radial_clearance + sum(u * common[name] for name, u in land.groups.items()), 0.0)
-        wear = fraction * np.maximum(mean - state.land.new_clearance, 0.0)
-        bore = Bore(mean, *with_one_side(wear, *state.form_moments))
+        wear = one_sided.fraction * np.maximum(mean - state.land.new_clearance, 0.0)
+        bore = Bore(mean, *with_one_side(one_sided.moments(wear), *state.form_moments))
         conductance = self.restriction(land, bore, state.land.contact_length, None).conductance
         return flow_ratio(conductance * self.pressures["p_g"], self.capacity)
 

@@ -15,13 +15,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
 from atleak.diagnosis.uncertainty.assumptions import Assumptions
-from atleak.diagnosis.uncertainty.sources import MEASURING_TEMPERATURE_SOURCE, MOUNTING, LandSources
+from atleak.diagnosis.uncertainty.sources import (
+    EXPONENTS,
+    FINEST,
+    MEASURING_TEMPERATURE_SOURCE,
+    MOUNTING,
+    LandSources,
+)
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import UNKNOWN
 from atleak.equations.clearance import one_sided_moments
@@ -195,6 +201,16 @@ class Draws:
         self._next += 1
         return values.copy() if self._order is None else values.take(self._order)
 
+    def among(self, name: Hashable, functions: Callable[[np.ndarray], Any], which: np.ndarray) -> np.ndarray:
+        """Draw one or another function of a number from 0 … 1.
+
+        ``functions`` returns the values of each in a column, and ``which`` says the column that counts in each draw.
+        """
+        values = self._cube.values(self._next, name, lambda bits: functions(_uniform(bits)))
+        self._next += 1
+        order = np.arange(which.size) if self._order is None else self._order
+        return values.ravel().take(order * values.shape[1] + which)
+
     def normal(self) -> np.ndarray:
         """Draw from the standard normal distribution."""
         return self._values("normal", _normal)
@@ -263,6 +279,7 @@ class Bore:
     clearance: Any  # [m] radial, cold
     square: Any = 0.0  # [m²] second central moment over the circumference
     cube: Any = 0.0  # [m³] third
+    entry_loss: Any = 1.0  # over that of the even gap of the same mean cube
 
 
 def deviates_of_factors(shared: Draws) -> dict[str, np.ndarray]:
@@ -278,10 +295,89 @@ def common_errors(stream: Draws, lands: Sequence[LandSources]) -> dict[str, np.n
     return {name: stream.rectangular() if name == MEASURING_TEMPERATURE_SOURCE else stream.normal() for name in names}
 
 
-def one_sided_fraction(stream: Draws, model: LeakageModel, assumptions: Assumptions) -> np.ndarray:
+#: Of all wear to one side: which part, with which n of `EXPONENTS`, and how likely before anything is measured. Choice
+#: of this project: nothing, half and all of it as 1 to 1 to 2, and the three shapes alike likely.
+SIDES = tuple(
+    (part, place, chance / len(EXPONENTS))
+    for part, chance in ((0.0, 0.25), (0.5, 0.25), (1.0, 0.5))
+    for place in range(len(EXPONENTS))
+)
+_PARTS, _PLACES, _CHANCES = map(np.array, zip(*SIDES, strict=True))
+_EVEN = (_PARTS == 0.0) / len(EXPONENTS)
+_OF_ONE = np.array([one_sided_moments(1.0, n) for n in EXPONENTS])  # moments of a mean wear of 1 m
+#: How far the differences between directions count. Lands may be worn to one side by parts of their own, so that they
+#: tell less of what they have in common than if each were drawn anew. Choice of this project.
+_EACH_LAND_COUNTS = 0.5
+LEAST_EVEN = (
+    0.1  # chance that wear is even, whatever directions differ by: for they may differ by the form of new bores
+)
+_OVALITIES = 1.0, 2.0, 4.0  # times the assumed one, that new bores may have
+
+
+@dataclass(frozen=True)
+class OneSided:
+    """Wear to one side as drawn for a unit: one part of all wear, of one shape; arrays of shape (draws,)."""
+
+    most: float  # the largest part that it may be
+    fraction: np.ndarray  # of all wear
+    place: np.ndarray  # of the shape among `EXPONENTS`
+
+    @cached_property
+    def _moments(self) -> np.ndarray:
+        return _OF_ONE.T.take(self.place, axis=1)
+
+    def moments(self, wear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return second [m²] and third [m³] central moment of the clearance where the mean of wear to one side is so.
+
+        They are those of `one_sided_moments`, looked up: the same factors for all lands.
+        """
+        squared, (square, cube) = wear * wear, self._moments
+        return square * squared, cube * (squared * wear)
+
+
+def one_sided_wear(
+    stream: Draws, model: LeakageModel, assumptions: Assumptions, lands: Sequence[LandSources]
+) -> OneSided:
     """Draw how much of all wear lies to one side of the bores; the cube of the mean clearance knows no sides."""
     most = assumptions.one_sided_wear if model.law.counts_form else 0.0
-    return 0.5 * most * np.floor(3.0 * stream.uniform())
+    chances = chances_of_sides(lands, most, assumptions)
+    side = np.searchsorted(np.cumsum(chances)[:-1], stream.uniform())
+    return OneSided(most, most * _PARTS.take(side), _PLACES.take(side))
+
+
+def chances_of_sides(lands: Sequence[LandSources], most: float, assumptions: Assumptions) -> np.ndarray:
+    """Return how likely each of `SIDES` is in a unit whose directions differ as much as they do.
+
+    Parameters
+    ----------
+    lands
+        of which those count whose bores were measured in several directions.
+    most
+        the largest part of all wear that may lie to one side.
+
+    Notes
+    -----
+    What directions differ by is taken as χ² of one degree of freedom in each land, about what its wear, readings and
+    the ovality of new bores make of it at any phase. Directions that read alike in every land were copied.
+    """
+    rows = [
+        (land.state.form_moments[0], max(land.state.radial_clearance - land.state.land.new_clearance, 0.0), u, v)
+        for land in lands
+        if land.sees_sides
+        for u, v in [(math.hypot(land.standard_uncertainty, land.u_mounting), 0.5 * land.direction_variance)]
+    ]
+    if not any(row[0] for row in rows):
+        return _CHANCES
+    differ, wear, u, read = np.array(rows).T
+    wear = np.maximum(wear**2 - u**2, 0.0)
+    shown = 0.5 * (_OF_ONE[_PLACES, 0] - 1.0) * (most * _PARTS) ** 2  # the variance of half of |cos|^n, over its mean²
+    oval = assumptions.unseen_ovality**2 / 32.0 * np.square(_OVALITIES)
+    expected = shown[:, None, None] * wear + oval[:, None] + read + FINEST**2  # shape (sides, ovalities, lands)
+    log = -0.5 * _EACH_LAND_COUNTS * (np.log(expected) + differ / expected).sum(axis=2)
+    chances = _CHANCES * np.exp(log - log.max()).sum(axis=1)
+    chances /= chances.sum()
+    lacking = max(LEAST_EVEN - chances[_PARTS == 0.0].sum(), 0.0)
+    return np.asarray((1.0 - lacking) * chances + lacking * _EVEN)
 
 
 LandInState = tuple[LandSources, Bore, Any, Any]  # with its contact length, and where its spool lies
@@ -316,7 +412,7 @@ def land_draws(
     stream: Draws,
     land: LandSources,
     common: dict[str, np.ndarray],
-    fraction: np.ndarray,
+    one_sided: OneSided,
     assumptions: Assumptions,
     position: Any,
     readings: Draws | None = None,
@@ -333,7 +429,7 @@ def land_draws(
     bore = unworn = new
     if land.state.measured:
         measured = measured_clearance(readings, land, common, new.clearance)
-        bore = worn_bore(stream, land, measured, new.clearance, fraction)
+        bore = worn_bore(stream, land, measured, new.clearance, one_sided)
         unworn = unworn_bore(land, measured, new)
     nominal, by_calliper = land.state.land.contact_length, land.state.land.contact_length_measured
     drawn: float | np.ndarray = nominal
@@ -386,15 +482,15 @@ def unworn_bore(land: LandSources, clearance: np.ndarray, new: Bore) -> Bore:
     return new if pair.widest_new == pair.mounting_range[0] else Bore(pair.unworn(clearance))
 
 
-def worn_bore(stream: Draws, land: LandSources, clearance: np.ndarray, new: np.ndarray, fraction: np.ndarray) -> Bore:
+def worn_bore(stream: Draws, land: LandSources, clearance: np.ndarray, new: np.ndarray, one_sided: OneSided) -> Bore:
     """Draw the true mean clearance and its spread around the circumference, where part of the wear is to one side.
 
     Parameters
     ----------
     clearance, new
         the mean clearance that the diameters show, and that of the pair when new [m]; shape (draws,).
-    fraction
-        of the wear that lies to one side, shape (draws,).
+    one_sided
+        the wear that lies to one side in the unit; a bore measured in four directions or more shows its own.
 
     Notes
     -----
@@ -402,21 +498,31 @@ def worn_bore(stream: Draws, land: LandSources, clearance: np.ndarray, new: np.n
     never less than what the directions themselves show.
     """
     square, cube = land.state.form_moments
-    plan = land.plans.get("sleeve")
-    if plan is None or not fraction.any():  # of a bore that was not measured no wear is known
+    plan, fraction = land.plans.get("sleeve"), one_sided.fraction
+    if plan is None or not one_sided.most:  # of a bore that was not measured no wear is known
         return Bore(clearance, square, cube)
+    fitted = land.fitted_side
+    if fitted is not None:
+        cell = np.searchsorted(fitted.cumulative, stream.uniform())
+        drawn = (fitted.wear, fitted.seen, fitted.entry_loss, *fitted.moments)
+        wear, seen, loss, *of_wear = (each.take(cell) for each in drawn)
+        return Bore(clearance + wear * (1.0 - seen), *with_one_side(of_wear, square, cube), loss)
     shown = np.maximum(clearance - new, 0.0)
     angles = tuple(plan.angles.items())
-    seen = stream.of_uniform(("seen of one side", angles), lambda part: plan.seen_of_one_side(math.pi * part))
+    seen = stream.among(
+        ("seen of one side", angles),
+        lambda part: np.stack([plan.seen_of_one_side(math.pi * part, n) for n in EXPONENTS], axis=1),
+        one_sided.place,
+    )
     wear = shown / np.maximum(1.0 - fraction + fraction * seen, LEAST_SEEN)
-    return Bore(clearance + (wear - shown), *with_one_side(fraction * wear, square, cube))
+    moments = one_sided.moments(fraction * wear)
+    return Bore(clearance + (wear - shown), *with_one_side(moments, square, cube))
 
 
-def with_one_side(mean_wear: Any, square: Any, cube: Any) -> tuple[Any, Any]:
-    """Return the moments of wear to one side of that mean [m], or those measured where these are larger."""
-    one_sided, third = one_sided_moments(mean_wear)
-    larger = one_sided > square
-    return np.where(larger, one_sided, square), np.where(larger, third, cube)
+def with_one_side(one_sided: Sequence[Any], square: Any, cube: Any) -> tuple[Any, Any]:
+    """Return the moments that wear to one side makes, or those measured where these are larger."""
+    larger = one_sided[0] > square
+    return np.where(larger, one_sided[0], square), np.where(larger, one_sided[1], cube)
 
 
 class Positions:

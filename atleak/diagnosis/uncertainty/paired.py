@@ -21,12 +21,13 @@ from atleak.diagnosis.uncertainty.draws import (
     Draws,
     Interval,
     LandDraws,
+    OneSided,
     Positions,
     common_errors,
     deviates_of_factors,
     interval_of,
     land_draws,
-    one_sided_fraction,
+    one_sided_wear,
     rounded_up,
 )
 from atleak.diagnosis.uncertainty.sources import LandSources
@@ -82,8 +83,8 @@ def changes(
     draws = rounded_up(draws)
     shared = Draws(Cube(draws, seed, 0))
     deviates = deviates_of_factors(shared)
-    fraction = one_sided_fraction(shared, before.model, assumptions)
-    drawn = list(_drawn_lands(before, after, deviates, fraction, assumptions, seed))
+    one_sided = one_sided_wear(shared, before.model, assumptions, [*before.lands, *after.lands])
+    drawn = list(_drawn_lands(before, after, deviates, one_sided, assumptions, seed))
     spreads = []
     for pair in zip(before.projections, after.projections, strict=True):
         (first, circuits), (second, others) = (
@@ -109,21 +110,21 @@ def _drawn_lands(
     before: PairedVisit,
     after: PairedVisit,
     deviates: dict[str, np.ndarray],
-    fraction: np.ndarray,
+    one_sided: OneSided,
     assumptions: Assumptions,
     seed: int,
 ) -> Iterator[list[LandDraws]]:
     """Draw every land of both visits, beside what both share."""
     first = before.projections[0]
     commons = [
-        common_errors(Draws(Cube(fraction.size, seed, number)), visit.lands)
+        common_errors(Draws(Cube(one_sided.fraction.size, seed, number)), visit.lands)
         for visit, number in zip((before, after), _VISITS, strict=True)
     ]
     at_first = Drawn(before.model, first, assumptions, deviates)
-    score = at_first.score(leakiest(before.lands, first), commons[0], fraction)
-    kept = Beside(Cube(fraction.size, seed, _UNIT), score)
+    score = at_first.score(leakiest(before.lands, first), commons[0], one_sided)
+    kept = Beside(Cube(one_sided.fraction.size, seed, _UNIT), score)
     for visit, number, common in zip((before, after), _VISITS, commons, strict=True):
-        read = Beside(Cube(fraction.size, seed, number, _UNIT), score)
+        read = Beside(Cube(one_sided.fraction.size, seed, number, _UNIT), score)
         positions = Positions(visit.model, read, seed + number)
         streams = ((land, kept.draws(seed, *_words(_UNIT, *land.key))) for land in visit.lands)
         yield [
@@ -131,7 +132,7 @@ def _drawn_lands(
                 stream,
                 land,
                 common,
-                fraction,
+                one_sided,
                 assumptions,
                 positions.of(land),
                 read.draws(seed, *_words(number, *land.key)),

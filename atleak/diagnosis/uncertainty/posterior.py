@@ -31,7 +31,7 @@ from atleak.diagnosis.uncertainty.draws import (
     Positions,
     common_errors,
     land_draws,
-    one_sided_fraction,
+    one_sided_wear,
     stream_of,
 )
 from atleak.diagnosis.uncertainty.propagation import SEED
@@ -233,12 +233,15 @@ class PosteriorUnit:
         deviates, wear = proposal.draw(stream_of(SEED, 11, seed), draws)
         shared = Draws(Cube(draws, SEED, 12, seed))
         measured = [land for land in self.sources if land.state.measured]
-        common, fraction = common_errors(shared, measured), one_sided_fraction(shared, self.model, self.assumptions)
-        own = Beside(Cube(draws, SEED, 13, seed), fraction)
+        common, one_sided = (
+            common_errors(shared, measured),
+            one_sided_wear(shared, self.model, self.assumptions, measured),
+        )
+        own = Beside(Cube(draws, SEED, 13, seed), one_sided.fraction)
         positions = Positions(self.model, own, SEED + seed)
         found = {
             land.key: land_draws(
-                own.draws(SEED, 14, seed, number), land, common, fraction, self.assumptions, positions.of(land)
+                own.draws(SEED, 14, seed, number), land, common, one_sided, self.assumptions, positions.of(land)
             )
             for number, land in enumerate(measured)
         }
@@ -326,7 +329,7 @@ class PosteriorUnit:
             by_wear = -chance * np.expm1(-ways / mean)
             worn = (now.clearance > high) | (first * (by_wear + 1.0 - chance) < by_wear)
             new = low + mean * np.log1p(second * np.expm1(ways / mean))
-        both = zip((new, 0.0, 0.0), vars(now).values(), strict=True)
+        both = zip((new, 0.0, 0.0, 1.0), vars(now).values(), strict=True)
         return replace(drawn, unworn_bore=Bore(*(np.where(worn, each, as_is) for each, as_is in both)))
 
     def pressures(self, drawn: UnitDraws, point: OperatingPoint, *, new: bool = False) -> Mapping[str, Any]:

@@ -5,10 +5,10 @@ What a share has grown by is judged against the same unit unworn in the same tri
 and contact lengths, and with mounting clearances drawn from what is known of them. Where only a range or a type's value
 is known, a land is unworn as far as its reading may be that of a new pair.
 
-A bore wears to one side, which two-point diameters cannot see: by how much is one fraction of all wear, drawn once per
-trial for the whole unit, with a phase of its own for each land. Where nobody knows how the spools lie, e/c is drawn for
-each component, the same for its lands now and new. The circuits' pressures are solved in every trial: a land that leaks
-more in it finds less pressure before it.
+A bore wears to one side, which two-point diameters cannot see: one fraction of all wear and one shape are drawn once
+per trial for the whole unit, with a phase of its own for each land; a bore measured in four directions shows its own.
+Where nobody knows how the spools lie, e/c is drawn for each component, the same for its lands now and new. The
+circuits' pressures are solved in every trial: a land that leaks more in it finds less pressure before it.
 
 The linear budget of every land and of the total changes one factor at a time, by central differences, with the
 circuits' pressures as they are with the unit as measured.
@@ -31,6 +31,7 @@ from atleak.diagnosis.uncertainty.assumptions import Assumptions
 from atleak.diagnosis.uncertainty.drawn_unit import Drawn, DrawnLands, PressureSpread, leakiest, pressure_spread
 from atleak.diagnosis.uncertainty.draws import (
     FACTORS,
+    SIDES,
     Beside,
     Bore,
     Cube,
@@ -39,26 +40,28 @@ from atleak.diagnosis.uncertainty.draws import (
     Interval,
     LandInState,
     Positions,
+    chances_of_sides,
     common_errors,
     deviates_of_factors,
     flow_ratio,
     interval_of,
     land_draws,
-    one_sided_fraction,
+    one_sided_wear,
     spread_of,
     with_one_side,
 )
-from atleak.diagnosis.uncertainty.sources import LandSources
+from atleak.diagnosis.uncertainty.sources import EXPONENTS, LandSources
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import consumed
 from atleak.engine.projection import Projection
+from atleak.equations.clearance import one_sided_moments
 
 ONE_SIDE, POSITION = "wear to one side", "where the spool lies"  # names in the budgets
 
 _SMALL = 0.01  # step of the derivatives, as a fraction of a standard uncertainty
-#: Two columns per factor, two of the wear to one side, two of the clearance, two of the contact length, one as it is.
-_COLUMNS = 2 * len(FACTORS) + 7
-_HALF_ASIDE, _ALL_ASIDE, _WIDER, _LONGER = -7, -6, -5, -3  # the column after the last two is the other way
+#: Two columns per factor, one for each of `SIDES`, two of the clearance, two of the contact length, one as it is.
+_COLUMNS = 2 * len(FACTORS) + len(SIDES) + 5
+_ASIDE, _WIDER, _LONGER = slice(2 * len(FACTORS), -5), -5, -3  # the column after the last two is the other way
 
 
 @dataclass(frozen=True)
@@ -83,6 +86,7 @@ class Linear:
     ) -> None:
         """Evaluate them; ``position`` is the relative standard deviation of a flow by where the spool lies."""
         self._sources, self._position = sources, position
+        self._chances = chances_of_sides(sources, assumptions.one_sided_wear, assumptions)
         self._probe = Drawn(model, projection, assumptions, _deviates())
         lands = DrawnLands(self._probe, map(_as_measured, sources))
         self._beside = lands.leakage
@@ -108,10 +112,13 @@ class Linear:
         if self._probe.model.law.counts_form:
             worn = np.array(["sleeve" in source.plans for source in self._sources])
             new = np.array([each.land.new_clearance for each in lands])
+            most = assumptions.one_sided_wear
             shown = np.where(worn, np.maximum(rows[:, 0] - new, 0.0), 0.0)
-            for at, part in ((_HALF_ASIDE, 0.5), (_ALL_ASIDE, 1.0)):
-                wear = part * assumptions.one_sided_wear * shown
-                square[:, at], cube[:, at] = with_one_side(wear, rows[:, 1], rows[:, 2])
+            sides = [
+                with_one_side(one_sided_moments(part * most * shown, EXPONENTS[place]), rows[:, 1], rows[:, 2])
+                for part, place, _ in SIDES
+            ]
+            square[:, _ASIDE], cube[:, _ASIDE] = (np.stack(each, axis=1) for each in zip(*sides, strict=True))
         return Bore(clearance, square, cube), length
 
     @cached_property
@@ -147,7 +154,7 @@ class Linear:
                 shared[name] += slope * u
         effects = {name: float(values[0]) for name, values in _of_factors(share).items()}
         effects["each land's own readings and contact length"] = math.sqrt(own) * per_flow
-        effects[ONE_SIDE] = float(_one_side_effect(share)[0])
+        effects[ONE_SIDE] = float(self._one_side_effect(share)[0])
         effects[POSITION] = self._position * math.hypot(*components.values()) * per_flow
         return effects | {f"common to all lands: {name}": slope * per_flow for name, slope in shared.items()}
 
@@ -156,9 +163,17 @@ class Linear:
             by_position = self._position * values[:, -1]
         return _of_factors(values) | {
             "contact length": _difference(values, _LONGER) / _SMALL,
-            ONE_SIDE: _one_side_effect(values),
+            ONE_SIDE: self._one_side_effect(values),
             POSITION: by_position,
         }
+
+    def _one_side_effect(self, values: np.ndarray) -> np.ndarray:
+        """Return the standard deviation over `SIDES`, as likely as they are in this unit."""
+        sides = values[:, _ASIDE]
+        finite = np.isfinite(sides).all(axis=1)
+        sides = np.where(finite[:, None], sides, 0.0)
+        off = sides - (sides @ self._chances)[:, None]
+        return np.where(finite, np.sqrt(off**2 @ self._chances), math.nan)
 
 
 def _deviates() -> dict[str, np.ndarray]:
@@ -178,13 +193,6 @@ def _as_measured(land: LandSources) -> LandInState:
 
 def _of_factors(values: np.ndarray) -> dict[str, np.ndarray]:
     return {name: _difference(values, 2 * number) / _SMALL for number, name in enumerate(FACTORS)}
-
-
-def _one_side_effect(values: np.ndarray) -> np.ndarray:
-    """Return the standard deviation over none, half and all of the wear to one side, all three alike likely."""
-    three = values[:, [-1, _HALF_ASIDE, _ALL_ASIDE]]
-    finite = np.isfinite(three).all(axis=1)
-    return np.where(finite, np.where(finite[:, None], three, 0.0).std(axis=1), math.nan)
 
 
 def _difference(values: np.ndarray, column: int) -> np.ndarray:
@@ -318,13 +326,13 @@ class _Trials:
         shared = Draws(Cube(draws, seed, 0))
         self._deviates = deviates_of_factors(shared)
         common = common_errors(shared, sources)
-        fraction = one_sided_fraction(shared, model, assumptions)
-        score = self._at(leading).score(leakiest(sources, leading), common, fraction)
+        one_sided = one_sided_wear(shared, model, assumptions, sources)
+        score = self._at(leading).score(leakiest(sources, leading), common, one_sided)
         own = Beside(Cube(draws, seed, 3), score)
         positions = Positions(model, own, seed)
         self._spread_of_positions = positions.relative_spread
         self._lands = [
-            land_draws(own.draws(seed, 1, number), land, common, fraction, assumptions, positions.of(land))
+            land_draws(own.draws(seed, 1, number), land, common, one_sided, assumptions, positions.of(land))
             for number, land in enumerate(sources)
         ]
 

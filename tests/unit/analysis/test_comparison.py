@@ -20,7 +20,7 @@ from atleak.common.errors import InputError
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
-from atleak.diagnosis.uncertainty.draws import Cube, Draws, deviates_of_factors, one_sided_fraction
+from atleak.diagnosis.uncertainty.draws import Cube, Draws, deviates_of_factors, one_sided_wear
 from atleak.diagnosis.uncertainty.paired import PairedVisit, _drawn_lands
 from atleak.engine.projection import stated_condition
 from atleak.measurements.readings import Readings
@@ -134,8 +134,8 @@ def test_a_length_that_nobody_measured_is_one_at_both_visits_whatever_else_was_m
     assert len(statuses) == 4  # a spool alone and a whole pair at one visit only, a pair at both, the others at neither
     shared = Draws(Cube(256, 7, 0))
     deviates = deviates_of_factors(shared)
-    fraction = one_sided_fraction(shared, visits[0].model, DEFAULTS)
-    before, after = _drawn_lands(*visits, deviates, fraction, DEFAULTS, 7)
+    one_sided = one_sided_wear(shared, visits[0].model, DEFAULTS, visits[0].lands)
+    before, after = _drawn_lands(*visits, deviates, one_sided, DEFAULTS, 7)
     for one, other in zip(before, after, strict=True):
         assert np.ptp(one.length) > 0.0
         assert np.array_equal(one.length, other.length)

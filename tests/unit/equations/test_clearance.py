@@ -69,6 +69,26 @@ def test_body_and_spool_may_warm_up_differently() -> None:
     assert hot == pytest.approx((30 * u.um + (body - spool) / 2).to(u.m).magnitude, rel=1e-12, abs=0.0)
 
 
+@pytest.mark.parametrize("exponent", [1.0, 2.0, 3.0, 2.5, 7.0])
+def test_wear_to_one_side_has_the_moments_of_its_profile(exponent: float) -> None:
+    angles = np.linspace(0.0, 2.0 * np.pi, 40_000, endpoint=False)
+    profile = np.maximum(np.cos(angles), 0.0) ** exponent
+    profile *= 10e-6 / profile.mean()
+    moments = [np.mean((profile - 10e-6) ** power) for power in (2, 3)]
+    assert clearance.one_sided_moments(10e-6, exponent) == pytest.approx(moments, rel=1e-6, abs=0.0)
+    opposite = 0.5 * (profile + np.roll(profile, 20_000)) / 10e-6
+    assert clearance.seen_of_one_sided(angles, exponent) == pytest.approx(opposite, rel=1e-6, abs=1e-12)
+
+
+def test_wear_to_one_side_has_the_moments_of_known_integrals() -> None:
+    assert clearance.one_sided_moments(1.0) == pytest.approx((np.pi**2 / 4 - 1, 2 - np.pi**2 / 12), rel=1e-14, abs=0.0)
+    assert clearance.one_sided_moments(1.0, 2.0) == pytest.approx((2.0, 3.0), rel=1e-14, abs=0.0)
+    # Wallis: the means of max(cos θ, 0) to the powers of 3, 6 and 9 are 2/(3π), 5/32 and 128/(315π)
+    square, cube = 5.0 / 32.0 / (2.0 / (3.0 * np.pi)) ** 2, 128.0 / 315.0 / np.pi / (2.0 / (3.0 * np.pi)) ** 3
+    sharp = square - 1.0, cube - 3.0 * square + 2.0
+    assert clearance.one_sided_moments(1.0, 3.0) == pytest.approx(sharp, rel=1e-14, abs=0.0)
+
+
 @pytest.mark.parametrize(
     ("function", "arguments", "words"),
     [
@@ -78,6 +98,9 @@ def test_body_and_spool_may_warm_up_differently() -> None:
         (clearance.worn_clearance, (-1e-6, 5e-6), "mounting clearance"),
         (clearance.worn_clearance, (1e-6, -5e-6), "worn clearance"),
         (clearance.wear, (30e-6, 0.0), "mounting clearance"),
+        (clearance.one_sided_moments, (-1e-6,), "mean wear"),
+        (clearance.one_sided_moments, (1e-6, 0.0), "exponent"),
+        (clearance.seen_of_one_sided, (0.0, -1.0), "exponent"),
         (clearance.thermal_rate, (0.009, 0.01, 2e-5, 1e-5), "sleeve diameter"),
     ],
 )

@@ -68,6 +68,7 @@ EQUATIONS: list[tuple[Callable, tuple[float, ...]]] = [
 # These give a pair, words, truth values or reduce an axis; the tests of their own rooms cover them.
 OTHERS = {
     clearance.one_sided_moments,
+    clearance.seen_of_one_sided,
     gap.obliteration,
     proportions.wilson_interval,
     proportions.newcombe_interval,

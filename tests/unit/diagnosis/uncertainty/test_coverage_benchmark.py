@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from atleak.catalogue.controller_file import load_controller
+from atleak.equations.clearance import one_sided_moments
 
 DRAWS = 500
 
@@ -48,6 +49,11 @@ def test_a_pair_worn_to_one_side_has_the_mean_cube_of_its_closed_form(benchmark:
     round_form = Form(0.0, 0.0, 0.0, 0.0)
     land = load_controller("four_speed_2023").lands[0]
     pair = Pair(land, 14e-3, 20e-6, 10e-6, 0.8, 0.7, 9e-3, {"spool": round_form, "sleeve": round_form})
+    sharp, w = replace(pair, exponent=3), 8e-6
+    square, cube = one_sided_moments(w, 3.0)
+    assert np.mean(sharp.around() ** 3) == pytest.approx(30e-6**3 + 3.0 * 30e-6 * square + cube, rel=1e-4, abs=0.0)
+    around = [sharp.diameter("sleeve", direction, 0.0) for direction in np.arange(0.0, 180.0, 1.0)]
+    assert np.mean(around) - pair.spool == pytest.approx(2.0 * pair.clearance, abs=1e-9)
     even, deepest = 20e-6 + 0.2 * 10e-6, math.pi * 0.8 * 10e-6
     # of h = max(cos θ, 0): E h = 1/π, E h² = 1/4, E h³ = 2/(3π)
     cube = (
@@ -73,7 +79,7 @@ def test_the_population_is_the_same_whatever_the_file_knows_of_new(benchmark: Mo
         land.mounting_clearance for land in known.diagnosis.controller.lands
     }
     rates = benchmark.population_rates(
-        population.Known.PAIR, benchmark.count_population(population.Known.PAIR, range(worn, worn + 1))
+        "a name", benchmark.count_population(population.Known.PAIR, "as assumed", (0.0, 90.0), range(worn, worn + 1))
     )
     assert rates["unworn"]["lands"] + rates["worn"]["lands"] == len(known.pairs)
     assert sum(rates["worn"][name] for name in ("pass", "conditional", "flagged")) == pytest.approx(100.0, abs=1e-9)
