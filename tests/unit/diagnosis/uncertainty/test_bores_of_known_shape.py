@@ -68,7 +68,7 @@ def test_what_an_oval_bore_leaks_is_the_mean_cube_around_it(
     assert said == pytest.approx(truth, rel=1e-6, abs=0.0)
 
 
-@pytest.mark.parametrize("power", [None, 1])
+@pytest.mark.parametrize("power", [None, 1, 2, 3])
 @pytest.mark.parametrize("depth", [15e-6, 40e-6])
 @pytest.mark.parametrize("directions", [FOUR, EIGHT])
 def test_intervals_hold_what_a_bore_leaks_that_is_worn_evenly_or_to_one_side(

@@ -189,18 +189,18 @@ def pump_clearance(bench: Bench, given: Assumptions) -> Two:
 
 
 def one_sided(bench: Bench, given: Assumptions) -> Two:
-    """None, half or all of what wore, to a side at any phase, read in two directions."""
-    worn = 1.6
+    """Nothing, half or all of what wore, 1 to 1 to 2, to a side at any phase as cos, cos² or cos³, read in two ways."""
+    worn, rng = 1.6, np.random.default_rng(2)
     total, gap = bench.one(given, worn=worn)
     new = bench.twenty.lands[0].mounting_clearance
     warm, shown = gap.effective_clearance - worn * new, (worn - 1.0) * new
-    part = 0.5 * given.one_sided_wear * RNG.integers(0, 3, 3_000)[:, None]
-    phase = 0.5 * math.pi * RNG.random((3_000, 1))
-    angle = np.arange(180) * math.pi / 90.0
-    seen = 0.25 * math.pi * (np.cos(phase) + np.sin(phase))
-    wear = shown / (1.0 - part + part * seen)
-    around = new + warm + wear * (1.0 - part + part * math.pi * np.maximum(np.cos(angle - phase), 0.0))
-    flow = np.mean(around**3, axis=1)
+    part = given.one_sided_wear * rng.choice([0.0, 0.5, 1.0], (4_000, 1), p=[0.25, 0.25, 0.5])
+    power, phase = rng.integers(1, 4, (4_000, 1)), 0.5 * math.pi * rng.random((4_000, 1))
+    worn_to = np.maximum(np.cos(np.arange(180) * math.pi / 90.0), 0.0) ** power
+    mean = np.mean(worn_to, axis=1, keepdims=True)
+    seen = 0.25 * (np.cos(phase) ** power + np.sin(phase) ** power) / mean
+    wear = shown / np.maximum(1.0 - part + part * seen, 0.5)
+    flow = np.mean((new + warm + wear * (1.0 - part + part * worn_to / mean)) ** 3, axis=1)
     return total.u_leakage / total.leakage, float(np.std(flow)) / (worn * new + warm) ** 3
 
 
