@@ -15,6 +15,7 @@ from atleak.diagnosis.missing import Cause
 from atleak.diagnosis.uncertainty import DEFAULTS, Assumptions
 from atleak.diagnosis.uncertainty.posterior import PosteriorUnit
 from atleak.diagnosis.uncertainty.sources import find_sources
+from atleak.diagnosis.uncertainty.wear import UnitWear
 from atleak.diagnosis.uncertainty.weighing import Posterior, Shown
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import WORKSHOP
@@ -127,5 +128,7 @@ def test_a_measured_land_was_new_in_its_range_and_never_wider_than_it_is(
     low, high = wide.mounting_range
     assert np.all((low <= new) & (new <= high))
     unworn = drawn[narrow.key].unworn_bore.clearance == drawn[narrow.key].bore.clearance
-    chance = 0.2 * -np.expm1(-(12e-6 - narrow.mounting_range[0]) / 12e-6)
-    assert np.mean(~unworn) == pytest.approx(chance / (chance + 0.8), abs=0.03)
+    part, mean = UnitWear(unit.sources, unit.assumptions).usual
+    assert part > unit.assumptions.worn_lands, "the other land is worn, so that the unit is"
+    chance = part * -np.expm1(-(12e-6 - narrow.mounting_range[0]) / mean)
+    assert np.mean(~unworn) == pytest.approx(chance / (chance + 1.0 - part), abs=0.03)
