@@ -28,6 +28,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.gauge_check import Beside, Weighed, weigh
 from atleak.diagnosis.missing import Row
 from atleak.diagnosis.uncertainty import Assumptions
+from atleak.diagnosis.uncertainty.wear import UnitWear
 from atleak.diagnosis.uncertainty.weighing import Lost, Told
 from atleak.engine.operation import LINE
 from atleak.measurements.gauge_readings import LINE_TAP
@@ -162,17 +163,23 @@ class _Finder:
                 yield LandEvidence(land, probability, middle, low, high, costs, group, of_group, measured)
 
     def _usual(self, land: Land, clearance: np.ndarray) -> np.ndarray:
-        """Return how usual a clearance is of a used unit: what a measurement cannot tell stays as it was assumed.
+        """Return how usual a clearance is of this unit: what a measurement cannot tell stays as the others show it.
 
         It is the density of lands that were new anywhere in their range, some of them worn since.
         """
-        u, (low, high), now = self.assumptions, land.mounting_range, np.asarray(clearance, float)
-        spread = max(u.mounting_clearance, 0.5 * (land.mounting_tolerance or 0.0), _FINEST)
-        low, high, mean = low - spread, high + spread, max(u.land_wear, _FINEST)
+        (worn, wear), (low, high), now = self._wear, land.mounting_range, np.asarray(clearance, float)
+        spread = max(self.assumptions.mounting_clearance, 0.5 * (land.mounting_tolerance or 0.0), _FINEST)
+        low, high, mean = low - spread, high + spread, max(wear, _FINEST)
         new = (low <= now) & (now <= high)
         gone = np.exp(-(now - np.clip(now, low, high)) / mean) - np.exp(-np.maximum(now - low, 0.0) / mean)
-        density = (1.0 - u.worn_lands) * new + u.worn_lands * gone
+        density = (1.0 - worn) * new + worn * gone
         return density if density.any() else np.ones_like(density)
+
+    @cached_property
+    def _wear(self) -> tuple[float, float]:
+        """Return which part of the lands is worn, and how far on average [m], as those that were measured show."""
+        unit = self.diagnosis.uncertainty
+        return UnitWear([land.sources for land in unit.lands] if unit else (), self.assumptions).usual
 
     def worn(self, told: Told, key: LandKey) -> np.ndarray:
         """Return in which draws a land is worn: its clearance has grown past its first limit for wear."""
