@@ -59,5 +59,3 @@ if clearances.open:
             show.chart(figures.land_wear(diagnosis, chosen, say), "wear")
         else:
             st.write(say("readings.no_lands"))
-if controller.representative:
-    st.info(f"**{say('readings.representative')}** {show.plain(say.name(controller.representative))}")

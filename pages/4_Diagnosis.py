@@ -14,6 +14,7 @@ record, say = diagnosis_record(diagnosis), reader.say()
 st.title(say("diagnosis.title"))
 show.answer(diagnosis)
 show.first_sentence(diagnosis)
+show.assumed(diagnosis)
 show.missing(diagnosis)
 conditions.complaint(diagnosis)
 if diagnosis.without_sheet:

@@ -60,8 +60,9 @@ from atleak.catalogue.repairs import (
 from atleak.common.errors import CatalogueError, DomainError, KeySteps, Message, one_of
 from atleak.common.file_faults import fault_in_words, faults_together, model_in, place_of
 from atleak.common.sentences import Name, Sentence
-from atleak.common.units import UM, Quantity, gear_name
+from atleak.common.units import KPA, UM, Quantity, gear_name
 
+_ROUNDED = 0.05 + 1e-6  # [kPa] by which a stated pressure differs from that of the line by rounding alone
 _ALL: Mapping[KeySteps, Sequence[int]] = MappingProxyType({})
 
 
@@ -75,7 +76,8 @@ def _checked(data: Mapping[str, Any], origin: Origin) -> Controller:
     if controller is None:
         raise faults_together(faults)
     doubts = doubts_of("controllers", ControllerFile, data, origin.file, displacement=controller.pump.displacement)
-    return replace(controller, doubts=(*doubts, *_mending_nothing(controller, data, origin.file)))
+    apart = _line_apart(entry, controller, data, origin.file)
+    return replace(controller, doubts=(*doubts, *apart, *_mending_nothing(controller, data, origin.file)))
 
 
 CONTROLLERS = Shelf("controllers", ControllerFile, _checked)
@@ -101,6 +103,21 @@ def load_controller(id_or_path: str | Path) -> Controller:
         if the file is missing or wrong; the message names file, table, key and value, and lists every other fault.
     """
     return CONTROLLERS.load(id_or_path)
+
+
+def _line_apart(entry: ControllerFile, controller: Controller, data: Mapping[str, Any], file: str) -> Iterator[Message]:
+    """Say where the line is set to another main pressure than an operating point states, by more than rounding."""
+    for number, (stated, taken) in enumerate(zip(entry.operating_points, controller.operating_points, strict=True)):
+        if abs(stated.p_g_kpa - taken.main_pressure * KPA) > _ROUNDED:
+            text = Sentence(
+                "{point}: [line] gives {taken} {taken.unit}, p_g_kpa states {stated} {stated.unit}; that of [line] is "
+                "taken.",
+                point=Name(taken.label),
+                taken=Quantity(taken.main_pressure * KPA, "pressure", 1),
+                stated=Quantity(stated.p_g_kpa, "pressure", 1),
+            )
+            place = place_of(("operating_points", number, "p_g_kpa"), data, file)
+            yield Message("warning", "line_apart", text, place)
 
 
 def _mending_nothing(controller: Controller, data: Mapping[str, Any], file: str) -> Iterator[Message]:

@@ -297,7 +297,7 @@ class Fluid(Headed):
             low, high = USED_THINNER
             text = Sentence(
                 "{fluid}: there are no data of the used fluid. Its viscosity is taken {low} to {high} % below the "
-                "fresh one's (representative: choice of this project), its density as that of the fresh one.",
+                "fresh one's (assumed: choice of this project), its density as that of the fresh one.",
                 fluid=Name(self.name),
                 low=low,
                 high=high,
@@ -305,7 +305,7 @@ class Fluid(Headed):
             messages.append(Message("warning", "fluid_used_estimated", text))
         if self.representative:
             text = Sentence(
-                "{fluid}: representative, not from the data sheet: {names}.",
+                "{fluid}: assumed, not from the data sheet: {names}.",
                 fluid=Name(self.name),
                 names=tuple(text if isinstance(text, Sentence) else Name(text) for text in self.representative),
             )

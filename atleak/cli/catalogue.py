@@ -74,9 +74,7 @@ def _controllers(options: argparse.Namespace) -> int:
     if options.json != "-":
         for row in rows:
             if row["still_to_measure"]:
-                print(
-                    f"{row['id']}: representative, to be measured or looked up: {'; '.join(row['still_to_measure'])}."
-                )
+                print(f"{row['id']}: assumed, to be measured or looked up: {'; '.join(row['still_to_measure'])}.")
     return status
 
 

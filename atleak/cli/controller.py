@@ -241,7 +241,7 @@ def _check(options: argparse.Namespace) -> int:
     counts = evidence_counts(controller)
     print("values: " + ", ".join(f"{count} {known.replace('_', ' ')}" for known, count in counts.items()))
     if to_measure := open_values(controller, wording("en")):
-        print(f"representative, to be measured or looked up: {', '.join(to_measure)}")
+        print(f"assumed, to be measured or looked up: {', '.join(to_measure)}")
     return 0
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_tables import SelectorRange
-from atleak.catalogue.limits import Limits, RuleKind, Steps
+from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind, Steps
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.errors import DomainError, Message, Place
 from atleak.common.memory import kept_with
@@ -521,6 +521,8 @@ class _Checker:
             return checked
         u = self.uncertainty * math.hypot(checked.line, checked.reading.pressure)
         surely = max(below - self.guard_factor * u, 0.0)
+        if steps.origin is LimitOrigin.PROJECT:  # of the line less a circuit the same pressures are published
+            steps = replace(steps, origin=LimitOrigin.PUBLISHED)
         rule = Rule(RuleKind.BELOW_LINE, None, surely, steps, circuit=circuit, where=_where(checked.cell))
         return replace(checked, decisions=(self._decide(rule, u),))
 

@@ -453,9 +453,6 @@ def messages_of(unit: BesideNew, road: RoadDiagnosis, readings: Readings | None)
 
 def _about_controller(controller: Controller, gears: Collection[int]) -> Iterator[Message]:
     """Say what a valve body's file assumes, and which of its lands and circuits are not judged in some gears."""
-    if controller.representative:
-        text = Sentence("{controller}: {what}", controller=Name(controller.name), what=Name(controller.representative))
-        yield Message("warning", "controller_representative", text)
     without = [land for land in controller.lands if land.key in controller.gaps_not_described]
     if 0 < len(without) < sum(not land.seal for land in controller.lands):
         text = Sentence(

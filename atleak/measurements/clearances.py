@@ -539,7 +539,7 @@ def far_from_nominal(land: Land, part: Part, diameter: float) -> Sentence | None
     sizes = {"diameter": in_mm(diameter), "nominal": in_mm(nominal)}
     if "nominal_diameter_mm" in land.representative:
         return Sentence(
-            "{diameter} {diameter.unit}, nominal (representative) {nominal} {nominal.unit}: is it this land?", **sizes
+            "{diameter} {diameter.unit}, nominal (assumed) {nominal} {nominal.unit}: is it this land?", **sizes
         )
     return Sentence("{diameter} {diameter.unit}, nominal {nominal} {nominal.unit}: is it this land?", **sizes)
 

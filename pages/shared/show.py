@@ -34,6 +34,7 @@ from atleak.report.charts.drawing import on_dark
 from atleak.report.charts.figure import Figure
 from atleak.report.charts.screen import drawn
 from atleak.report.tables.answer import answer_facts, missing_table
+from atleak.report.tables.assumed import assumed_section
 from atleak.report.tables.before_opening import before_opening as before_opening_of
 from atleak.report.tables.first_sentence import first_sentence as first_sentence_of
 from atleak.report.tables.first_sentence import shown_verdict
@@ -294,12 +295,9 @@ def sheet_messages(diagnosis: Diagnosis) -> None:
 
 
 def what_is_shown(diagnosis: Diagnosis) -> None:
-    """Say, below the flagged table, what its shares are of, what is representative, and what a decision means."""
-    say, controller = reader.say(), diagnosis.controller
+    """Say, below the flagged table, what its shares are of, and what a decision means."""
+    say = reader.say()
     said = [say("diagnosis.shares_of", fluid=fluid_in_state(diagnosis, say))]
-    said += (
-        [say("diagnosis.representative", what=say.name(controller.representative))] if controller.representative else []
-    )
     said += [say("texts.decision")] if any(land.decision for land in diagnosis.flagged) else []
     st.caption(plain(" ".join(said)))
 
@@ -325,7 +323,7 @@ def _of_log(diagnosis: Diagnosis) -> list[Message]:
 
 
 def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-    """Show the basis of the result: choices, sources, and what of it is representative."""
+    """Show the basis of the result: choices, sources, and what of it is assumed."""
     readings = diagnosis.readings
     said = [message for land in diagnosis.lands for message in land.messages]
     said += diagnosis.uncertainty.messages if diagnosis.uncertainty else ()
@@ -466,6 +464,13 @@ def first_sentence(diagnosis: Diagnosis) -> None:
     banner(diagnosis, f"**{plain(word)}{plain(marks)}:** {plain(said)}")
     for sentence in caveats(diagnosis, say):
         st.caption(plain(sentence))
+
+
+def assumed(diagnosis: Diagnosis) -> None:
+    """Show every assumed value and what it does to the verdict, folded in below what is said of them all."""
+    rest = assumed_section(diagnosis, reader.say()).parts[1:]  # the first stands below the verdict
+    with st.expander(reader.say()("sections.assumptions")):
+        section(Section("assumed", "", rest), "assumed")
 
 
 def jumps(sections: Mapping[str, str]) -> None:

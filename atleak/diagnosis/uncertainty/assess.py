@@ -381,7 +381,7 @@ def _messages(
         messages += instrument.doubts
         if instrument.representative:
             text = Sentence(
-                "{instrument}: representative, not from a certificate: {quantities}. Set your own instrument's.",
+                "{instrument}: assumed, not from a certificate: {quantities}. Set your own instrument's.",
                 instrument=Name(instrument.name),
                 quantities=tuple(_VALUES[each] for each in instrument.representative),
             )

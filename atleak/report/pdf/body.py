@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -47,6 +47,7 @@ from atleak.report.pdf.blocks import (
 from atleak.report.pdf.conditions import Conditions, Pressures, RoadTestSection
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.answer import missing_table
+from atleak.report.tables.assumed import assumed_section
 from atleak.report.tables.estimate import open_words
 from atleak.report.tables.evidence import printed_sections
 from atleak.report.tables.gauges import gauge_table, pattern_sentences, tap_text
@@ -438,48 +439,27 @@ class Body(PrintedPart):
                 yield say("rules.added", points=say.plain(added * PERCENT))
 
     def _assumptions(self) -> Iterable[Block]:
-        yield bullets(self._assumed())
+        section = assumed_section(self.diagnosis, self.say)
+        yield from section_blocks(section, lambda drawn: printed_chart(drawn.chart, self.say), self.say)["blocks"]
+        yield bullets(self._taken())
 
-    def _assumed(self) -> Iterator[str]:
-        """Say what is representative or assumed: values of the catalogue, parts not measured, limits of our own."""
+    def _taken(self) -> Iterator[str]:
+        """Say what was taken for what nobody measured or said."""
         say, diagnosis = self.say, self.diagnosis
-        controller, fluid, pump = diagnosis.controller, diagnosis.fluid, diagnosis.controller.pump
-        if controller.representative:
-            yield say.name(controller.representative)
-        by_values: dict[tuple[str, ...], list[str]] = defaultdict(list)
-        for land in diagnosis.lands:
-            by_values[land.state.land.representative].append(self.names.land_number(land))
-        by_values.pop((), None)
-        for values, lands in by_values.items():
-            names = joined(say.get("parts", value) for value in values)
-            values_of_lands = say("texts.representative_land", values=names, lands=joined(lands))
-            yield say("texts.representative_lands", values=values_of_lands)
-        if pump.representative:
-            yield say("texts.representative_lands", values=self._value_names(pump.representative))
         if diagnosis.fluid_state_assumed:
             low, high = USED_THINNER
             yield say("texts.fluid_assumed", low=low, high=high)
-        if fluid.representative:
-            values_of_fluid = self._value_names(fluid.representative)
-            yield f"{isolated(say.name(fluid.name))}: {say('facts.representative')}: {values_of_fluid}."
         for status, key in (("spool_only", "assumed_sleeve"), ("sleeve_only", "assumed_spool"), ("not_measured",) * 2):
             unmeasured = [self.names.land_number(land) for land in diagnosis.lands if land.state.status == status]
             if unmeasured:
                 yield say(f"texts.{key}", lands=joined(unmeasured))
-        rules = diagnosis.limits.rules.items()
-        own = joined(say(f"rules.{name}") for name, steps in rules if steps.origin is LimitOrigin.PROJECT)
-        if own:
-            yield say("texts.project_limits", rules=own)
-        efficiency = say("texts.efficiency", value=say.plain(pump.volumetric_efficiency))
+        efficiency = say("texts.efficiency", value=say.plain(diagnosis.controller.pump.volumetric_efficiency))
         yield say("texts.slip") if diagnosis.model.uses_slip else efficiency
-
-    def _value_names(self, keys: Iterable[str]) -> str:
-        return joined(self.say.get("value_names", key) for key in keys)
 
     def _messages(self) -> Iterable[Block]:
         say = self.say
         messages = (*record_doubts(self.job, self.diagnosis), *self.diagnosis.messages)
-        said = (each for each in messages if each.code not in _SAID_ELSEWHERE and each.level in ("warning", "info"))
+        said = (each for each in messages if each.level in ("warning", "info"))
         yield bullets(
             f"{say.sentence(each.text)} ({say.sentence(each.place.sentence)})"
             if each.place
@@ -537,7 +517,6 @@ def picture_look(valves: int) -> tuple[int, float]:
     return (4, 1.6) if valves <= 16 else (5, 1.5) if valves <= 20 else (6, 1.4)
 
 
-_SAID_ELSEWHERE = ("controller_representative",)  # stands among the representative values
 _CONDITIONAL = ("conditional_pass", "conditional_fail")
 _LABEL = 48  # characters that fit beside a bar
 

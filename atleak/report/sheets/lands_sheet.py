@@ -18,7 +18,7 @@ from atleak.measurements.readings import OwnLands
 from atleak.report.sheets.paging import HEADER, PagedTable, Tab, only, put, width_for
 
 LANDS = Sentence("Lands")
-_LENGTH_REPRESENTATIVE = Sentence("stated length representative")
+_LENGTH_REPRESENTATIVE = Sentence("stated length assumed")
 _LIST = 255  # characters that a spreadsheet program takes as the choices of a cell
 _HOW_TO = (
     Sentence(

@@ -72,7 +72,7 @@ class FormColumn(IntEnum):
 SHEET = Sentence("Measurements")
 UNWORN_END = Sentence("unworn end")  # what marks a reading there; the reader's vocabulary knows it in every language
 PUMP_SIDE, PUMP_TIP = Sentence("Pump side clearance"), Sentence("Pump tip clearance")  # the reader knows them
-REPRESENTATIVE, AS_STATED = Sentence("representative"), Sentence("as stated")
+REPRESENTATIVE, AS_STATED = Sentence("assumed"), Sentence("as stated")
 FORM_PART_NAMES: Mapping[str, Sentence] = {
     "spool": Sentence("spool"),
     "piston": Sentence("piston"),

@@ -43,7 +43,7 @@ _KINDS = {  # of what stands without a unit: the label states it
     PUMP_SIDE: "clearance",
     PUMP_TIP: "clearance",
 }
-TITLE_HEIGHTS = (21.0, 42.0, 45.0)  # [pt] of the rows above: the valve body, what to do, what of it is representative
+TITLE_HEIGHTS = (21.0, 42.0, 15.0)  # [pt] of the rows above: the valve body, what to do, what of it is assumed
 _ROWS = (
     (JOB, VEHICLE, DATE, PUMP_SIDE),
     (_MILEAGE, MEASURED_BY, VIN, PUMP_TIP),

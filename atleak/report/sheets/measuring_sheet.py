@@ -94,7 +94,6 @@ def _write_instructions(tab: Tab, controller: Controller, far: float, *, quick: 
         "far": say.plain_quantity(far, "clearance"),
         "order": say("how_to_measure.order"),
         "choice": repr(say.sentence(UNWORN_END)),
-        "representative": say.name(controller.representative),
     }
     tabs = {"lands": LANDS, "pressures": PRESSURES_TITLE}
     Paging(_WIDTHS).set_up(sheet)
@@ -250,7 +249,8 @@ class _Sheet:
             unit=say.unit("length"),
         )
         told_all = f"{say.sentence(told)}\n{say('how_to_measure.quick' if self.quick else 'how_to_measure.order')}"
-        titles = ((_title(controller, say), "title"), (told_all, "wrap"), (say.name(controller.representative), "note"))
+        note = say("how_to_measure.nominal_values") if controller.representative else ""
+        titles = ((_title(controller, say), "title"), (told_all, "wrap"), (note, "note"))
         for row, (text, form) in enumerate(titles):
             sheet.merge_range(row, 0, row, PICTURES - 1, "", formats[form])
             sheet.write_string(row, 0, text, formats[form])
@@ -420,5 +420,5 @@ def _origin(land: Land) -> Sentence:
     if diameter and clearance:
         return REPRESENTATIVE
     if diameter:
-        return Sentence("diameter representative")
-    return Sentence("clearance representative") if clearance else AS_STATED
+        return Sentence("diameter assumed")
+    return Sentence("clearance assumed") if clearance else AS_STATED

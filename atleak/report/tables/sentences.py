@@ -19,6 +19,7 @@ from atleak.diagnosis.land import Crossing, LandDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.engine.profile import PROFILES, UNKNOWN, Profile
 from atleak.engine.projection import Projection
+from atleak.report.tables.assumed import assumed_line
 from atleak.report.tables.names import land_number, land_words, position_band
 
 
@@ -30,11 +31,8 @@ def caveat_marks(diagnosis: Diagnosis, say: Wording) -> list[str]:
 
 
 def caveats(diagnosis: Diagnosis, say: Wording) -> list[str]:
-    """Return a sentence for each of them."""
-    sentences = []
-    if diagnosis.provisional:
-        values = ", ".join(say.get("bases", basis) for basis in diagnosis.provisional)
-        sentences.append(say("caveats.provisional", values=values))
+    """Say which values are assumed and whether they would change the verdict, and that leakage is an upper bound."""
+    sentences = [assumed_line(diagnosis, say)]
     if diagnosis.upper_bound:
         sentences.append(say("caveats.upper_bound"))
     return sentences

@@ -18,6 +18,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
 from atleak.report.json.diagnosis import FORMAT, head_record
 from atleak.report.sheets.paging import UNDATED, workbook
+from atleak.report.tables.assumed import assumed_section
 from atleak.report.tables.evidence import printed_sections
 from atleak.report.tables.road_test import event_table
 from atleak.report.xlsx.book import ReportBook
@@ -107,6 +108,7 @@ def _write(book: ReportBook, diagnosis: Diagnosis, job: Job) -> None:
         live.totals.write(book, book.sheet(CONDITIONS, frozen=(1, 2)))
         live.limits.write(book, book.sheet(LIMITS_SHEET, frozen=(1, 1)))
         live.constants.write(book, book.sheet(CONSTANTS, frozen=(1, 1)))
+    write_sections(book, book.sheet(Sentence("Assumed")), [assumed_section(diagnosis, book.say)])
     if job.estimated and not diagnosis.without_sheet:
         write_estimate(book, book.sheet(ESTIMATE, frozen=(1, 1)), diagnosis, job)
     if not job.empty:

@@ -283,7 +283,7 @@ def _as_issued(live: LiveSheets, *, uncertain: bool) -> Iterable[LiveColumn]:
         heading = Sentence("{column}, as issued", column=column.heading(say))
         yield LiveColumn(column.key, heading, value=partial(column.cell, say=say, rounded=True), look=AFTER_A_NUMBER,
                          width=14 if column.is_number else 46)
-    yield LiveColumn("representative", Sentence("representative values"), value=representative, width=40)
+    yield LiveColumn("representative", Sentence("assumed values"), value=representative, width=40)
     # fmt: on
 
 

@@ -141,7 +141,6 @@ class Sheets:
             (Sentence("measured at"), measuring_temperature(diagnosis, self.say)),
             (Sentence("road test"), diagnosis.log.road_test.file if diagnosis.log else None),
             (Sentence("gauge readings"), diagnosis.pressures.table.file if diagnosis.pressures else None),
-            (Sentence("representative"), Name(record["controller"]["representative_note"] or "")),
             *self._complaint(),
         ]
         row = page.pairs(5 + len(answer), rows) + 1

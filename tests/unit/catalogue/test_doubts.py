@@ -48,6 +48,15 @@ def test_nothing_that_ships_is_doubted(kind: str, name: str) -> None:
     assert LOAD[kind](name).doubts == ()
 
 
+def test_a_line_that_is_set_to_another_pressure_than_a_point_states_is_doubted_beyond_rounding() -> None:
+    data = copy.deepcopy(read_tables("controllers", "zf_6hp26")[0])  # 606.5 kPa, of which [line] makes 606.484
+    data["operating_points"][1]["p_g_kpa"] = 607.5
+    (doubt,) = checked_controller(data).doubts
+    assert (doubt.code, doubt.level) == ("line_apart", "warning")
+    assert "[line] gives 606.5 kPa, p_g_kpa states 607.5 kPa; that of [line] is taken." in str(doubt.text)
+    assert "p_g_kpa" in str(doubt.place)
+
+
 @pytest.mark.parametrize(
     ("kind", "steps", "value", "said"),
     [

@@ -229,7 +229,7 @@ def test_check_counts_what_is_described(run: Run, name: str) -> None:
     assert f"{len(load_controller(name).lands)} lands" in lines[0]
     assert ("which is an upper bound" in lines[1]) == (name == "minimal_example")
     assert re.fullmatch(r"values: \d+ measured, \d+ published, \d+ representative, \d+ not stated", lines[-2])
-    assert lines[-1].startswith("representative, to be measured or looked up: ")
+    assert lines[-1].startswith("assumed, to be measured or looked up: ")
 
 
 def test_check_says_what_is_in_doubt_and_where(run: Run, tmp_path: Path) -> None:

@@ -73,7 +73,7 @@ def test_one_unit_is_said_in_the_singular_and_one_without_a_sheet_as_in_no_rate(
     assert "units: 1 with a verdict: 0 results: 1 valve body: body_a" in out
     assert "Nothing was measured of the one unit: it has no verdict of its lands." in out
     assert "Judged by log or gauges alone, no land being measured, and in no rate: 1." in out
-    assert "Verdicts that rest on representative values: 1." in out
+    assert "Verdicts that rest on assumed values: 1." in out
     assert not [word for word in ("1 units", "1 results") if word in out]
 
 

@@ -15,7 +15,6 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.units import UM
 from atleak.common.wording import wording
-from atleak.diagnosis.provisional import AssumedBasis
 from atleak.measurements.readings import Reading
 from atleak.report.sheets.measuring_columns import SHEET, UNWORN_END
 from atleak.report.sheets.measuring_sheet import write_readings
@@ -148,9 +147,7 @@ def test_every_sheet_and_word_that_the_page_names_is_there(page: str, tmp_path: 
         assert set(name.strip("*").split(", ")) <= set(sheets), name
     (lacking,) = re.findall(r"^\| it names \|.*\n\|[-|]+\n((?:\|.*\n)+)", page, re.MULTILINE)
     says = wording("en")
-    assert set(re.findall(r"^\| \*(.+?)\* \|", lacking, re.MULTILINE)) <= {
-        says(f"bases.{basis}") for basis in AssumedBasis
-    }
+    assert set(re.findall(r"^\| \*(.+?)\* \|", lacking, re.MULTILINE)) <= set(says.table("bases").values())
     links = [link for link in re.findall(r"\]\(([^)#]+)", page) if not link.startswith("http")]
     for link in links:
         if "/pictures/" not in link:  # made by the tools for pictures

@@ -378,7 +378,7 @@ def test_hot_idle_as_the_stated_condition_is_one_projection(
 
 def test_messages_are_not_repeated(sample: Diagnosis) -> None:
     assert len(set(sample.messages)) == len(sample.messages)
-    assert {"controller_representative", "mirrored_repeats", "fluid_note"} <= codes(sample)
+    assert {"mirrored_repeats", "fluid_note"} <= codes(sample)
 
 
 def test_lands_that_no_gap_names_leak_as_much_as_they_can_and_are_said(

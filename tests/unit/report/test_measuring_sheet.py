@@ -17,6 +17,7 @@ from PIL import Image
 
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import ReadingsError
+from atleak.common.wording import wording
 from atleak.measurements.clearances import clearances
 from atleak.measurements.gauge_readings import (
     LINE_TAP,
@@ -89,7 +90,7 @@ def test_every_plane_of_every_land_has_both_parts_two_directions_and_two_repeats
     assert len(rows) == len(wanted)
 
 
-def test_names_nominal_diameters_and_clearances_stand_beside_and_say_where_they_are_representative(controller, book):
+def test_names_nominal_diameters_and_clearances_stand_beside_and_say_where_they_are_assumed(controller, book):
     sheet = book[SHEET]
     for row in range(HEADER + 1, sheet.max_row + 1):
         component, name, part, plane, nominal, clearance, origin = (
@@ -100,14 +101,14 @@ def test_names_nominal_diameters_and_clearances_stand_beside_and_say_where_they_
         diameter = land.nominal_sleeve_diameter if part == "sleeve" else land.nominal_diameter
         assert nominal == pytest.approx(diameter * 1e3, abs=1e-9)
         assert clearance == pytest.approx(land.mounting_clearance * 1e6, abs=1e-6)
-        assert ("representative" in origin) == ("mounting_clearance_um" in land.representative)
-    assert sheet["A3"].value == controller.representative
+        assert ("assumed" in origin) == ("mounting_clearance_um" in land.representative)
+    assert sheet["A3"].value == wording("en")("how_to_measure.nominal_values")
 
 
-def test_the_published_diameters_of_spool_6_are_not_called_representative():
+def test_the_published_diameters_of_spool_6_are_not_called_assumed():
     sheet = opened(write_template(load_controller("four_speed_2023")))[SHEET]
     row = next(row for row in range(HEADER + 1, sheet.max_row) if merged_value(sheet, row, COMPONENT) == 6)
-    assert merged_value(sheet, row, ORIGIN) == "clearance representative"
+    assert merged_value(sheet, row, ORIGIN) == "clearance assumed"
 
 
 def test_it_is_made_for_filling_in_on_screen_and_on_paper(book):
@@ -294,7 +295,7 @@ def test_the_instructions_are_as_high_as_their_texts_are_long(controller, book):
 def test_the_instructions_are_there(controller, book):
     text = " ".join(str(cell.value) for row in book[MEASURING_INSTRUCTIONS].iter_rows() for cell in row if cell.value)
     text = text.replace("\u00a0", " ")
-    for word in ("twice", "20 °C", "lower bound", "0.001", controller.representative):
+    for word in ("twice", "20 °C", "lower bound", "0.001", "marked assumed are neither measured nor published"):
         assert word in text
 
 

@@ -1,0 +1,133 @@
+"""What is assumed is listed with what it does to the verdict, as a diagnosis with the value moved has it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from atleak.analysis.assumed import AssumedValue, assumed_values
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_file import load_controller
+from atleak.catalogue.fluid import Fluid, load_fluid
+from atleak.catalogue.limits import Limits, load_limits
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
+from atleak.diagnosis.land import LandDiagnosis
+from atleak.diagnosis.rules import Rule
+from atleak.diagnosis.uncertainty import DEFAULTS, Assumptions
+from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.report.tables.assumed import assumed_line, assumed_records, assumed_table
+
+SHEET = Path("sample_data/measuring_sheet_five_speed.xlsx")
+Unit = tuple[Controller, Fluid, Assumptions]
+
+
+def judged(controller: Controller, fluid: Fluid, assumptions: Assumptions = DEFAULTS) -> Diagnosis:
+    described = load_controller(controller.id)
+    limits, readings = load_limits("project_default"), read_readings(SHEET, described)
+    return diagnose(controller, fluid, limits, readings=readings, assumptions=assumptions)
+
+
+@pytest.fixture(scope="module")
+def worn() -> Diagnosis:
+    return judged(load_controller("five_speed_2005"), load_fluid("hipol_atf_iid"))
+
+
+@pytest.fixture(scope="module")
+def values(worn: Diagnosis) -> dict[str, AssumedValue]:
+    return {each.what: each for each in assumed_values(worn)}
+
+
+def thinner(by: float) -> Callable[[Controller, Fluid], Unit]:
+    def made(controller: Controller, fluid: Fluid) -> Unit:
+        points = tuple((temperature, nu * (1.0 + by)) for temperature, nu in fluid.points)
+        return controller, replace(fluid, points=points), DEFAULTS.with_settings({"viscosity_percent": 0})
+
+    return made
+
+
+def larger_pump(by: float) -> Callable[[Controller, Fluid], Unit]:
+    def made(controller: Controller, fluid: Fluid) -> Unit:
+        pump = controller.pump
+        return replace(controller, pump=replace(pump, displacement=pump.displacement * (1.0 + by))), fluid, DEFAULTS
+
+    return made
+
+
+def longer(by: float) -> Callable[[Controller, Fluid], Unit]:
+    def made(controller: Controller, fluid: Fluid) -> Unit:
+        lands = tuple(replace(land, contact_length=land.contact_length + by) for land in controller.lands)
+        return replace(controller, lands=lands), fluid, DEFAULTS
+
+    return made
+
+
+@pytest.mark.parametrize(
+    ("what", "end", "moved"),
+    [
+        ("viscosity", 1, thinner(-0.098)),
+        ("viscosity", 2, thinner(0.098)),
+        ("displacement", 2, larger_pump(0.1)),
+        ("contact_length", 1, longer(-0.196e-3)),
+    ],
+)
+def test_an_end_is_what_a_diagnosis_with_the_value_there_says(
+    worn: Diagnosis,
+    values: dict[str, AssumedValue],
+    what: str,
+    end: int,
+    moved: Callable[[Controller, Fluid], Unit],
+) -> None:
+    again = judged(*moved(worn.controller, worn.fluid))
+    decided_by, ends = worn.decided_by, values[what].ends
+    assert isinstance(decided_by, LandDiagnosis)
+    assert decided_by.deciding is not None
+    assert again.uncertainty is not None
+    assert ends is not None
+    rule, rules = decided_by.deciding, again.uncertainty.land(decided_by.key).rules
+    (there,) = (each for each in rules if (each.rule.id, _place(each.rule)) == (rule.id, _place(rule)))
+    assert ends[end].verdict == again.verdict
+    assert ends[end].probability == pytest.approx(there.levels[-1].probability_over, abs=0.05)
+
+
+def _place(rule: Rule) -> str | None:
+    return rule.condition.name if rule.condition else None
+
+
+def test_what_it_is_now_is_the_verdict_of_the_unit(worn: Diagnosis, values: dict[str, AssumedValue]) -> None:
+    moved = [each.ends for each in values.values() if each.ends is not None]
+    assert {(ends[0].verdict, ends[0].decision) for ends in moved} == {(worn.verdict, worn.decision)}
+    assert values["displacement"].changes == "verdict"
+    assert values["gaps"].changes is None
+
+
+def test_the_line_names_those_that_change_the_verdict_and_the_table_has_them_first(worn: Diagnosis) -> None:
+    say = wording("en")
+    said, first = assumed_line(worn, say), assumed_table(worn, say).records()[0]
+    assert said.startswith(f"{len(assumed_values(worn))} kinds of value are assumed: neither measured nor published.")
+    assert "displacement of the pump" in said
+    assert first["assumed_changes"] == "the verdict"
+
+
+def test_limits_are_assumed_where_this_project_chose_them(worn: Diagnosis, values: dict[str, AssumedValue]) -> None:
+    assert values["limit_circuit_loss"].values == (55.0, 103.0)
+    assert "limit_commanded_pressure" not in values
+    (row,) = (each for each in assumed_records(worn) if each["what"] == "limit_circuit_loss")
+    assert (row["stands_in"], row["unit"], row["off"], row["off_is_percent"]) == ("project_default", "kPa", 10.0, True)
+
+
+def test_what_the_workshop_states_is_not_assumed(worn: Diagnosis, values: dict[str, AssumedValue]) -> None:
+    own = judged(worn.controller, worn.fluid, DEFAULTS.with_settings({"viscosity_percent": 3}))
+    assert {each.what for each in assumed_values(own)} == {*values} - {"viscosity"}
+
+
+def test_where_nothing_was_measured_nothing_is_said_of_effects(
+    four_speed: Controller, hipol: Fluid, limits: Limits
+) -> None:
+    new = diagnose(four_speed, hipol, limits)
+    assert {each.changes for each in assumed_values(new)} == {None}
+    assert "verdict" not in assumed_line(new, wording("en"))
