@@ -34,10 +34,17 @@ from atleak.diagnosis.uncertainty import DEFAULTS, Decision, RuleDecision, certa
 from atleak.diagnosis.uncertainty.decision import DECISIONS, LevelDecision
 from atleak.diagnosis.uncertainty.drawn_unit import DemandShape, Drawn, DrawnLands
 from atleak.diagnosis.uncertainty.draws import FACTORS, FLUID_STATE, Bore, LandInState, flow_ratio, with_one_side
-from atleak.diagnosis.uncertainty.sources import MEASURING_TEMPERATURE_SOURCE, OF_A_DIAMETER, PARTS, LandSources
+from atleak.diagnosis.uncertainty.sources import (
+    EXPONENTS,
+    MEASURING_TEMPERATURE_SOURCE,
+    OF_A_DIAMETER,
+    PARTS,
+    LandSources,
+)
 from atleak.engine.network import Network
 from atleak.engine.operation import spread_over
 from atleak.engine.projection import Projection
+from atleak.equations.clearance import one_sided_moments
 from atleak.equations.gap import eccentricity_factor
 from atleak.equations.statistics import normal_cdf, normal_quantile
 
@@ -344,8 +351,7 @@ class _Ends:
         by_limit = self._end(f"limit_{rule.kind}", UNSTATED) if rule.origin is LimitOrigin.PROJECT else nothing
         sign, rank, passed, most, lead = -1.0 if rule.steps.falling else 1.0, nothing + 1, nothing, nothing, nothing
         for number, level in enumerate(decided.levels):
-            moved = nothing if past is None else past[number] - past[number][0]
-            moved = np.where(np.isfinite(moved), moved, 0.0)  # of a pump that delivers nothing a share is infinite
+            moved = nothing if past is None else _difference(past[number], past[number][0])
             over, u = sign * (rule.value - level.limit), decided.level_uncertainties[number]
             of_limit = abs(level.limit) * by_limit if math.isfinite(level.limit) else nothing
             likely = _moved(level, u, over, moved - sign * of_limit, drawn)
@@ -419,7 +425,8 @@ class _Ends:
         square, cube = state.form_moments
         if "one_sided_wear" in self.names and "sleeve" in land.plans:
             aside = 0.5 * u.one_sided_wear * (1.0 + self._end("one_sided_wear"))
-            square, cube = with_one_side(aside * max(state.radial_clearance - pair.new_clearance, 0.0), square, cube)
+            wear = aside * max(state.radial_clearance - pair.new_clearance, 0.0)
+            square, cube = with_one_side(one_sided_moments(wear, EXPONENTS[1]), square, cube)  # the middle shape
         length: Any = pair.contact_length
         if "contact_length_mm" in pair.representative:
             length = np.maximum(length + u.contact_length * self._end("contact_length", _REACH), _SHORTEST * length)
@@ -526,8 +533,14 @@ class _Ends:
 
 
 def _past(value: Any, limits: Iterable[tuple[Any, Any]]) -> _Past:
-    with np.errstate(invalid="ignore"):  # of a pump that delivers nothing both are infinite
-        return [value - limit for _, limit in limits]
+    return [_difference(value, limit) for _, limit in limits]
+
+
+def _difference(value: Any, other: Any) -> Any:
+    """Return it; 0 where it is no finite number, as where a pump delivers nothing and every share is infinite."""
+    with np.errstate(invalid="ignore"):
+        difference = np.asarray(value - other)
+    return np.where(np.isfinite(difference), difference, 0.0)
 
 
 def _key(rule: Rule, of: Any) -> _Key:

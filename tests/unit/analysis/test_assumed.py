@@ -101,16 +101,19 @@ def _place(rule: Rule) -> str | None:
 def test_what_it_is_now_is_the_verdict_of_the_unit(worn: Diagnosis, values: dict[str, AssumedValue]) -> None:
     moved = [each.ends for each in values.values() if each.ends is not None]
     assert {(ends[0].verdict, ends[0].decision) for ends in moved} == {(worn.verdict, worn.decision)}
-    assert values["displacement"].changes == "verdict"
+    assert (values["eccentricity"].changes, values["contact_length"].changes) == ("decision", "nothing")
     assert values["gaps"].changes is None
 
 
-def test_the_line_names_those_that_change_the_verdict_and_the_table_has_them_first(worn: Diagnosis) -> None:
-    say = wording("en")
-    said, first = assumed_line(worn, say), assumed_table(worn, say).records()[0]
-    assert said.startswith(f"{len(assumed_values(worn))} kinds of value are assumed: neither measured nor published.")
-    assert "displacement of the pump" in said
+def test_the_line_names_those_that_change_the_verdict_and_the_table_has_them_first(
+    worn: Diagnosis, sample_diagnoses: dict[str, Diagnosis]
+) -> None:
+    say, sample = wording("en"), sample_diagnoses["workshop"]
+    said, first = assumed_line(sample, say), assumed_table(sample, say).records()[0]
+    assert said.startswith(f"{len(assumed_values(sample))} kinds of value are assumed: neither measured nor published.")
     assert first["assumed_changes"] == "the verdict"
+    assert first["assumed_what"] in said
+    assert assumed_line(worn, say).endswith("None of them would change the verdict by itself.")
 
 
 def test_limits_are_assumed_where_this_project_chose_them(worn: Diagnosis, values: dict[str, AssumedValue]) -> None:

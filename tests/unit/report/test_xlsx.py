@@ -59,7 +59,7 @@ def content(worn) -> bytes:
 
 def test_sheets_and_numbers_are_read_by_pandas(worn, content):
     sheets = pd.read_excel(io.BytesIO(content), sheet_name=None, engine="calamine")
-    assert list(sheets) == [*SHEETS, "Messages", "Provenance"]
+    assert list(sheets) == [*SHEETS, "Assumed", "Messages", "Provenance"]
     lands = sheets["Lands"]
     assert lands["component"].astype(str).tolist() == [land.state.land.component for land in worn.lands]
     clearances = [land.state.radial_clearance * 1e6 for land in worn.lands]
