@@ -162,10 +162,10 @@ class LineTable(Strict):
 def _viscosity_range(value: object) -> list[float]:
     """Check the range [mm²/s] in which the viscosity of a fluid lies at 100 °C."""
     ends = value if isinstance(value, list) else [value]
-    numbers = [float(end) for end in ends if isinstance(end, int | float) and not isinstance(end, bool)]
+    numbers = [end for end in ends if isinstance(end, int | float) and not isinstance(end, bool)]
     if len(ends) != 2 or len(numbers) != 2 or not 1.0 <= numbers[0] < numbers[1] <= 50.0:
         raise NotAccepted(Sentence("mm²/s from 1 to 50, the lower end first, such as [4.5, 7.5]"))
-    return numbers
+    return [float(end) for end in numbers]
 
 
 class RequiredFluidTable(Strict):

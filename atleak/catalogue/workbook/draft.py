@@ -343,7 +343,7 @@ def _text(kind: CellForm, value: Any, units: Units) -> str:
     cell = kind.cell(value, units)
     if isinstance(cell, float):
         texts = (f"{cell:.{digits}g}" for digits in _DIGITS)
-        return next((text for text in texts if kind.value(_cell(text), units) == value), repr(cell))
+        return next((text for text in texts if kind.value(_cell(text), units) == value), f"{cell:#.{_DIGITS[0]}g}")
     return str(cell)
 
 
