@@ -98,7 +98,7 @@ def test_a_job_of_gauges_alone_says_what_they_decided_and_nothing_of_measured_la
         assert say(f"sections.{section}") not in text
     assert say.level(gauged.verdict).capitalize() in text
     names = openpyxl.load_workbook(io.BytesIO(write_workbook(gauged))).sheetnames
-    assert names == ["Summary", ROAD_SHEET, "Before opening", "Messages", "Provenance"]
+    assert names == ["Summary", ROAD_SHEET, "Before opening", "Assumed", "Messages", "Provenance"]
 
 
 @pytest.mark.parametrize(("drive", "verdict"), first_of([(450.0, "■ replace"), (200.0, "✖ critical")]))

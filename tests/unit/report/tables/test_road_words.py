@@ -186,7 +186,7 @@ def printed(diagnosis: Diagnosis, language: str) -> str:
 def test_the_workbook_of_a_road_test_alone_has_its_events_and_no_lands(alone: Alone) -> None:
     low = alone(0.4)
     book = openpyxl.load_workbook(io.BytesIO(write_workbook(low)))
-    assert book.sheetnames == ["Summary", "Road test", "Road test events", "Messages", "Provenance"]
+    assert book.sheetnames == ["Summary", "Road test", "Road test events", "Assumed", "Messages", "Provenance"]
     cells = [str(cell) for row in book["Summary"].iter_rows(values_only=True) for cell in row if cell is not None]
     assert "✖ critical" in cells
     assert permitted_sentence(low.log, ENGLISH) in cells
