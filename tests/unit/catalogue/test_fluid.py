@@ -105,7 +105,7 @@ def test_without_used_data_the_viscosity_is_a_fifth_to_a_quarter_lower_and_the_d
     assert used.state == "used"
     assert "viscosity and density of the used fluid" in used.representative
     said = {message.code: message for message in used.messages(80.0, 80.0)}
-    assert "20 to 25 % below the fresh one's (representative" in said["fluid_used_estimated"].text
+    assert "20 to 25 % below the fresh one's (assumed" in said["fluid_used_estimated"].text
     assert "fluid_used_estimated" not in {message.code for message in fresh.messages(80.0, 80.0)}
 
 

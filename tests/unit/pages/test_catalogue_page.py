@@ -7,7 +7,7 @@ from streamlit.testing.v1 import AppTest
 
 
 @pytest.mark.page("26_Catalogue")
-def test_a_valve_body_with_circuits_shows_them_and_what_of_them_is_representative(app: AppTest) -> None:
+def test_a_valve_body_with_circuits_shows_them_and_what_of_them_is_assumed(app: AppTest) -> None:
     assert not app.exception
     assert "Circuits" not in [heading.value for heading in app.subheader]
     chosen = next(widget for widget in app.selectbox if widget.key == "catalogue-controller-en")
@@ -17,4 +17,4 @@ def test_a_valve_body_with_circuits_shows_them_and_what_of_them_is_representativ
     assert headings[:6] == ["What the values are known from", "Head", "Materials", "Components", "Lands", "Pump"]
     circuits = app.dataframe[headings.index("Circuits")].value
     assert "overdrive band servo" in list(circuits["Name"])
-    assert any("Representative" in info.value and "pump" in info.value for info in app.info)
+    assert any("Assumed" in info.value and "pump" in info.value for info in app.info)

@@ -95,7 +95,7 @@ def test_a_fresh_start_shows_flagged_pairs_of_the_sample_job(app: AppTest) -> No
     counted = r"\*\*■ replace · provisional:\*\* \d+ ■ replace, \d+ ▲ watch of 47 measured lands; 25/1 main "
     assert re.match(counted, app.error[0].value)
     assert "converter, lubrication and clutch fill are not in it" in texts(app)
-    assert "Representative" in texts(app) or "representative" in texts(app)
+    assert "kinds of value are assumed: neither measured nor published" in texts(app)
 
 
 def test_a_land_measured_on_one_part_only_is_never_called_ok(app: AppTest) -> None:

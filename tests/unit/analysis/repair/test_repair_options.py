@@ -295,10 +295,10 @@ def test_terminal_record_and_workbook_show_options_price_and_sum(
         repair(2, "new_casting", price=400.0, currency="USD"),
     )
     text = printed(diagnosis, capsys)
-    assert "→ option 1 (MADE-UP-1) (representative), leaves 15.0 µm, 61.50 USD, 1.5 h, reamer MADE-UP-R" in text
+    assert "→ option 1 (MADE-UP-1) (assumed), leaves 15.0 µm, 61.50 USD, 1.5 h, reamer MADE-UP-R" in text
     assert "or option 2" in text
     assert "Repairs planned: 1. Parts 61.50 USD, work 1.5 h." in text
-    assert "representative of 1 of them" in text
+    assert "assumed for 1 of them" in text
     record = diagnosis_record(diagnosis)
     step = record["repair_plan"][0]
     assert step["chosen"] == "option_1"
@@ -315,7 +315,7 @@ def test_terminal_record_and_workbook_show_options_price_and_sum(
     }
     book = openpyxl.load_workbook(io.BytesIO(write_workbook(diagnosis)))
     cells = {cell.value for row in book.worksheets[0] for cell in row}
-    assert {61.5, "option 1 (MADE-UP-1) (representative)", "planned", "reamer MADE-UP-R"} <= cells
+    assert {61.5, "option 1 (MADE-UP-1) (assumed)", "planned", "reamer MADE-UP-R"} <= cells
     assert planned(option_rows(plan)[0], EN).endswith(f"together on lands {PR}/1, {PR}/2")
 
 

@@ -232,7 +232,7 @@ def test_large_ovality_and_far_from_nominal_are_flagged(controller):
     assert "large_ovality" in codes(oval)
     far = clearances(readings(*one("6", "spool", "1", 0.0, 9.3)), controller)[0]
     assert "far_from_nominal" in codes(far)
-    assert "(representative)" in next(m.text for m in far.messages if m.code == "far_from_nominal")
+    assert "(assumed)" in next(m.text for m in far.messages if m.code == "far_from_nominal")
 
 
 def test_a_direction_in_which_the_sleeve_is_smaller_is_negative_there_and_flagged(controller):
