@@ -28,6 +28,7 @@ from atleak.diagnosis.uncertainty.sources import (
     MOUNTING,
     LandSources,
 )
+from atleak.diagnosis.uncertainty.wear import UnitWear, new_before
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import UNKNOWN
 from atleak.equations.clearance import one_sided_moments
@@ -321,6 +322,7 @@ class OneSided:
     most: float  # the largest part that it may be
     fraction: np.ndarray  # of all wear
     place: np.ndarray  # of the shape among `EXPONENTS`
+    usual: tuple[float, float]  # which part of the unit's lands is worn, and how far on average [m]
 
     @cached_property
     def _moments(self) -> np.ndarray:
@@ -342,7 +344,7 @@ def one_sided_wear(
     most = assumptions.one_sided_wear if model.law.counts_form else 0.0
     chances = chances_of_sides(lands, most, assumptions)
     side = np.searchsorted(np.cumsum(chances)[:-1], stream.uniform())
-    return OneSided(most, most * _PARTS.take(side), _PLACES.take(side))
+    return OneSided(most, most * _PARTS.take(side), _PLACES.take(side), UnitWear(lands, assumptions).usual)
 
 
 def chances_of_sides(lands: Sequence[LandSources], most: float, assumptions: Assumptions) -> np.ndarray:
@@ -507,6 +509,9 @@ def worn_bore(stream: Draws, land: LandSources, clearance: np.ndarray, new: np.n
         drawn = (fitted.wear, fitted.seen, fitted.entry_loss, *fitted.moments)
         wear, seen, loss, *of_wear = (each.take(cell) for each in drawn)
         return Bore(clearance + wear * (1.0 - seen), *with_one_side(of_wear, square, cube), loss)
+    low, high = land.state.land.mounting_range
+    if low < high:
+        new = new_before(clearance, (low, high), one_sided.usual, stream.uniform())
     shown = np.maximum(clearance - new, 0.0)
     angles = tuple(plan.angles.items())
     seen = stream.among(

@@ -36,7 +36,7 @@ from atleak.diagnosis.uncertainty.draws import (
 )
 from atleak.diagnosis.uncertainty.propagation import SEED
 from atleak.diagnosis.uncertainty.sources import LandSources
-from atleak.diagnosis.uncertainty.wear import UnitWear
+from atleak.diagnosis.uncertainty.wear import UnitWear, new_before
 from atleak.engine.leakage import LeakageModel, PumpFlow
 from atleak.engine.network import SHARP, Network
 from atleak.engine.operation import LINE, consumed
@@ -52,7 +52,6 @@ OF_A_SPLIT = 256  # draws
 _BORES = ("bore", "new_bore", "unworn_bore")
 MOST_RISE = 5.0  # of a line that is set high, over the mean rise
 _SEALS = _SEAL, _HOLE
-_LEAST_WEAR = 0.1e-6  # [m]
 _TRIED = 65_536  # draws of the lands of a plug
 _FINEST_PLUG = 0.02  # of what a plug passes: it is known no better
 LEFT = "left"  # beside the pressures of a unit: what its line leaves to consumers [m³/s]
@@ -247,7 +246,7 @@ class PosteriorUnit:
         }
         if not as_judged:
             chances = stream_of(SEED, 15, seed)
-            found = {key: self._with_unworn(each, *chances.random((2, draws))) for key, each in found.items()}
+            found = {key: self._with_unworn(each, chances.random(draws)) for key, each in found.items()}
         for number, plugs in enumerate(self._joined):
             self._fill(plugs, deviates, wear, found, stream_of(SEED, 16, seed, number))
         return UnitDraws(
@@ -314,23 +313,18 @@ class PosteriorUnit:
     def _usual(self) -> tuple[float, float]:
         return UnitWear(self.sources, self.assumptions).usual
 
-    def _with_unworn(self, drawn: LandDraws, first: np.ndarray, second: np.ndarray) -> LandDraws:
+    def _with_unworn(self, drawn: LandDraws, uniform: np.ndarray) -> LandDraws:
         """Return a measured land with what it was when new, given what it is: as wide, or worn from a narrower one.
 
-        ``first`` and ``second`` are two numbers from 0 … 1 in each draw. New pairs are alike likely anywhere in their
-        range; a land is worn as those of its unit are that were measured.
+        ``uniform`` is a number from 0 … 1 in each draw. New pairs are alike likely anywhere in their range; a land is
+        worn as those of its unit are that were measured.
         """
         now, (low, high) = drawn.bore, drawn.land.state.land.mounting_range
-        new, worn = drawn.new_bore.clearance, now.clearance > drawn.new_bore.clearance
+        new = drawn.new_bore.clearance
         if low < high:
-            chance, usual = self._usual
-            mean = max(usual, _LEAST_WEAR)
-            ways = np.clip(now.clearance, low, high) - low  # from where it may have worn
-            by_wear = -chance * np.expm1(-ways / mean)
-            worn = (now.clearance > high) | (first * (by_wear + 1.0 - chance) < by_wear)
-            new = low + mean * np.log1p(second * np.expm1(ways / mean))
+            new = new_before(now.clearance, (low, high), self._usual, uniform)
         both = zip((new, 0.0, 0.0, 1.0), vars(now).values(), strict=True)
-        return replace(drawn, unworn_bore=Bore(*(np.where(worn, each, as_is) for each, as_is in both)))
+        return replace(drawn, unworn_bore=Bore(*(np.where(now.clearance > new, each, as_is) for each, as_is in both)))
 
     def pressures(self, drawn: UnitDraws, point: OperatingPoint, *, new: bool = False) -> Mapping[str, Any]:
         """Return what the line, as p_g, and every circuit hold in each draw [Pa], or held when new."""

@@ -94,6 +94,31 @@ class UnitWear:
         return found
 
 
+def new_before(
+    now: np.ndarray, mounting_range: tuple[float, float], usual: tuple[float, float], uniform: np.ndarray
+) -> np.ndarray:
+    """Return what a pair was when new that is so wide now [m]: as wide, or narrower and worn since.
+
+    Parameters
+    ----------
+    now
+        its clearance [m], shape (draws,).
+    mounting_range
+        of new pairs [m].
+    usual
+        which part of the unit's lands is worn, and how far on average [m], as `UnitWear.usual` says.
+    uniform
+        a number from 0 … 1 for each draw.
+    """
+    (low, high), (chance, mean) = mounting_range, usual
+    mean = max(mean, _FINEST)
+    ways = np.clip(now, low, high) - low  # from where it may have worn
+    by_wear = -chance * np.expm1(-ways / mean)
+    worn = np.where(now > high, 1.0, by_wear / np.maximum(by_wear + 1.0 - chance, _NOTHING))
+    new = low + mean * np.log1p(np.minimum(uniform / np.maximum(worn, _NOTHING), 1.0) * np.expm1(ways / mean))
+    return np.where(uniform < worn, new, now)
+
+
 def _worn(past: np.ndarray, u: np.ndarray, means: np.ndarray, least: np.ndarray | float) -> np.ndarray:
     """Return the density of a reading of lands that are worn by ``least`` or more, by land and mean [1/m].
 
