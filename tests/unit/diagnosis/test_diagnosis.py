@@ -67,9 +67,9 @@ def test_without_engine_speed_an_extreme_has_an_interval_of_its_leakage_alone(sa
 
 def test_the_width_of_an_estimated_used_viscosity_is_part_of_every_interval(sample: Diagnosis) -> None:
     def of(fluid: Fluid, state: FluidState) -> Diagnosis:
-        return diagnose(
-            sample.controller, fluid, sample.limits, fluid_state=state, readings=sample.readings, profile=sample.profile
-        )
+        even = replace(DEFAULTS, one_sided_wear=0.0)
+        known = {"readings": sample.readings, "profile": sample.profile, "assumptions": even}
+        return diagnose(sample.controller, fluid, sample.limits, fluid_state=state, **known)
 
     used = of(load_fluid("mobil_atf_220"), "used")
     known = of(replace(used.fluid, viscosity_range=(1.0, 1.0)), "used")

@@ -95,7 +95,7 @@ def modulating(diagnosis: Diagnosis) -> Rule:
 
 
 def test_a_pressure_that_has_probably_fallen_is_past_its_limit(diagnosed: Callable[[float], Diagnosis]) -> None:
-    diagnosis = diagnosed(57.0)
+    diagnosis = diagnosed(48.0)
     rule = modulating(diagnosis)
     decided = diagnosis.decided(rule)
     assert decided is not None
@@ -114,7 +114,7 @@ def test_a_pressure_that_has_probably_fallen_is_past_its_limit(diagnosed: Callab
 def test_one_that_may_have_fallen_keeps_its_level_and_is_said(
     diagnosed: Callable[[float], Diagnosis], language: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    diagnosis, say = diagnosed(52.0), wording(language)
+    diagnosis, say = diagnosed(40.0), wording(language)
     rule = modulating(diagnosis)
     decided = diagnosis.decided(rule)
     assert decided is not None
