@@ -171,7 +171,7 @@ class _Finder:
         spread = max(self.assumptions.mounting_clearance, 0.5 * (land.mounting_tolerance or 0.0), _FINEST)
         low, high, mean = low - spread, high + spread, max(wear, _FINEST)
         new = (low <= now) & (now <= high)
-        gone = np.exp(-(now - np.clip(now, low, high)) / mean) - np.exp(-np.maximum(now - low, 0.0) / mean)
+        gone = np.exp(-np.maximum(now - high, 0.0) / mean) - np.exp(-np.maximum(now - low, 0.0) / mean)
         density = (1.0 - worn) * new + worn * gone
         return density if density.any() else np.ones_like(density)
 

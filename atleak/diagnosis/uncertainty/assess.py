@@ -417,7 +417,7 @@ def _messages(
         messages.append(Message("warning", "clearance_lower_bound", text))
     assumed = [land for land in sources if land.grown and land.sees_sides and land.fitted_side is None]
     if model.law.counts_form and any(land.assumptions.one_sided_wear for land in assumed):
-        text = Sentence("Two directions: the shape of wear to one side is assumed. Four directions show it.")
+        text = Sentence("Fewer than four directions: the shape of wear to one side is assumed. Four show it.")
         messages.append(Message("info", "wear_shape_assumed", text))
     missing = sum(not land.state.measured for land in sources)
     if missing < len(sources) and missing:

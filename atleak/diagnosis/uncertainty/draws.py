@@ -297,12 +297,8 @@ def common_errors(stream: Draws, lands: Sequence[LandSources]) -> dict[str, np.n
 
 
 #: Of all wear to one side: which part, with which n of `EXPONENTS`, and how likely before anything is measured. Choice
-#: of this project: nothing, half and all of it as 1 to 1 to 2, and the three shapes alike likely.
-SIDES = tuple(
-    (part, place, chance / len(EXPONENTS))
-    for part, chance in ((0.0, 0.25), (0.5, 0.25), (1.0, 0.5))
-    for place in range(len(EXPONENTS))
-)
+#: of this project: nothing, half and all of it alike likely, and so are the three shapes.
+SIDES = tuple((part, place, 1.0 / (3 * len(EXPONENTS))) for part in (0.0, 0.5, 1.0) for place in range(len(EXPONENTS)))
 _PARTS, _PLACES, _CHANCES = map(np.array, zip(*SIDES, strict=True))
 _EVEN = (_PARTS == 0.0) / len(EXPONENTS)
 _OF_ONE = np.array([one_sided_moments(1.0, n) for n in EXPONENTS])  # moments of a mean wear of 1 m

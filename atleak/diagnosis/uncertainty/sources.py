@@ -147,6 +147,7 @@ class _MeasuringPlan:
 
 #: The n of the shapes w₀ max(cos θ, 0)^n that wear to one side is taken to have, alike likely: choice of this project.
 EXPONENTS = 1.0, 2.0, 3.0
+_EVEN_ROUND = 0.2  # part of a two-lobe form that directions around the bore leave in their mean at most
 FITTED_FROM = 4  # directions in every plane show the shape of a bore
 _PHASES, _WEARS = np.pi * np.arange(36) / 36.0, np.arange(27) / 24.0  # of the grid on which it is fitted
 _AROUND = np.pi * np.arange(90) / 45.0
@@ -218,7 +219,7 @@ class LandSources:
         """
         plan, new = self.plans.get("sleeve"), self.state.land.mounting_range[0]
         most = self.assumptions.one_sided_wear * max(self.state.radial_clearance - new, 0.0)
-        if plan is None or plan.residual * FITTED_FROM > 2.0 or not most:
+        if plan is None or plan.residual * FITTED_FROM > 2.0 or plan.two_lobe > _EVEN_ROUND or not most:
             return None
         planes: dict[str, list[tuple[float, float]]] = defaultdict(list)
         for station in self.state.stations:

@@ -95,7 +95,7 @@ def modulating(diagnosis: Diagnosis) -> Rule:
 
 
 def test_a_pressure_that_has_probably_fallen_is_past_its_limit(diagnosed: Callable[[float], Diagnosis]) -> None:
-    diagnosis = diagnosed(48.0)
+    diagnosis = diagnosed(57.0)
     rule = modulating(diagnosis)
     decided = diagnosis.decided(rule)
     assert decided is not None

@@ -253,5 +253,7 @@ def test_main_pressure_has_the_interval_by_which_it_is_judged(worn: Diagnosis) -
     for point in worn.projections:
         at = pressures_at(worn, point)
         assert not at.projection.pressure_falls
-        assert at.line.interval == pytest.approx((point.condition.main_pressure,) * 2, rel=1e-9, abs=0.0)
-        assert at.line.decided.standard_uncertainty == pytest.approx(0.0, abs=1e-12)
+        required = point.condition.main_pressure
+        assert at.line.interval[1] == pytest.approx(required, rel=1e-9, abs=0.0)
+        may_fall = at.line.interval[0] < required * (1.0 - 1e-9)
+        assert may_fall == (at.line.decided.standard_uncertainty > 0.03)

@@ -26,6 +26,7 @@ from atleak.diagnosis.rules import Rule
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.measurements.job_card import Job
 from atleak.report.pdf import report_data, write_pdf
+from atleak.report.tables.assumed import assumed_line
 from atleak.report.tables.first_sentence import first_sentence
 from atleak.report.xlsx import write_workbook
 from tests.unit.conftest import first_of
@@ -555,7 +556,8 @@ def test_the_summary_says_so_too_and_its_verdict_follows_the_rules(
     sheets = calculator(write_workbook(found))
     assert sheets.value("Summary", "B5") == signed(found.verdict)
     issued = sheets.book["Summary"]["B7"].value
-    assert issued == f"{signed(found.verdict)}: {first_sentence(found, wording('en'))}"
+    say = wording("en")
+    assert issued == f"{signed(found.verdict)}: {first_sentence(found, say)} {assumed_line(found, say)}"
     assert [number for number in numbers if f"{number:g}" not in issued] == []
 
 

@@ -394,7 +394,7 @@ def test_of_two_worn_valves_the_one_that_does_nothing_can_wait(wide):
 
 @pytest.mark.parametrize(("units", "mileage"), [("metric", "120 000 km"), ("us", "74 000 mi")])
 def test_a_valve_that_fails_before_the_next_service_says_at_which_mileage_and_that_it_is_assumed(wide, units, mileage):
-    found, say = wide({DUE: 1.55}, 60_000.0), wording("en", units)
+    found, say = wide({DUE: 1.5}, 60_000.0), wording("en", units)
     first = pages_of(write_pdf(found, units=units))[0]
     amount, unit = mileage.rsplit(" ", 1)
     assert say("customer.urgent_before_service", mileage=amount) in first

@@ -10,6 +10,7 @@ import pytest
 
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.report.tables.assumed import assumed_line
 from atleak.report.tables.first_sentence import first_sentence, lands_part, total_part
 from atleak.report.xlsx import write_workbook
 
@@ -44,7 +45,9 @@ def test_the_headline_says_what_was_issued_until_a_number_changes(worn_clutch, c
     said = sheets.value("Summary", "B6")
     assert lands_part(worn_clutch, say) in said
     assert total_part(worn_clutch, say) in said
-    assert sheets.book["Summary"]["B7"].value.endswith(first_sentence(worn_clutch, say))
+    assert sheets.book["Summary"]["B7"].value.endswith(
+        f"{first_sentence(worn_clutch, say)} {assumed_line(worn_clutch, say)}"
+    )
 
 
 def test_a_widened_sleeve_reaches_headline_counts_and_the_list_of_what_is_flagged_since(worn_clutch, calculator):

@@ -20,6 +20,7 @@ from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import signed, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
+from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.engine.profile import WORKSHOP
 from atleak.measurements.readings import Readings
 from atleak.readers.sheets.measuring_sheet import read_readings
@@ -50,6 +51,7 @@ class Unit:
             self.limits,
             readings=self.readings,
             measuring_temperature=self.measured_at,
+            assumptions=replace(DEFAULTS, one_sided_wear=0.0),  # formulas judge by the value, and draw no shape
         )
 
 

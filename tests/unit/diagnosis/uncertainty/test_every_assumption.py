@@ -189,12 +189,12 @@ def pump_clearance(bench: Bench, given: Assumptions) -> Two:
 
 
 def one_sided(bench: Bench, given: Assumptions) -> Two:
-    """Nothing, half or all of what wore, 1 to 1 to 2, to a side at any phase as cos, cos² or cos³, read in two ways."""
+    """Nothing, half or all of what wore, to a side at any phase as cos, cos² or cos³, all alike likely."""
     worn, rng = 1.6, np.random.default_rng(2)
     total, gap = bench.one(given, worn=worn)
     new = bench.twenty.lands[0].mounting_clearance
     warm, shown = gap.effective_clearance - worn * new, (worn - 1.0) * new
-    part = given.one_sided_wear * rng.choice([0.0, 0.5, 1.0], (4_000, 1), p=[0.25, 0.25, 0.5])
+    part = given.one_sided_wear * rng.choice([0.0, 0.5, 1.0], (4_000, 1))
     power, phase = rng.integers(1, 4, (4_000, 1)), 0.5 * math.pi * rng.random((4_000, 1))
     worn_to = np.maximum(np.cos(np.arange(180) * math.pi / 90.0), 0.0) ** power
     mean = np.mean(worn_to, axis=1, keepdims=True)
