@@ -354,9 +354,10 @@ class _Ends:
             moved = nothing if past is None else _difference(past[number], past[number][0])
             over, u = sign * (rule.value - level.limit), decided.level_uncertainties[number]
             of_limit = abs(level.limit) * by_limit if math.isfinite(level.limit) else nothing
-            likely = _moved(level, u, over, moved - sign * of_limit, drawn)
+            moved = moved - sign * of_limit
+            likely = _moved(level, u, over, moved, drawn)
             verdict = level.level.verdict if isinstance(level.level, Band) else level.level
-            reached = likely >= 0.5
+            reached = likely >= 0.5 if rule.reached is not None else over + moved >= 0.0  # wear counts by its value
             rank, passed = np.where(reached, verdict.rank, rank), np.where(reached, likely, passed)
             most = np.maximum(most, likely)
             lead = likely if level.limit == decided.limit else lead
