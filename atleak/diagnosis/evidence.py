@@ -14,7 +14,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import zip_longest
 
 import numpy as np
@@ -25,13 +25,14 @@ from atleak.catalogue.repairs import LandKey
 from atleak.common.memory import kept_with
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.gauge_check import Beside, Weighed, weigh
+from atleak.diagnosis.gauge_card import section_of
 from atleak.diagnosis.missing import Row
 from atleak.diagnosis.uncertainty import Assumptions
 from atleak.diagnosis.uncertainty.wear import UnitWear
 from atleak.diagnosis.uncertainty.weighing import Lost, Told
+from atleak.diagnosis.weighed_evidence import AllEvidence, Beside
 from atleak.engine.operation import LINE
-from atleak.measurements.gauge_readings import LINE_TAP
+from atleak.measurements.gauge_readings import NO_GAUGES
 from atleak.measurements.measuring_plan import QUICK_LANDS, Plan
 
 LIKELY = 0.65  # from which probability on a circuit is said to have lost too much: 0.5 % false alarms by simulation
@@ -127,8 +128,8 @@ class _Finder:
         self.diagnosis, card = diagnosis, diagnosis.gauge_card
         self.controller, self.assumptions = diagnosis.controller, card.assumptions
         check, beside = diagnosis.pressures, Beside(diagnosis.log, diagnosis.flows, diagnosis.vacuum)
-        without = partial(weigh, card, diagnosis.limits, beside, diagnosis.projections)
-        self.weighed: Weighed = check.weighed if check else kept_with(diagnosis, "weighed", "", without, most=1)
+        shown = check or AllEvidence(NO_GAUGES, card, beside, diagnosis.projections)
+        self.weighed = kept_with(diagnosis, "weighed", "", lambda: shown.weighed, most=1)
         self.read = {each.cell.tap for each in check.readings} if check else set()
 
     @property
@@ -191,7 +192,7 @@ class _Finder:
 
     def explains(self, key: LandKey, *, read: bool = False) -> float:
         """Return what a land costs the pressure that loses most by it, of all or of those that gauges read [Pa]."""
-        taps = {LINE if tap == LINE_TAP else tap for tap in self.read}
+        taps = {section_of(tap) for tap in self.read}
         shown = (each for tap, each in self._pressure if tap in taps or not (read and taps))
         return max((each.get(key, 0.0) for each in shown), default=0.0)
 

@@ -17,7 +17,7 @@ from atleak.common.memory import kept_with
 from atleak.diagnosis.diagnosis import Diagnosis, mileage_of
 from atleak.diagnosis.flows import find_flows, flow_messages
 from atleak.diagnosis.gauge_card import GaugeCard
-from atleak.diagnosis.gauge_check import Beside, check_pressures
+from atleak.diagnosis.gauge_check import check_pressures
 from atleak.diagnosis.land import diagnosed_land, diagnosed_pump
 from atleak.diagnosis.messages import messages_of, sheet_messages
 from atleak.diagnosis.road import diagnosed_road
@@ -25,6 +25,7 @@ from atleak.diagnosis.rules import UnitRules, unit_rules
 from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR, Assumptions, UnitUncertainty, assess
 from atleak.diagnosis.vacuum import repaired_messages, vacuum_findings, vacuum_messages, with_vacuum
 from atleak.diagnosis.warm_up import warm_up
+from atleak.diagnosis.weighed_evidence import AllEvidence, Beside
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import pressure_losses
 from atleak.engine.profile import WORKSHOP, Profile
@@ -166,12 +167,9 @@ def diagnose(
         None
         if pressures is None and road.log is None
         else check_pressures(
-            pressures or NO_GAUGES,
-            card,
+            AllEvidence(pressures or NO_GAUGES, card, Beside(road.log, caught, findings), unit.now),
             limits,
-            beside=Beside(road.log, caught, findings),
-            projections=unit.now,
-            guard_factor=guard_factor,
+            guard_factor,
         )
     )
     messages = [

@@ -175,7 +175,7 @@ class GaugeCard:
             each.vented for each in projection.circuits if each.circuit.id == tap
         ):
             return None
-        section = LINE_SECTION if tap == LINE_TAP else tap
+        section = section_of(tap)
         shows = [self._shows(held_at(state, tap) or 0.0, drawn[section]) for state, drawn in self._states(projection)]
         return Expected(shows[0], shows[-1])
 
@@ -220,3 +220,8 @@ def held_at(projection: Projection, tap: str) -> float | None:
     if tap == LINE_TAP:
         return projection.main_pressure_held
     return next((each.pressure for each in projection.circuits if each.circuit.id == tap), None)
+
+
+def section_of(tap: str) -> str:
+    """Return the section whose pressure a tap shows."""
+    return LINE_SECTION if tap == LINE_TAP else tap
