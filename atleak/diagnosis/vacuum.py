@@ -1,4 +1,4 @@
-"""Turn readings of a vacuum stand into clearances and flows, and say what a stand should show.
+"""Turn readings of a vacuum stand into clearances and flows.
 
 A plug on one land measures that land; a plug on several tells what they leak together. What is not known is drawn: the
 gauge, the stand's C_d A, where each spool lay in the test and lies in service, contact lengths and viscosity.
@@ -24,43 +24,24 @@ from atleak.common.sentences import Name, Sentence
 from atleak.common.units import IN_HG, Quantity
 from atleak.common.verdicts import Verdict
 from atleak.diagnosis.rules import Rule
+from atleak.diagnosis.uncertainty.assess import COVERAGE
 from atleak.diagnosis.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.diagnosis.uncertainty.decision import GUARD_FACTOR, RuleDecision, decide_rule
 from atleak.diagnosis.uncertainty.draws import Interval, interval_of, stream_of
 from atleak.diagnosis.uncertainty.propagation import SEED
 from atleak.diagnosis.uncertainty.sources import find_sources
+from atleak.diagnosis.vacuum_stand import StandFlow, flow_of_reading
 from atleak.engine.projection import BesideNew
 from atleak.equations import clearance as clearance_equations
 from atleak.equations.gap import eccentricity_factor
-from atleak.equations.statistics import rectangular
-from atleak.equations.vacuum import (
-    air_viscosity,
-    circuit_pressure,
-    equal_clearance,
-    gap_air_flow,
-    orifice_air_flow,
-    stand_flow_area,
-)
+from atleak.equations.vacuum import air_viscosity, equal_clearance, gap_air_flow, orifice_air_flow
 from atleak.measurements.clearances import LandClearance, with_leak
 from atleak.measurements.readings import Readings
 from atleak.measurements.vacuum import LeakClearance, VacuumReading, VacuumStand, VacuumTable
 
-ORIFICES = (0.25e-3, 0.5e-3, 1.0e-3)  # [m] that stands of the trade are fitted with
-GROWN = 0.2  # of the leak of the widest new lands, that a pass mark lets by: choice of this project
-COVERAGE = 0.95
-_MOST_DISCHARGE = 1.1  # C_d of an orifice, up to which a calibration is believed: it is under 1, and readings err
 _DRAWS = 4096
 _LEAST = 0.02 / IN_HG  # [Pa] below ambient, that a reading is taken for at least: none tells no clearance
 _SURE = 0.975  # probability from which a difference is significant, to either side
-
-
-@dataclass(frozen=True)
-class StandFlow:
-    """C_d A of a stand with one of its own orifices."""
-
-    area: float  # [m²]
-    relative_uncertainty: float  # standard, of it
-    known: bool  # calibrated or stated; else from the orifice's diameter and an assumed C_d
 
 
 @dataclass(frozen=True)
@@ -113,96 +94,6 @@ class VacuumFinding:
     def verdict(self) -> Verdict:
         """Return the verdict of the wear limits on the common clearance."""
         return Verdict.NOT_MEASURED if self.decided is None else self.decided.rule.verdict
-
-
-@dataclass(frozen=True)
-class PassMark:
-    """What a stand shows of the lands of one circuit, or component, that leak as new ones, and as much as they may."""
-
-    name: str  # of the circuit or component, for people
-    circuit: str | None  # its id
-    lands: tuple[Land, ...]
-    orifice: float | None  # [m] the one of the stand that suits; None: the stand states its C_d A alone
-    new: float  # [Pa] below ambient, of the widest new lands, spools anywhere
-    mark: float  # [Pa] the reading from which on they leak at most `GROWN` more
-    doubtful: float  # [Pa] the same with every spool touching its bore: a lower reading is no matter of position
-    resolved: bool  # new and mark are further apart than the gauge can be off
-
-
-def flow_of_reading(table: VacuumTable, reading: VacuumReading, assumptions: Assumptions = DEFAULTS) -> StandFlow:
-    """Return C_d A of the stand as it was fitted for a reading.
-
-    Parameters
-    ----------
-    table
-        with the stand.
-    reading
-        one of its readings.
-    assumptions
-        as for `stand_flow`.
-
-    Raises
-    ------
-    InputError
-        where nothing tells it, where one flow area is stated for several orifices, and where a calibration says more
-        than an orifice can pass.
-    """
-    uncalibrated = [each for each in table.readings if each.orifice and not table.calibrations_of(each.orifice)]
-    others = [each for each in uncalibrated if each.orifice != reading.orifice]
-    if table.stand.flow_area is not None and reading in uncalibrated and others:
-        raise InputError(
-            Sentence("the stand's flow area is that of one orifice, and readings state several"),
-            place=others[0].place,
-            value=f"{(others[0].orifice or 0.0) * 1e3:g} mm",
-            expected=Sentence("a calibration with each orifice, or no flow area"),
-        )
-    found = stand_flow(table, reading.orifice, assumptions)
-    if found is None:
-        expected = Sentence("the diameter of the stand's orifice, a calibration with a known one, or its C_d A")
-        problem = Sentence("nothing tells how much air the stand draws")
-        raise InputError(problem, place=reading.place, expected=expected)
-    whole = math.inf if reading.orifice is None else 0.25 * math.pi * reading.orifice**2
-    if found.known and found.area > _MOST_DISCHARGE * whole:
-        made = table.calibrations_of(reading.orifice)
-        raise InputError(
-            Sentence("the stand cannot draw through more than its own orifice"),
-            place=made[0].place if made else reading.place,
-            value=Sentence("C_d A {area:.2f} mm²", area=found.area * 1e6),
-            expected=Sentence(
-                "no more than the {whole:.2f} mm² of an orifice of {diameter:g} mm: check orifices and readings of the "
-                "calibration",
-                whole=whole * 1e6,
-                diameter=(reading.orifice or 0.0) * 1e3,
-            ),
-        )
-    return found
-
-
-def stand_flow(table: VacuumTable, orifice: float | None, assumptions: Assumptions = DEFAULTS) -> StandFlow | None:
-    """Return C_d A of a stand: from calibrations, as stated, or from its orifice; None where nothing tells it.
-
-    Parameters
-    ----------
-    table
-        with the stand.
-    orifice
-        its own that was fitted [m]; None where that is not stated.
-    assumptions
-        C_d and how uncertain that and a reading are.
-    """
-    stand, coefficient = table.stand, assumptions.discharge_coefficient
-    made = table.calibrations_of(orifice)
-    if made:
-        known, vacua = [each.orifice for each in made], [stand.ambient - each.vacuum for each in made]
-        u = float(rectangular(assumptions.vacuum_gauge)) or 1.0
-        pressures = stand.ambient - stand.supply, stand.ambient
-        area, u_area = stand_flow_area(known, vacua, *pressures, coefficient, u)
-        return StandFlow(area, math.hypot(u_area / area, assumptions.discharge), True)
-    if stand.flow_area is not None:
-        return StandFlow(stand.flow_area, assumptions.discharge, True)
-    if orifice is None:
-        return None
-    return StandFlow(coefficient * 0.25 * math.pi * orifice**2, assumptions.discharge, False)
 
 
 class _Tests:
@@ -622,104 +513,3 @@ def repaired_messages(findings: Iterable[VacuumFinding], *, shown_before: bool) 
             "before the repair, leave the repaired readings out to find the cause"
         )
         yield Message("warning", "vacuum_repaired_since", text, repaired[0].place)
-
-
-# --- what a stand should show
-
-
-def pass_marks(
-    controller: Controller,
-    stand: VacuumStand | None = None,
-    *,
-    orifices: Sequence[float] | None = None,
-    by_land: bool = False,
-    assumptions: Assumptions = DEFAULTS,
-) -> tuple[PassMark, ...]:
-    """Return what a stand should show of every circuit of a valve body, or of its components where it has no circuits.
-
-    Parameters
-    ----------
-    controller
-        with circuits and lands.
-    stand
-        that reads; that of the trade, 25 in-Hg, unless given.
-    orifices
-        diameters of those that the stand can be fitted with [m], of which each circuit gets the one that tells new
-        lands from grown ones best; those it was calibrated with unless given, or else `ORIFICES`. None counts for a
-        stand that states its C_d A.
-    by_land
-        of every land alone instead.
-    assumptions
-        C_d, the gauge's error, and how far from concentric spools may lie.
-
-    Returns
-    -------
-    tuple of PassMark
-        in the file's order, without those whose lands are all sealed by rings.
-    """
-    stand = stand or VacuumStand()
-    table = VacuumTable("", "", None, stand, ())
-    fitted = tuple(dict.fromkeys(each.fitted for each in stand.calibrations))
-    choices: Sequence[float | None] = orifices or fitted or ORIFICES
-    if stand.flow_area is not None:
-        choices = (None,)
-    marks = []
-    for name, circuit, lands in _lands(controller) if by_land else _targets(controller):
-        made = [_mark(table, name, circuit, lands, orifice, assumptions) for orifice in choices]
-        marks.append(max(made, key=lambda each: each.new - each.mark))
-    return tuple(marks)
-
-
-def _targets(controller: Controller) -> Iterator[tuple[str, str | None, tuple[Land, ...]]]:
-    sealed = {land.key for land in controller.lands if land.seal}
-    if controller.circuits:
-        for circuit in controller.circuits:
-            lands = tuple(land for land in controller.lands_around(circuit.id) if land.key not in sealed)
-            if lands:
-                yield Name(circuit.name), circuit.id, lands
-        return
-    for component in controller.components:
-        lands = tuple(land for land in controller.lands_of(component) if land.key not in sealed)
-        if lands:
-            yield component, None, lands
-
-
-def _lands(controller: Controller) -> Iterator[tuple[str, str | None, tuple[Land, ...]]]:
-    for land in controller.lands:
-        if not land.seal:
-            yield f"{land.component}/{land.land}", None, (land,)
-
-
-def _mark(
-    table: VacuumTable,
-    name: str,
-    circuit: str | None,
-    lands: Sequence[Land],
-    orifice: float | None,
-    assumptions: Assumptions,
-) -> PassMark:
-    stand, flow = table.stand, stand_flow(table, orifice, assumptions)
-    assert flow is not None
-    most = float(eccentricity_factor(assumptions.tested_position, 1.0))
-    usual = 1.0 + (most - 1.0) / 3.0  # the mean of 1 + 1.5 e², any e up to that alike likely
-    sizes = {key: [getattr(land, key) for land in lands] for key in ("nominal_diameter", "contact_length")}
-    grown = float(np.cbrt(1.0 + GROWN))
-
-    def shown(growth: float, factor: float) -> float:
-        widths = [growth * land.widest_new for land in lands]
-        air = stand.temperature, float(air_viscosity(stand.temperature))
-        pressure = circuit_pressure(
-            stand.ambient - stand.supply,
-            stand.ambient,
-            flow.area,
-            sizes["nominal_diameter"],
-            widths,
-            sizes["contact_length"],
-            *air,
-            factor,
-        )
-        return stand.ambient - float(pressure)
-
-    new, mark = shown(1.0, usual), shown(grown, usual)
-    resolved = new - mark > assumptions.vacuum_gauge
-    return PassMark(name, circuit, tuple(lands), orifice, new, mark, shown(grown, most), resolved)

@@ -14,7 +14,7 @@ from atleak.common.errors import InputError
 from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
 from atleak.common.units import unit
-from atleak.diagnosis.vacuum import flow_of_reading
+from atleak.diagnosis.vacuum_stand import flow_of_reading
 from atleak.job.case import SourceFile
 from atleak.measurements.flow_readings import COOLER, consumer_of
 from atleak.measurements.gauge_readings import Engine, GaugeCell, ranges_of, tap_name, taps_of

@@ -11,7 +11,7 @@ from typing import Any
 from atleak.common.style import DEFAULT_PAPER, find_paper
 from atleak.common.wording import Wording, begun, wording
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.diagnosis.vacuum import GROWN
+from atleak.diagnosis.vacuum_card import GROWN
 from atleak.measurements.job_card import Job
 from atleak.measurements.vacuum import VacuumStand
 from atleak.report.pdf.blocks import printed

@@ -13,7 +13,8 @@ from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.uncertainty import DEFAULTS, Assumptions
 from atleak.diagnosis.uncertainty.draws import Interval
-from atleak.diagnosis.vacuum import GROWN, LandShare, PassMark, VacuumChange, VacuumFinding, pass_marks
+from atleak.diagnosis.vacuum import LandShare, VacuumChange, VacuumFinding
+from atleak.diagnosis.vacuum_card import GROWN, PassMark, pass_marks
 from atleak.measurements.vacuum import VacuumStand
 from atleak.report.json.conditions import interval_ends, of_land, scaled
 from atleak.report.tables.names import component_words, land_number, land_words

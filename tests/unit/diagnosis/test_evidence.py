@@ -20,7 +20,7 @@ from atleak.diagnosis.evidence import WORTH, evidence_of, readings_by_value
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.diagnosis.uncertainty.posterior import Plug, PosteriorUnit
-from atleak.diagnosis.vacuum import pass_marks
+from atleak.diagnosis.vacuum_card import pass_marks
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.projection import project
 from atleak.job.case import Case, SourceFile

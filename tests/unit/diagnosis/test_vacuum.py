@@ -24,7 +24,7 @@ from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.missing import Cause
 from atleak.diagnosis.uncertainty import DEFAULTS
 from atleak.diagnosis.uncertainty.draws import interval_of
-from atleak.diagnosis.vacuum import GROWN, pass_marks
+from atleak.diagnosis.vacuum_card import GROWN, pass_marks
 from atleak.engine.profile import WORKSHOP
 from atleak.equations.vacuum import air_viscosity, circuit_pressure
 from atleak.measurements.clearances import clearances, with_leak

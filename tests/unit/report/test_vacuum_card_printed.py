@@ -12,7 +12,7 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.common.translations import languages
 from atleak.common.wording import wording
 from atleak.diagnosis.uncertainty import DEFAULTS
-from atleak.diagnosis.vacuum import pass_marks
+from atleak.diagnosis.vacuum_card import pass_marks
 from atleak.job.case import Case, SourceFile
 from atleak.measurements.job_card import Job, Vehicle
 from atleak.measurements.vacuum import VacuumStand

@@ -17,7 +17,7 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import VacuumTableError
 from atleak.common.translations import languages
 from atleak.common.wording import wording
-from atleak.diagnosis.vacuum import flow_of_reading
+from atleak.diagnosis.vacuum_stand import flow_of_reading
 from atleak.measurements.vacuum import STANDARD_ATMOSPHERE, USUAL_SUPPLY, VacuumTable
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
 from tests.unit.docs.pages import text_of
