@@ -72,7 +72,7 @@ class Ending(NamedTuple):
 class AssumedValue:
     """One value, or all of one kind that are moved together, and what they do to the verdict of the unit."""
 
-    what: str
+    what: str  # its kind; `rule` tells which of the limits
     stands_in: str  # id of the file, or ``assumptions`` or ``profile``
     count: int
     values: tuple[float, float] | None  # least and greatest, in the unit of atleak's records; None of what is no number
@@ -80,6 +80,7 @@ class AssumedValue:
     off: float | None  # what it may be off either way, in that unit or % of it; None where it is not moved
     relative: bool  # whether that is % of it
     ends: tuple[Ending, Ending, Ending] | None = None  # as it is, low, high; None where that cannot be told
+    rule: RuleKind | None = None  # of a limit
 
     @property
     def changes(self) -> str | None:
@@ -192,7 +193,9 @@ def _of_fluid(diagnosis: Diagnosis) -> Iterator[AssumedValue]:
     if diagnosis.fluid_state_assumed:
         yield from _part("fluid_state", fluid.id, nu, "viscosity", 1.0 - _USED)
     low, high = fluid.viscosity_range
-    yield from _part(_named(FLUID_STATE), fluid.id, nu if low < high else (), "viscosity", max(1.0 - low, high - 1.0))
+    ends = (nu[0] * low, nu[0] * high) if low < high else ()
+    for row in _part(_named(FLUID_STATE), fluid.id, ends, "viscosity", (high - low) / (high + low)):
+        yield replace(row, count=1)  # of the middle between them
     yield from _row("fluid_data", fluid.id, [0.0] * len(fluid.representative), None, None)
 
 
@@ -220,10 +223,15 @@ def _of_limits(diagnosis: Diagnosis) -> Iterator[AssumedValue]:
         if steps.origin is LimitOrigin.PROJECT:
             shown = kind.quantity or ("percent" if kind.unit else "number")
             limits = (limit * kind.factor for _, limit in steps.levels)
-            yield from _part(f"limit_{kind}", diagnosis.limits.id, limits, shown, UNSTATED)
+            for row in _part(_limit(kind), diagnosis.limits.id, limits, shown, UNSTATED):
+                yield replace(row, rule=kind)
     for name, prior in diagnosis.gauge_card.assumptions.priors.items() if diagnosis.missing_measured else ():
         if _chosen(diagnosis, name):
             yield from _row(name, "assumptions", [prior.value], prior.kind, None)
+
+
+def _limit(kind: RuleKind) -> str:
+    return f"limit_{kind}"
 
 
 def _named(factor: str) -> str:
@@ -348,7 +356,7 @@ class _Ends:
     def _judged(self, decided: RuleDecision, past: _Past | None) -> tuple[Any, Any, Any]:
         """Return the rank, the place in `DECISIONS`, and how likely the limit reached now is passed, by column."""
         rule, nothing, drawn = decided.rule, np.zeros(1 + 2 * len(self.names)), self._drawn
-        by_limit = self._end(f"limit_{rule.kind}", UNSTATED) if rule.origin is LimitOrigin.PROJECT else nothing
+        by_limit = self._end(_limit(rule.kind), UNSTATED) if rule.origin is LimitOrigin.PROJECT else nothing
         sign, rank, passed, most, lead = -1.0 if rule.steps.falling else 1.0, nothing + 1, nothing, nothing, nothing
         for number, level in enumerate(decided.levels):
             moved = nothing if past is None else _difference(past[number], past[number][0])

@@ -405,7 +405,12 @@ class RequiredFluid:
     source: str  # who requires it
 
     def choice(self, fluid: Fluid) -> FluidChoice:
-        """Return whether a fluid is the one required, the one that is assumed to be near it, or another one."""
+        """Return whether a fluid is the one required, the one that is assumed to be near it, or another one.
+
+        One whose name holds that of the required fluid is that.
+        """
+        if self.required.casefold() in (fluid.fresh or fluid).name.casefold():
+            return "required"
         if fluid.state == "used" and fluid.fresh is None:  # data of a used fluid, chosen as such
             used = shipped_files("fluids").get(self.entry) and load_fluid(self.entry).used
             other = fluid.id not in (self.entry, used)
@@ -418,9 +423,10 @@ class RequiredFluid:
 
         A fluid whose range is known already stays as it is.
         """
-        if self.viscosity_100 is None or self.choice(fluid) == "other" or fluid.viscosity_range != (1.0, 1.0):
+        if self.viscosity_100 is None or self.choice(fluid) != "assumed" or fluid.viscosity_range != (1.0, 1.0):
             return fluid
-        nu = fluid.kinematic_viscosity(100.0)
+        of_used = fluid.state == "used" and fluid.fresh is None  # data of its own: the range is that of fresh fluid
+        nu = (load_fluid(self.entry) if of_used else fluid).kinematic_viscosity(100.0)
         low, high = self.viscosity_100
         return replace(fluid, viscosity_range=(low / nu, high / nu))
 

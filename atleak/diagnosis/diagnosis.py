@@ -704,8 +704,8 @@ class Diagnosis:
 
     @cached_property
     def open_lands(self) -> frozenset[LandKey]:
-        """Return the lands of which no part was measured, but for those that a ring seals, by component and land."""
-        return frozenset(land.key for land in self.lands if not (land.state.judged or land.state.land.seal))
+        """Return the lands of which nothing that was measured shows wear, but for those that a ring seals, by key."""
+        return frozenset(land.key for land in self.lands if not (land.state.shows_wear or land.state.land.seal))
 
     @property
     def in_doubt(self) -> tuple[LandDiagnosis, ...]:

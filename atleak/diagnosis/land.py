@@ -321,8 +321,7 @@ class LandDiagnosis:
     @property
     def within_new(self) -> bool:
         """Tell whether a land whose clearance when new is known as a range measures within it: it shows no wear."""
-        low, high = self.state.land.mounting_range
-        return self.wear is not None and low < high and low <= self.state.radial_clearance <= high
+        return self.wear is not None and self.state.within_new
 
     @property
     def deciding_uncertainty(self) -> RuleDecision | None:

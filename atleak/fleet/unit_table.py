@@ -402,8 +402,11 @@ class TableUnits:
         case = replace(self._defaults, **{name: value for name, value in changes.items() if value not in (None, ())})
         case = _recorded(case, job)
         if case.fluid is None and isinstance(case.controller, SourceFile):  # it may name a fluid of the user's own
-            usual = Reader().entry(SLOTS["controller"], case.controller).usual_fluid
-            case = replace(case, fluid=travelling_choice("fluid", usual, self.path.parent))
+            key = "fluid of", case.controller.sha256
+            if key not in self._chosen:
+                usual = Reader().entry(SLOTS["controller"], case.controller).usual_fluid
+                self._chosen[key] = travelling_choice("fluid", usual, self.path.parent)
+            case = replace(case, fluid=self._chosen[key])
         return case if self._remembered is None else _with_remembered(case, self._remembered)
 
     def _choice(self, read: RowCells, slot: str) -> CaseChoice | None:

@@ -21,7 +21,6 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
 from atleak.report.json.conditions import message_record
 from atleak.report.json.diagnosis import diagnosis_record
-from atleak.report.tables.assumed import assumed_records
 
 _NOT_JUDGED = Sentence("not judged")
 _DECISIONS = {
@@ -137,7 +136,7 @@ def result_record(diagnosis: Diagnosis, job: Job | None = None) -> dict[str, Any
     of_job = None
     if job is not None:
         of_job = {**job.identity, "doubts": [message_record(each) for each in record_doubts(job, diagnosis)]}
-    return {**record, "assumed": assumed_records(diagnosis), "job": of_job, "result_sha256": result_sha256(record)}
+    return {**record, "job": of_job, "result_sha256": result_sha256(record)}
 
 
 def result_sha256(record: Mapping[str, Any]) -> str:

@@ -120,6 +120,17 @@ class LandClearance:
         return self.status != "not_measured"
 
     @property
+    def shows_wear(self) -> bool:
+        """Return whether its bore was measured, or what it leaks: a spool alone says nothing of what wears."""
+        return self.measured and self.status != "spool_only"
+
+    @property
+    def within_new(self) -> bool:
+        """Return whether a pair of which a range is known when new measures within it."""
+        low, high = self.land.mounting_range
+        return low < high and low <= self.radial_clearance <= high
+
+    @property
     def judged(self) -> bool:
         """Return whether what was measured of it counts: a land that a ring seals is judged by nothing."""
         return self.measured and self.land.seal is None

@@ -38,15 +38,20 @@ def catalogue_entry(name: str) -> None:
     given = current if isinstance(current, SourceFile) else now.own.get(name)
     options += [given] if given is not None else [] if current in options else [current]
 
-    def shown(option: CaseChoice | None) -> str:
+    def words(option: CaseChoice | None) -> str:
         if option is None:
-            usual = controller().usual_fluid
-            return say("settings.fluid_of_unit", name=shown_name(known[usual], say) if usual in known else usual)
+            usual, required = controller().usual_fluid, controller().fluid
+            shown = shown_name(known[usual], say) if usual in known else usual
+            if required is None:
+                return say("settings.fluid_not_named", name=shown)
+            if required.viscosity_100 is None:
+                return say("settings.fluid_of_unit", name=shown)
+            return f"{shown}; {say('fluid_states.assumed', required=say.name(required.required))}"
         if isinstance(option, SourceFile):
             return say("settings.own_file", name=option.name)
         return shown_name(known[option], say) if option in known else option
 
-    _select(say(f"slots.{name}"), name, options, current, shown, lambda picked: choose(**{name: picked}))
+    _select(say(f"slots.{name}"), name, options, current, words, lambda picked: choose(**{name: picked}))
     with st.container():
         for doubt in () if current is None else entry_doubts(name, current):
             st.warning(show.plain(doubt.text))

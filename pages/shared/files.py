@@ -10,7 +10,6 @@ import streamlit as st
 
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.json.diagnosis import to_json
-from atleak.report.tables.assumed import assumed_records
 from atleak.report.xlsx import write_workbook
 from pages.shared import reader, show
 from pages.shared.cases import PageCase
@@ -27,12 +26,7 @@ def take_along(case: PageCase, diagnosis: Diagnosis, record: dict[str, Any]) -> 
     with st.container(horizontal=True, vertical_alignment="bottom"):
         source = case.readings or case.road_test
         name = named("diagnosis", job().number or (Path(source.name).stem if source else diagnosis.controller.id))
-        st.download_button(
-            "JSON",
-            lambda: to_json({**record, "assumed": assumed_records(diagnosis)}),
-            f"{name}.json",
-            on_click="ignore",
-        )
+        st.download_button("JSON", lambda: to_json(record), f"{name}.json", on_click="ignore")
         workbook = partial(write_workbook, diagnosis, job(), language=language, paper=paper, units=say.units)
         st.download_button(say("take_along.workbook"), workbook, f"{name}.xlsx", on_click="ignore")
     show.basis(diagnosis, record)

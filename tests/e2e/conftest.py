@@ -154,5 +154,5 @@ def page(
     """The dashboard, freshly opened on the sample job: on the page of the test's mark, else on the diagnosis."""
     mark = request.node.get_closest_marker("page")
     opened = visit(f"{server}/{mark.args[0].partition('_')[2] if mark else 'Diagnosis'}")
-    opened.get_by_text("Sample job: assumed data").wait_for()
+    opened.get_by_text("Sample job: made-up data").wait_for()
     return opened

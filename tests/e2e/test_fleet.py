@@ -71,4 +71,4 @@ def test_from_a_fleet_down_to_one_unit_and_back_with_what_was_chosen(page: Page,
         page.get_by_role("button", name="Excel workbook").click()
     assert Path(download.value.path()).read_bytes().startswith(b"PK")
     page.get_by_role("button", name="Undo: 2026-04-2 opened").click()
-    expect(page.get_by_text("Sample job: assumed data")).to_be_visible()
+    expect(page.get_by_text("Sample job: made-up data")).to_be_visible()

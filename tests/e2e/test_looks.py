@@ -94,7 +94,7 @@ def test_nothing_that_is_touched_lies_over_anything_else(
     context = browser.new_context(viewport={"width": 820, "height": 1180}, has_touch=True, is_mobile=True)
     context.set_default_timeout(SOON)
     page, found = context.new_page(), {}
-    sample, idle = page.get_by_text("Sample job: assumed data"), "stApp][data-test-script-state=notRunning"
+    sample, idle = page.get_by_text("Sample job: made-up data"), "stApp][data-test-script-state=notRunning"
     page.goto(f"{server}/Settings")
     sample.wait_for()
     if job == "empty":

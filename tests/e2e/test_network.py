@@ -99,7 +99,7 @@ def test_every_page_is_shut_until_somebody_of_the_list_signs_in(guarded: Guarded
     sign_in(page, guarded, email="ana@shop.example", email_verified=True)
     page.get_by_text("Signed in: ana@shop.example").wait_for()
     page.goto(f"{guarded.address}/Diagnosis")
-    page.get_by_text("Sample job: assumed data").wait_for()
+    page.get_by_text("Sample job: made-up data").wait_for()
     page.get_by_role("button", name="Sign out").click()
     page.get_by_role("button", name="Sign in").wait_for()
     expect(page.get_by_text("Sample job")).to_have_count(0)
@@ -115,7 +115,7 @@ def test_who_is_signed_in_and_not_on_the_list_is_told_so_until_he_is(guarded: Gu
     try:
         guarded.allowed.write_text('groups = ["office"]\n', encoding="utf-8")
         page.goto(f"{guarded.address}/Diagnosis")
-        page.get_by_text("Sample job: assumed data").wait_for()
+        page.get_by_text("Sample job: made-up data").wait_for()
         guarded.allowed.write_text("groups = []\n", encoding="utf-8")
         page.goto(f"{guarded.address}/Diagnosis")
         page.get_by_text("Nobody can come in: allowed.toml: allows nobody").wait_for()

@@ -345,7 +345,8 @@ def advise(rule: RuleDecision, name: str, way: Remedy, land: LandSources, limit_
     if way.by_range and way.measurable:
         text = f"{name}, counted from the widest new pair, is {side} the {limit_text}"
         text = "within the range of new" if rule.value <= 0.0 else text
-        text += f", but worn past the limit with {_percent(rule.probability_over_limit)} probability"
+        likely = f"worn past the limit with {_percent(rule.probability_over_limit)} probability"
+        text += f", {'but ' if side == 'under' else ''}{likely}"
         first = "measure its bore at an unworn end first, which tells what the pair was when new"
         return f"{text}: {first}." if way.unworn_end else f"{text}. Measuring again will not settle it."
     if not way.measurable:

@@ -182,7 +182,7 @@ class PosteriorUnit:
         self._networks: dict[int, Network] = {}
         controller = model.controller
         # lands that nobody measured
-        self._open = [land for land in sources if not land.state.measured and not land.state.land.seal]
+        self._open = [land for land in sources if not land.state.shows_wear and not land.state.land.seal]
         self._fed = [each for each in controller.circuits if each.feeds]
         # what is applied in some gears only is a clutch or a band, and has a seal
         self._sealed = [each.id for each in self._fed if each.gears != frozenset(controller.gears)]
@@ -231,7 +231,7 @@ class PosteriorUnit:
         """
         deviates, wear = proposal.draw(stream_of(SEED, 11, seed), draws)
         shared = Draws(Cube(draws, SEED, 12, seed))
-        measured = [land for land in self.sources if land.state.measured]
+        measured = [land for land in self.sources if land.state.shows_wear]
         common, one_sided = (
             common_errors(shared, measured),
             one_sided_wear(shared, self.model, self.assumptions, measured),

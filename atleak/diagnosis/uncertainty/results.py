@@ -226,9 +226,8 @@ class LandUncertainty:
     @property
     def shown_as(self) -> str | None:
         """Return the decision as a key of its words: a conditional pass as new pairs measure is within their range."""
-        (low, high), clearance = self.sources.state.land.mounting_range, self.sources.state.radial_clearance
-        within = low < high and low <= clearance <= high
-        return "within_range" if within and self.decision == "conditional_pass" else self.decision
+        within = self.sources.state.within_new and self.decision == "conditional_pass"
+        return "within_range" if within else self.decision
 
     @property
     def probability_over_limit(self) -> float | None:

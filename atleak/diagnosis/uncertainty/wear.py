@@ -35,9 +35,7 @@ class UnitWear:
 
     def __init__(self, lands: Iterable[LandSources], assumptions: Assumptions) -> None:
         """Take the lands of one unit, and how many lands are usually worn, and by how much."""
-        # a spool alone tells nothing of its bore, which is what wears
-        both = [land for land in lands if land.state.measured and land.state.status != "spool_only"]
-        self._lands = [land for land in both if not land.state.land.seal]
+        self._lands = [land for land in lands if land.state.shows_wear and not land.state.land.seal]
         ends = np.array([land.state.land.mounting_range for land in self._lands]).reshape(-1, 2)
         step = (ends[:, 1:] - ends[:, :1]) / len(_PLACES)
         known = np.array([[land.u_mounting] for land in self._lands]).reshape(-1, 1)

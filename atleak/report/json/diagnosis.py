@@ -33,6 +33,7 @@ from atleak.report.json.conditions import (
     scaled,
     unit_rule_record,
 )
+from atleak.report.tables.assumed import assumed_records
 from atleak.report.tables.before_opening import flow_record
 from atleak.report.tables.complaint import explanations, finding, measure_first, reason
 from atleak.report.tables.gauges import gauge_record
@@ -92,6 +93,7 @@ def _record(diagnosis: Diagnosis) -> dict[str, Any]:
         "flows": [flow_record(each) for each in diagnosis.flows],
         "warm_up": warm_up_record(diagnosis),
         "messages": [message_record(message) for message in diagnosis.messages],
+        "assumed": assumed_records(diagnosis),
     }
 
 

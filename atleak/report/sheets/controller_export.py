@@ -21,7 +21,7 @@ _WORDS = ("name", "label", "source", "note", "representative", "required")  # ke
 _LEFT_OUT = "…"
 _TELLS = re.compile(  # whose unit it is of: a path, a file's name, a vehicle's number
     r"(?<![\w/:.])(?:[A-Za-z]:[\\/]|\\\\|~[\\/]|/(?=\w+/))[^\s,;]*"
-    r"|[^\s,;()]+\.(?:xls[xm]?|ods|csv|tsv|txt|toml|json|pdf|docx?|zip|atleak|mf4|mat)\b"
+    r"|(?<![^\s,;()])(?!https?://)[^\s,;()]+\.(?:xls[xm]?|ods|csv|tsv|txt|toml|json|pdf|docx?|zip|atleak|mf4|mat)\b"
     r"|\b(?=[A-Z\d]*\d)[A-HJ-NPR-Z\d]{17}\b"
 )
 

@@ -12,7 +12,6 @@ from atleak.report.tables.table import Column, Judged, Section, Table, Text
 
 _ORDER = ("verdict", "decision", "nothing", "cause", None)
 _SMALL = 1e-3  # number from which on it is written in full
-_LIMIT = "limit_"  # before the kind of a rule
 
 
 def assumed_line(diagnosis: Diagnosis, say: Wording) -> str:
@@ -106,6 +105,6 @@ _DIFFERENCES = {"temperature": "temperature_difference"}  # kinds of which a dif
 
 
 def _name(each: AssumedValue, say: Wording) -> str:
-    if each.what.startswith(_LIMIT):
-        return say("assumed.limit", rule=say(f"rules.{each.what.removeprefix(_LIMIT)}"))
+    if each.rule is not None:
+        return say("assumed.limit", rule=say(f"rules.{each.rule}"))
     return say.table("bases").get(each.what) or say.get("uncertainty_assumed", each.what)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,6 +27,7 @@ from atleak.job.case import Case, SourceFile
 from atleak.measurements.clearances import clearances
 from atleak.measurements.flow_readings import FlowReading, FlowTable
 from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, GaugeReading, PressureTable
+from atleak.measurements.readings import Readings
 from atleak.measurements.vacuum import VacuumReading, VacuumStand, VacuumTable
 
 SAMPLES = Path(__file__).parents[3] / "sample_data"
@@ -289,3 +290,26 @@ def test_where_nothing_is_unknown_no_reading_is_worth_its_time() -> None:
     diagnosis = diagnose(load_controller("four_speed_2023"), fluid, limits, assumptions=known)
     assert evidence_of(diagnosis).next == ()
     assert all(each.value == pytest.approx(0.0, abs=1e-12) for each in readings_by_value(diagnosis, 3))
+
+
+def test_a_spool_alone_says_nothing_of_its_bore(readings_of: Callable[..., Readings]) -> None:
+    controller = load_controller("five_speed_2005")
+    known = load_fluid("hipol_atf_iid"), load_limits("project_default")
+    bores = {each.key: each.nominal_diameter for each in controller.lands}
+    first = controller.lands[0]
+    pair = (first.nominal_diameter, first.nominal_diameter + 2.0 * (first.mounting_range[1] + 1.5e-6))
+    both = readings_of(controller, {key: (size, size) for key, size in bores.items()} | {first.key: pair})
+    spools = replace(
+        both,
+        readings=tuple(each for each in both.readings if each.part == "spool" or each.component == first.component),
+    )
+    alone = readings_of(controller, {first.key: pair})
+    probabilities = [
+        diagnose(controller, *known, readings=sheet).uncertainty.land(first.key).deciding.probability_over_limit
+        for sheet in (spools, alone)
+    ]
+    assert probabilities[0] == pytest.approx(probabilities[1], abs=0.02)
+    only = replace(both, readings=tuple(each for each in both.readings if each.part == "spool"))
+    evidence = evidence_of(diagnose(controller, *known, readings=only))
+    assert not any(each.measured for each in evidence.lands)
+    assert evidence.next

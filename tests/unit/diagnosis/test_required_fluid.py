@@ -112,6 +112,20 @@ def test_the_used_data_of_the_required_fluid_are_no_other_fluid() -> None:
     assert "fluid_not_required" not in said(found)
 
 
+def test_a_fluid_that_bears_the_name_of_the_required_one_is_that() -> None:
+    own = replace(load_fluid("mobil_atf_220"), id="mine", name="Our drum of mercon v, data sheet")
+    assert STATED.choice(own) == STATED.choice(own.in_state("used")) == "required"
+    assert STATED.messages(own) == []
+    assert STATED.taken(own) is own
+    assert STATED.choice(load_fluid("mobil_atf_220")) == "other"
+
+
+def test_the_range_of_fresh_fluid_is_not_laid_over_data_of_a_used_one() -> None:
+    required = RequiredFluid("an ATF", "hipol_atf_iid", (6.8e-6, 7.5e-6), "manual, page 1")
+    fresh, used = load_fluid("hipol_atf_iid"), load_fluid("hipol_atf_iid_used")
+    assert required.taken(used).viscosity_range == required.taken(fresh).viscosity_range
+
+
 def test_a_fluid_that_is_not_in_the_catalogue_is_named() -> None:
     unit = load_controller("five_speed_2005")
     with pytest.raises(CatalogueError, match="mobil_multi_vehicle_atf"):

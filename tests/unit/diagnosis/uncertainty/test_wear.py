@@ -27,7 +27,7 @@ UM = 1e-6
 
 def a_land(number: int, clearance: float, new: tuple[float, float] = RANGE, u: float = 1.2e-6) -> Any:
     pair = SimpleNamespace(mounting_range=new, seal=None)
-    state = SimpleNamespace(measured=True, status="measured", land=pair, radial_clearance=clearance)
+    state = SimpleNamespace(shows_wear=True, land=pair, radial_clearance=clearance)
     return SimpleNamespace(key=("1", number), state=state, standard_uncertainty=u, u_mounting=0.5e-6)
 
 
