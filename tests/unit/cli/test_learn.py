@@ -171,7 +171,8 @@ def test_a_learned_valve_body_is_passed_on_without_whose_units_it_is_of(
     sheets = [new_unit(name) for name in ("KR 4711A, Nowak (job 17).csv", "WVWZZZ1JZXW000001.csv")]
     assert run("controller", "learn", *sheets, "--controller", NAME, "-o", learned)[0] == 0
     tables, _ = read_tables("controllers", learned)
-    tables["source"] = r"own gauge, C:\Users\nowak\unit.xlsx, of WVWZZZ1JZXW000001"
+    public = "https://example.org/guides/valve-body.pdf"
+    tables["source"] = r"own gauge, C:\Users\nowak\unit.xlsx, of WVWZZZ1JZXW000001; " + public
     tables["note"] = f"Of our stand. {tables['note']}"
     own.write_text("# the unit of Mrs Nowak\n" + written_toml(tables), encoding="utf-8")
     status, out, err = run("controller", "export", own, "-o", passed_on)
@@ -179,7 +180,7 @@ def test_a_learned_valve_body_is_passed_on_without_whose_units_it_is_of(
     text = passed_on.read_text(encoding="utf-8")
     for named in ("nowak", "4711", "wvwzzz", "job 17", ".csv", ".xlsx", "users", str(tmp_path).lower()):
         assert named not in text.lower()
-    assert "own gauge, …, of …" in err  # and in the file
+    assert f"own gauge, …, of …; {public}" in err  # and in the file
     before, after = load_controller(own), load_controller(passed_on)
     assert after.note.startswith("Of our stand. Mounting clearances of")
     assert replace(after, origin=before.origin, source=before.source, note=before.note) == before

@@ -299,10 +299,9 @@ def test_a_spool_alone_says_nothing_of_its_bore(readings_of: Callable[..., Readi
     first = controller.lands[0]
     pair = (first.nominal_diameter, first.nominal_diameter + 2.0 * (first.mounting_range[1] + 1.5e-6))
     both = readings_of(controller, {key: (size, size) for key, size in bores.items()} | {first.key: pair})
-    spools = replace(
-        both,
-        readings=tuple(each for each in both.readings if each.part == "spool" or each.component == first.component),
-    )
+    place = first.component, first.planes[0]
+    read = (each for each in both.readings if each.part == "spool" or (each.component, each.plane) == place)
+    spools = replace(both, readings=tuple(read))
     alone = readings_of(controller, {first.key: pair})
     probabilities = [
         diagnose(controller, *known, readings=sheet).uncertainty.land(first.key).deciding.probability_over_limit
