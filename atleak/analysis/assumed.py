@@ -1,9 +1,10 @@
 """List every value of a result that is neither measured nor published, and what it does to the verdict of the unit.
 
 Each value is moved to both ends of what it may be, all of its kind together, and the unit solved with it, as measured
-and as it may have been when new. The way δ by which that brings a quantity nearer to its limit is added to what the
-draws say: the probability p of being past it becomes ``Φ((Φ⁻¹(p) u + δ)/u')``. The draws hold what a value is off that
-is drawn itself, so that u' lacks it. What is no number, such as which land parts which pressures, cannot be moved.
+and as it may have been when new. The way δ by which that brings a quantity nearer to its limit moves its standard score
+z in the draws: the probability of being past the limit becomes ``Φ((z + δ/u)/u')``. Where draws lie to one side, both
+scores are read off the probabilities of the limits and the ends of the interval. The draws hold what a value is off
+that is drawn itself, so that u' lacks it. What is no number, such as which land parts which pressures, cannot be moved.
 """
 
 from __future__ import annotations
@@ -65,7 +66,7 @@ class Ending(NamedTuple):
 
     verdict: Verdict
     decision: Decision
-    probability: float | None  # that the quantity that decides now is past its limit
+    probability: float | None  # that what decides there is past its limit; of the pump's clearances None
 
 
 @dataclass(frozen=True)
@@ -327,13 +328,11 @@ class _Ends:
             rank, surely, nan = (np.full(1 + 2 * len(self.names), each) for each in of_pump)
             judged.append((rank, surely, nan))
         ranks, sure, likely = map(np.array, zip(*judged, strict=True))
-        lead = likely[np.lexsort((likely[:, 0], sure[:, 0], ranks[:, 0]))[-1]]
-        worst = ranks.max(axis=0)
         least = Verdict.OK.rank if diagnosis.decided_by else max(Verdict.OK.rank, diagnosis.verdict.rank)
-        surest = np.where(ranks == worst, sure, 0).max(axis=0)
+        deciding = np.lexsort((likely, sure, ranks), axis=0)[-1], np.arange(ranks.shape[1])
         at = [
             Ending(VERDICTS[max(rank, least)], DECISIONS[how], None if math.isnan(p) else p)
-            for rank, how, p in zip(worst.tolist(), surest.tolist(), lead.tolist(), strict=True)
+            for rank, how, p in zip(*(each[deciding].tolist() for each in (ranks, sure, likely)), strict=True)
         ]
         return {name: (at[0], at[1 + 2 * place], at[2 + 2 * place]) for place, name in enumerate(self.names)}
 
@@ -354,26 +353,25 @@ class _Ends:
                 yield decided, past.get(_key(rule, rule.circuit.id if rule.circuit else None))
 
     def _judged(self, decided: RuleDecision, past: _Past | None) -> tuple[Any, Any, Any]:
-        """Return the rank, the place in `DECISIONS`, and how likely the limit reached now is passed, by column."""
+        """Return the rank, the place in `DECISIONS`, and how likely the limit is passed that decides, by column."""
         rule, nothing, drawn = decided.rule, np.zeros(1 + 2 * len(self.names)), self._drawn
         by_limit = self._end(_limit(rule.kind), UNSTATED) if rule.origin is LimitOrigin.PROJECT else nothing
-        sign, rank, passed, most, lead = -1.0 if rule.steps.falling else 1.0, nothing + 1, nothing, nothing, nothing
+        sign, rank, passed, most = -1.0 if rule.steps.falling else 1.0, nothing + 1, nothing, nothing
         for number, level in enumerate(decided.levels):
             moved = nothing if past is None else _difference(past[number], past[number][0])
             over, u = sign * (rule.value - level.limit), decided.level_uncertainties[number]
             of_limit = abs(level.limit) * by_limit if math.isfinite(level.limit) else nothing
             moved = moved - sign * of_limit
-            likely = _moved(level, u, over, moved, drawn)
+            likely = _moved(decided, level, u, moved, drawn)
             verdict = level.level.verdict if isinstance(level.level, Band) else level.level
             reached = likely >= 0.5 if rule.reached is not None else over + moved >= 0.0  # wear counts by its value
             rank, passed = np.where(reached, verdict.rank, rank), np.where(reached, likely, passed)
             most = np.maximum(most, likely)
-            lead = likely if level.limit == decided.limit else lead
         risk = float(normal_cdf(-self.diagnosis.uncertainty.guard_factor)) if self.diagnosis.uncertainty else 0.0
         flagged = rank > Verdict.OK.rank
         sure = np.where(flagged, np.where(passed >= 1.0 - risk, 3, 2), np.where(most <= risk, 0, 1))
-        same = lead == lead[0]
-        return rank.astype(int), np.where(same, certainty(decided.decision), sure), lead
+        leads = np.where(flagged, passed, most)
+        return rank.astype(int), np.where(leads == leads[0], certainty(decided.decision), sure), leads
 
     @cached_property
     def _drawn(self) -> Any:
@@ -520,9 +518,11 @@ class _Ends:
             shares = (flow_ratio(flow, of_new) for flow in (now.count(*is_now)[1], unworn.count(*was)[1]))
             if limits.pair_share is not None:
                 share, when_new = shares
+                share = _from(projection.share_drawn_by(key), share)
                 past[RuleKind.PAIR_SHARE, point.name, key] = _past(share, limits.pair_share.over(when_new))
         when_new = flow_ratio(unworn.leakage, given.capacity)
-        past[RuleKind.TOTAL_SHARE, point.name, None] = _past(now.share, limits.total_share.over(when_new))
+        total = _from(projection.share, now.share)
+        past[RuleKind.TOTAL_SHARE, point.name, None] = _past(total, limits.total_share.over(when_new))
         units = now.unit(), unworn.unit(given.new_pump)
         if limits.reserve is not None:
             reserve, before = (each.reserve(point) for each in units)
@@ -541,6 +541,11 @@ class _Ends:
         return past
 
 
+def _from(value: float, share: Any) -> Any:
+    """Return a share in every column as many times its value in the first as it is there, where wear has a shape."""
+    return share * (value / share[0]) if math.isfinite(value) and 0.0 < share[0] < math.inf else share
+
+
 def _past(value: Any, limits: Iterable[tuple[Any, Any]]) -> _Past:
     return [_difference(value, limit) for _, limit in limits]
 
@@ -556,17 +561,50 @@ def _key(rule: Rule, of: Any) -> _Key:
     return rule.kind, rule.condition.name if rule.condition else None, of
 
 
-def _moved(level: LevelDecision, u: float, over: float, past: Any, drawn: Any) -> Any:
-    """Return the probability of being past a limit, to which the quantity comes nearer by so much in each column.
-
-    ``over`` is how far it is past the limit at its value, which tells where every draw is on one side.
-    """
-    probability = level.probability_over
+def _moved(decided: RuleDecision, level: LevelDecision, u: float, moved: Any, drawn: Any) -> Any:
+    """Return the probability of being past a limit, to which the quantity comes nearer by so much in each column."""
     if not (u > 0.0 and math.isfinite(u)):
-        return np.full(past.shape, probability)
-    z = float(normal_quantile(min(max(probability, _FEWEST), 1.0 - _FEWEST)))
-    if not _FEWEST < probability < 1.0 - _FEWEST:
-        z = math.copysign(max(abs(z), abs(over) / u), z)
-    by = past / u
+        return np.full(moved.shape, level.probability_over)
+    now, nearer = _standings(decided, level, u, moved)
+    by = nearer - now
     own = np.append(0.0, np.repeat(0.5 * (by[2::2] - by[1::2]), 2)) / drawn
-    return np.where(past == 0.0, probability, normal_cdf((z + by) / np.sqrt(np.maximum(1.0 - own**2, 0.05))))
+    likely = normal_cdf((now + by) / np.sqrt(np.maximum(1.0 - own**2, 0.05)))
+    return np.where(moved == 0.0, level.probability_over, likely)
+
+
+def _standings(decided: RuleDecision, level: LevelDecision, u: float, moved: Any) -> tuple[float, Any]:
+    """Return how many standard deviations the truth is past a limit now, and with the quantity moved.
+
+    Of a quantity that was drawn they are read off the probabilities of its limits and the ends of its interval: those
+    of a share in proportion, as every flow in it is so many times what it was, those of others by difference.
+    """
+    rule, sign = decided.rule, -1.0 if decided.rule.steps.falling else 1.0
+    value, limit, ends = sign * rule.value, sign * level.limit, decided.interval
+    if ends is None or not math.isfinite(value + limit):
+        at = _standing(level.probability_over)
+        return at, at + moved / u
+    known = {sign * each.limit: _standing(each.probability_over) for each in decided.levels if _known(each)}
+    known |= {min(sign * ends[0], sign * ends[1]): _REACH, max(sign * ends[0], sign * ends[1]): -_REACH}
+    scale: Any = np.asarray
+    if rule.kind in (RuleKind.PAIR_SHARE, RuleKind.TOTAL_SHARE) and min(value, limit, *known) > 0.0:
+        scale, limit = np.log, limit * value / np.maximum(value + moved, _SHORTEST * value)
+    else:
+        limit = limit - moved
+    places = np.array(sorted(known))
+    standings = np.minimum.accumulate([known[each] for each in places.tolist()])
+    x, at, over = scale(places), scale(np.append(sign * level.limit, limit)), np.empty(0)
+    if x[-1] - x[0] <= 0.0:
+        over = (value - np.append(sign * level.limit, limit)) / u
+    else:
+        over = np.interp(at, x, standings)
+        slope = (standings[-1] - standings[0]) / (x[-1] - x[0])
+        over += slope * (np.minimum(at - x[0], 0.0) + np.maximum(at - x[-1], 0.0))
+    return float(over[0]), over[1:]
+
+
+def _known(level: LevelDecision) -> bool:
+    return _FEWEST < level.probability_over < 1.0 - _FEWEST
+
+
+def _standing(probability: float) -> float:
+    return float(normal_quantile(min(max(probability, _FEWEST), 1.0 - _FEWEST)))

@@ -224,7 +224,7 @@ def _decided(
         assert rule.condition is not None
         share = spreads[rule.condition].share_spread
         likely = share.probabilities if land.grown else tuple(min(p, _OPEN) for p in share.probabilities)
-        return decide_rule(rule, share.level_uncertainties, likely, guard_factor, skewed=True)
+        return decide_rule(rule, share.level_uncertainties, likely, guard_factor, skewed=True, interval=share.interval)
     if rule.kind is RuleKind.CLEARANCE:
         return decide_normal(rule, land.standard_uncertainty, guard_factor)
     us = _wear_uncertainties(land, limits)
