@@ -134,7 +134,7 @@ def read_number(text: str, asked: AskedNumber) -> WrittenNumber:
     >>> read_number("123.456", MILEAGE).doubt
     "'123.456' can be read in two ways: write 123456 for 123456 km, or 123.4560 for 123.456 km."
     >>> read_number("8505", ENGINE_SPEED).doubt
-    '8505 rpm is taken, but unusual: most engine speeds are from 400 to 7000 rpm.'
+    '8505 rpm is taken, but unusual: the engine speed is mostly from 400 to 7000 rpm.'
     """
     bare = text.strip().removesuffix(asked.unit).strip()
     values = possible_values(bare)
@@ -163,7 +163,7 @@ def read_number(text: str, asked: AskedNumber) -> WrittenNumber:
     if _within(value, asked.usual):
         return WrittenNumber(value)
     reason = Sentence(
-        "{value} is taken, but unusual: most {name}s are {range}",
+        "{value} is taken, but unusual: the {name} is mostly {range}",
         value=_with_unit(_spelled(value), asked),
         name=asked.name,
         range=_range(asked.usual, asked),

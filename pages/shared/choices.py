@@ -92,6 +92,9 @@ def _keep_fluid(name: str, source: str, values: dict[str, float | None]) -> None
         if not id_from_name(name) or not source or at_40 is None or at_100 is None:
             expected = Sentence("a name, where the numbers come from, and the viscosities at 40 and 100 °C")
             raise InputError(Sentence("the fluid is not complete"), expected=expected)
+        if at_100 >= at_40:
+            expected = Sentence("less at 100 °C than at 40 °C")
+            raise InputError(Sentence("the two viscosities do not go together"), expected=expected)
         tables = tables_of_two_points(name, source, dt.date.today().isoformat(), at_40, at_100, values["density"])
         checked_fluid(tables, name)
         write_own("fluids", tables["id"], written_toml(tables, FluidFile))

@@ -71,7 +71,7 @@ def _open_next(names: tuple[str, ...]) -> None:
 def _results() -> Mapping[str, str]:
     """Return in short what came of each step that is done."""
     diagnosis, say = diagnosis_of(session().good), reader.say()
-    results = {"complaint": _of_complaint(diagnosis, say), "fluid": _of_fluid(say)}
+    results = {"complaint": _of_complaint(diagnosis, say), "fluid": _of_fluid(diagnosis, say)}
     if (check := diagnosis.pressures) is not None:
         count = say("panel.gauge_readings", count=len(check.readings))
         results["gauges"] = f"{_signed(check.verdict, say)} · {count}"
@@ -97,10 +97,11 @@ def _of_complaint(diagnosis: Diagnosis, say: Wording) -> str:
     return " · ".join(f"**{show.plain(each)}**" for each in said)
 
 
-def _of_fluid(say: Wording) -> str:
-    record, state = job(), session().good.fluid_state
-    found = [*record.fault_codes, *filter(None, vars(record.fluid_condition).values())]
-    used = [] if state is None else [say(f"settings.fluid_{state}")]
+def _of_fluid(diagnosis: Diagnosis, say: Wording) -> str:
+    record, case = job(), session().good
+    found = [diagnosis.fluid.name] if case.fluid is not None else []
+    found += [*record.fault_codes, *filter(None, vars(record.fluid_condition).values())]
+    used = [] if case.fluid_state is None else [say(f"settings.fluid_{case.fluid_state}")]
     return " · ".join(f"**{show.plain(each)}**" for each in [*found, *used])
 
 

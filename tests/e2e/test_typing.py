@@ -250,7 +250,7 @@ def test_a_decimal_comma_is_the_decimal_sign(page: Page) -> None:
         pytest.param(
             "Engine speed [rpm]",
             "8505",
-            "8505 rpm is taken, but unusual: most engine speeds are from 400 to 7000 rpm",
+            "8505 rpm is taken, but unusual: the engine speed is mostly from 400 to 7000 rpm",
             marks=pytest.mark.slow,
         ),
     ],

@@ -172,7 +172,7 @@ class _Words:
             "answer.growth_all" if explained >= _ALL * total else "answer.growth",
             what=begun(self._what(answer.row)),
             amount=self._amount(self._of_named),
-            total=self._amount(answer.total_in, ends=False),
+            total=self._amount(answer.total_in),
             where=self.where(answer.missing),
         )
         yield f"{held} {grown}"
@@ -309,8 +309,10 @@ class _Words:
             surely = say("answer.more_than", percent=say.percent(_SURELY, 0))
             percent = surely if answer.probability > _SURELY else say.percent(answer.probability, 0)
             yield say(key, percent=percent, causes=causes)
-            if answer.missing.measured is None and (self.diagnosis.unmeasured or self.diagnosis.model.pump_open):
+            if answer.missing.measured is None and self.diagnosis.unmeasured:
                 yield say("answer.others_new")
+            elif answer.missing.measured is None and self.diagnosis.model.pump_open:
+                yield say("answer.pump_new")
         parts = [
             say(f"answer.{each.part}")
             if each.land is None

@@ -177,7 +177,7 @@ def test_an_amount_and_a_probability_are_those_of_what_is_named(judged) -> None:
     assert named / 1e3 < np.mean(answer.missing.best.rows[answer.row]) / 1e3 - 1.0
     assert lines.wrong[0].isupper()
     assert (
-        "more than 99\xa0% probability most of it is due to worn lands. What was not measured counts as new."
+        "more than 99\xa0% probability most of it is due to worn lands. The pump was not measured and counts as new."
         in lines.sure
     )  # the pump
 

@@ -117,7 +117,7 @@ def test_what_a_field_starts_with_is_read_back(value: float, asked) -> None:
         ("95,5 °C", TEMPERATURE, 95.5, ""),
         ("92.715", TEMPERATURE, 92.715, ""),  # 92715 °C cannot be meant
         ("955", TEMPERATURE, None, "955 °C is not taken: the temperature must be from −60 to 200 °C."),
-        ("160", TEMPERATURE, 160.0, "160 °C is taken, but unusual: most temperatures are from −30 to 150 °C."),
+        ("160", TEMPERATURE, 160.0, "160 °C is taken, but unusual: the temperature is mostly from −30 to 150 °C."),
         ("203 °F", TEMPERATURE, None, "'203 °F' is not a number: write the temperature in °C, such as 95.5."),
         ("8505", ENGINE_SPEED, 8505.0, "8505 rpm is taken, but unusual"),
         (
@@ -129,7 +129,7 @@ def test_what_a_field_starts_with_is_read_back(value: float, asked) -> None:
         ("−5", ENGINE_SPEED, None, "−5 rpm is not taken"),
         ("123 456", MILEAGE, 123456.0, ""),
         ("123.456", MILEAGE, None, "write 123456 for 123456 km, or 123.4560 for 123.456 km."),
-        ("123", MILEAGE, 123.0, "123 km is taken, but unusual: most mileages are from 1000 to 1000000 km."),
+        ("123", MILEAGE, 123.0, "123 km is taken, but unusual: the mileage is mostly from 1000 to 1000000 km."),
         ("1e9", MILEAGE, None, "1e9 km is not taken"),
     ],
 )

@@ -85,7 +85,7 @@ def test_a_fluid_of_one_s_own_is_two_viscosities_and_no_file(app: AppTest) -> No
     field("Viscosity at 40").set_value("34,1").run()
     field("Viscosity at 100").set_value("40").run()
     keep()
-    assert "viscosity must fall" in "".join(error.value for error in app.main.error)
+    assert "less at 100 °C than at 40 °C" in "".join(error.value for error in app.main.error)
     field("Viscosity at 100").set_value("7,1").run()
     keep()
     assert choice(app, "Fluid").value == "drum_7_red"
@@ -95,3 +95,5 @@ def test_a_fluid_of_one_s_own_is_two_viscosities_and_no_file(app: AppTest) -> No
     assert fluid.representative == ("density_g_cm3", "density_slope_g_cm3_k")
     go(app, "4_Diagnosis")
     assert "Drum 7, red" in texts(app)
+    go(app, "2_In_the_car")
+    assert "**Drum 7, red**" in texts(app)  # the step is done
