@@ -33,15 +33,11 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import DEFAULTS, Decision, RuleDecision, certainty
 from atleak.diagnosis.uncertainty.decision import DECISIONS, LevelDecision
-from atleak.diagnosis.uncertainty.drawn_unit import DemandShape, Drawn, DrawnLands
-from atleak.diagnosis.uncertainty.draws import FACTORS, FLUID_STATE, Bore, LandInState, flow_ratio, with_one_side
-from atleak.diagnosis.uncertainty.sources import (
-    EXPONENTS,
-    MEASURING_TEMPERATURE_SOURCE,
-    OF_A_DIAMETER,
-    PARTS,
-    LandSources,
-)
+from atleak.diagnosis.uncertainty.drawn_unit import FACTORS, FLUID_STATE, DemandShape, Drawn, DrawnLands
+from atleak.diagnosis.uncertainty.draws import flow_ratio
+from atleak.diagnosis.uncertainty.land_draws import LandInState
+from atleak.diagnosis.uncertainty.one_sided_wear import EXPONENTS, Bore, with_one_side
+from atleak.diagnosis.uncertainty.sources import MEASURING_TEMPERATURE_SOURCE, OF_A_DIAMETER, PARTS, LandSources
 from atleak.engine.network import Network
 from atleak.engine.operation import spread_over
 from atleak.engine.projection import Projection

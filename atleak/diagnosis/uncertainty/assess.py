@@ -18,6 +18,7 @@ from atleak.diagnosis.uncertainty.assumptions import DEFAULTS, Assumptions
 from atleak.diagnosis.uncertainty.decision import GUARD_FACTOR, RuleDecision, decide_normal, decide_rule
 from atleak.diagnosis.uncertainty.drawn_unit import PressureSpread
 from atleak.diagnosis.uncertainty.draws import Interval, rounded_up
+from atleak.diagnosis.uncertainty.one_sided_wear import fitted_side
 from atleak.diagnosis.uncertainty.propagation import (
     DRAWS,
     DRAWS_OF_CIRCUITS,
@@ -415,7 +416,7 @@ def _messages(
             lands=tuple(named_land(state.land.key) for state in single),
         )
         messages.append(Message("warning", "clearance_lower_bound", text))
-    assumed = [land for land in sources if land.grown and land.sees_sides and land.fitted_side is None]
+    assumed = [land for land in sources if land.grown and land.sees_sides and fitted_side(land) is None]
     if model.law.counts_form and any(land.assumptions.one_sided_wear for land in assumed):
         text = Sentence("Fewer than four directions: the shape of wear to one side is assumed. Four show it.")
         messages.append(Message("info", "wear_shape_assumed", text))

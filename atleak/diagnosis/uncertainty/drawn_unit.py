@@ -18,18 +18,9 @@ from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.diagnosis.rules import permissible_steps
 from atleak.diagnosis.uncertainty.assumptions import Assumptions
-from atleak.diagnosis.uncertainty.draws import (
-    FLUID_STATE,
-    Bore,
-    DrawnSpread,
-    Interval,
-    LandInState,
-    OneSided,
-    flow_ratio,
-    interval_of,
-    spread_of,
-    with_one_side,
-)
+from atleak.diagnosis.uncertainty.draws import DrawnSpread, Draws, Interval, flow_ratio, interval_of, spread_of
+from atleak.diagnosis.uncertainty.land_draws import LandInState
+from atleak.diagnosis.uncertainty.one_sided_wear import Bore, OneSided, with_one_side
 from atleak.diagnosis.uncertainty.sources import LandSources
 from atleak.engine.balance import Balance
 from atleak.engine.leakage import LeakageModel, PumpFlow
@@ -42,6 +33,9 @@ from atleak.engine.restrictions import leaks_both_ways
 from atleak.equations.clearance import effective_clearance
 from atleak.equations.fluid import dynamic_viscosity
 
+NORMAL_FACTORS = ("viscosity", "temperature", "main pressure", "converter pressure", "pump efficiency")
+FLUID_STATE = "range of the fluid's viscosity"  # rectangular: of one without data of its own used state, or assumed
+FACTORS = (*NORMAL_FACTORS, FLUID_STATE)
 _GRID = np.linspace(0.0, 1.0, 17)  # fractions of the required pressure at which the demand is worked out
 _HALVINGS = 40  # of the pressure that holds
 
@@ -56,6 +50,13 @@ class PressureSpread:
     #: of what a rule limits, by its kind and circuit: the reserve, how far main pressure is below the permissible, and
     #: what a circuit has lost or gained against the same unit unworn
     limited: Mapping[tuple[RuleKind, str | None], DrawnSpread]
+
+
+def deviates_of_factors(shared: Draws) -> dict[str, np.ndarray]:
+    """Draw the standard deviates of `FACTORS`."""
+    deviates = {name: shared.normal() for name in NORMAL_FACTORS}
+    deviates[FLUID_STATE] = shared.rectangular()
+    return deviates
 
 
 @dataclass(frozen=True)

@@ -14,22 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from atleak.diagnosis.uncertainty.assumptions import Assumptions
-from atleak.diagnosis.uncertainty.drawn_unit import DemandShape, Drawn, DrawnLands, leakiest
-from atleak.diagnosis.uncertainty.draws import (
-    Beside,
-    Cube,
-    Draws,
-    Interval,
-    LandDraws,
-    OneSided,
-    Positions,
-    common_errors,
-    deviates_of_factors,
-    interval_of,
-    land_draws,
-    one_sided_wear,
-    rounded_up,
-)
+from atleak.diagnosis.uncertainty.drawn_unit import DemandShape, Drawn, DrawnLands, deviates_of_factors, leakiest
+from atleak.diagnosis.uncertainty.draws import Beside, Cube, Draws, Interval, interval_of, rounded_up
+from atleak.diagnosis.uncertainty.land_draws import LandDraws, Positions, common_errors, land_draws
+from atleak.diagnosis.uncertainty.one_sided_wear import OneSided, one_sided_wear
 from atleak.diagnosis.uncertainty.sources import LandSources
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import spread_over

@@ -19,21 +19,10 @@ from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.repairs import LandKey
 from atleak.diagnosis.missing import PUMP_PART, Path, Split, split
 from atleak.diagnosis.uncertainty.assumptions import Assumptions
-from atleak.diagnosis.uncertainty.drawn_unit import DemandShape, Drawn, DrawnLands
-from atleak.diagnosis.uncertainty.draws import (
-    FLUID_STATE,
-    Beside,
-    Bore,
-    Cube,
-    Draws,
-    LandDraws,
-    LandInState,
-    Positions,
-    common_errors,
-    land_draws,
-    one_sided_wear,
-    stream_of,
-)
+from atleak.diagnosis.uncertainty.drawn_unit import FLUID_STATE, DemandShape, Drawn, DrawnLands
+from atleak.diagnosis.uncertainty.draws import Beside, Cube, Draws, stream_of
+from atleak.diagnosis.uncertainty.land_draws import LandDraws, LandInState, Positions, common_errors, land_draws
+from atleak.diagnosis.uncertainty.one_sided_wear import Bore, one_sided_wear
 from atleak.diagnosis.uncertainty.propagation import SEED
 from atleak.diagnosis.uncertainty.sources import LandSources
 from atleak.diagnosis.uncertainty.wear import UnitWear, new_before

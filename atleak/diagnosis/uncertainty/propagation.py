@@ -28,29 +28,35 @@ import numpy as np
 
 from atleak.catalogue.limits import Limits, Steps
 from atleak.diagnosis.uncertainty.assumptions import Assumptions
-from atleak.diagnosis.uncertainty.drawn_unit import Drawn, DrawnLands, PressureSpread, leakiest, pressure_spread
-from atleak.diagnosis.uncertainty.draws import (
+from atleak.diagnosis.uncertainty.drawn_unit import (
     FACTORS,
-    SIDES,
+    Drawn,
+    DrawnLands,
+    PressureSpread,
+    deviates_of_factors,
+    leakiest,
+    pressure_spread,
+)
+from atleak.diagnosis.uncertainty.draws import (
     Beside,
-    Bore,
     Cube,
     DrawnSpread,
     Draws,
     Interval,
-    LandInState,
-    Positions,
-    chances_of_sides,
-    common_errors,
-    deviates_of_factors,
     flow_ratio,
     interval_of,
-    land_draws,
-    one_sided_wear,
     spread_of,
+)
+from atleak.diagnosis.uncertainty.land_draws import LandInState, Positions, common_errors, land_draws
+from atleak.diagnosis.uncertainty.one_sided_wear import (
+    EXPONENTS,
+    SIDES,
+    Bore,
+    chances_of_sides,
+    one_sided_wear,
     with_one_side,
 )
-from atleak.diagnosis.uncertainty.sources import EXPONENTS, LandSources
+from atleak.diagnosis.uncertainty.sources import LandSources
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import consumed
 from atleak.engine.projection import Projection

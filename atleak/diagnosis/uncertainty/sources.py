@@ -11,14 +11,11 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, Literal
-
-import numpy as np
+from typing import Literal
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.instruments import Instrument, Instruments, Part
 from atleak.diagnosis.uncertainty.assumptions import Assumptions
-from atleak.equations.clearance import one_sided_moments, seen_of_one_sided
 from atleak.equations.statistics import (
     normal_quantile,
     persistent_rounding_variance,
@@ -67,7 +64,6 @@ _SUSPECT = 3.0  # standard uncertainties under the mounting clearance: choice of
 _GROWN = 1.645  # standard uncertainties over the widest new pair: with 95 % probability
 _STEPS = (0.1e-6, 0.254e-6, 0.5e-6, 1e-6, 1.27e-6, 2e-6, 2.54e-6, 5e-6, 1e-5, 1.27e-5, 2.54e-5)  # [m]
 STEP_TOLERANCE = 1e-9  # [m]
-FINEST, _ANY_MEAN = 1e-7, 1e-4  # [m] that directions differ at least by chance, and as far as their mean may be off
 _READINGS_THAT_SHOW_A_STEP = 12
 
 
@@ -137,32 +133,6 @@ class _MeasuringPlan:
     residual: float  # of what two directions leave of other forms: 1 for two
     angles: Mapping[float, float]  # [rad] of every direction, with its weight in the mean diameter; they add up to 1
 
-    def seen_of_one_side(self, phase: Any, exponent: float) -> Any:
-        """Return how much of the mean wear the two-point diameters show where a bore is worn to the side at ``phase``.
-
-        The wear is w₀ max(cos θ, 0)^n, and ``exponent`` the n.
-        """
-        return sum(weight * seen_of_one_sided(angle - phase, exponent) for angle, weight in self.angles.items())
-
-
-#: The n of the shapes w₀ max(cos θ, 0)^n that wear to one side is taken to have, alike likely: choice of this project.
-EXPONENTS = 1.0, 2.0, 3.0
-_EVEN_ROUND = 0.2  # part of a two-lobe form that directions around the bore leave in their mean at most
-FITTED_FROM = 4  # directions in every plane show the shape of a bore
-_PHASES, _WEARS = np.pi * np.arange(36) / 36.0, np.arange(27) / 24.0  # of the grid on which it is fitted
-_AROUND = np.pi * np.arange(90) / 45.0
-
-
-@dataclass(frozen=True)
-class FittedSide:
-    """What a bore's own directions tell of its wear to one side: what that may be, and how likely; shapes (cells,)."""
-
-    cumulative: np.ndarray  # probability of the cells up to each
-    wear: np.ndarray  # [m] mean around the circumference
-    seen: np.ndarray  # of it, in the mean diameter
-    moments: tuple[np.ndarray, np.ndarray]  # second [m²] and third [m³] central moment of the clearance
-    entry_loss: np.ndarray  # over that of the even gap of the same mean cube: where a gap is wide it is quick
-
 
 @dataclass(frozen=True)
 class LandSources:
@@ -209,47 +179,6 @@ class LandSources:
         """Return the variance of the clearance in one direction of one plane by what repeats leave of it [m²]."""
         each = ((self.spreads[part], plan.repeats) for part, plan in self.plans.items())
         return OF_A_DIAMETER**2 * math.fsum(s.averaged_variance / n + s.persistent_variance for s, n in each)
-
-    @cached_property
-    def fitted_side(self) -> FittedSide | None:
-        """Return what four or more directions tell of wear to one side; None where they are fewer, or nothing is worn.
-
-        Every amount up to all that is worn, every side and each of `EXPONENTS` is alike likely but for how well it
-        agrees with the differences between the directions, beside a two-lobe form as it was when new.
-        """
-        plan, new = self.plans.get("sleeve"), self.state.land.mounting_range[0]
-        most = self.assumptions.one_sided_wear * max(self.state.radial_clearance - new, 0.0)
-        if plan is None or plan.residual * FITTED_FROM > 2.0 or plan.two_lobe > _EVEN_ROUND or not most:
-            return None
-        planes: dict[str, list[tuple[float, float]]] = defaultdict(list)
-        for station in self.state.stations:
-            planes[station.plane].append((math.radians(station.direction or 0.0), station.radial_clearance))
-        found: dict[float, list[float]] = defaultdict(list)
-        for directions in planes.values():
-            mean = math.fsum(clearance for _, clearance in directions) / len(directions)
-            for angle, clearance in directions:
-                found[angle].append(clearance - mean)
-        angles, differ = np.array([*found]), np.array([np.mean(each) for each in found.values()])
-        new_form = self.assumptions.unseen_ovality**2 / 32.0 * np.cos(2.0 * (angles[:, None] - angles))
-        noise = np.eye(angles.size) * (self.direction_variance / len(planes) + FINEST**2)
-        weights = np.linalg.inv(new_form + noise + _ANY_MEAN**2)
-        shapes = [seen_of_one_sided(angles[:, None] - _PHASES, n) for n in EXPONENTS]
-        shows = np.stack([each - each.mean(axis=0) for each in shapes])
-        wear = most * _WEARS[:, None, None]
-        log = wear * np.einsum("i,ij,njp->np", differ, weights, shows)
-        log = log - 0.5 * wear**2 * np.einsum("nip,ij,njp->np", shows, weights, shows)
-        moments = (one_sided_moments(wear[:, :, 0], n) for n in EXPONENTS)
-        square, cube = (np.stack(each, axis=1) for each in zip(*moments, strict=True))
-        seen = np.stack([plan.seen_of_one_side(_PHASES, n) for n in EXPONENTS])
-        profiles = np.stack([np.maximum(np.cos(_AROUND), 0.0) ** n for n in EXPONENTS])
-        profiles = profiles / profiles.mean(axis=1, keepdims=True) - 1.0
-        around = np.maximum(self.state.radial_clearance + wear * profiles, 0.0)
-        # small losses go as c⁴, and by them the flow as c⁷; where all is loss the flow goes as c: between the two
-        loss = np.sqrt(np.mean(around**7, axis=2) / np.mean(around**3, axis=2) ** (5.0 / 3.0)) / around.mean(axis=2)
-        cells = (wear, seen, square, cube, loss[:, :, None])
-        wear, seen, square, cube, loss = (np.broadcast_to(each, log.shape).ravel() for each in cells)
-        cumulative = np.cumsum(np.exp(log - log.max()))
-        return FittedSide(cumulative / cumulative[-1], wear, seen, (square, cube), loss)
 
     @cached_property
     def budget(self) -> tuple[tuple[UncertaintySource, float], ...]:

@@ -20,7 +20,9 @@ from atleak.common.errors import InputError
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
-from atleak.diagnosis.uncertainty.draws import Cube, Draws, deviates_of_factors, one_sided_wear
+from atleak.diagnosis.uncertainty.drawn_unit import deviates_of_factors
+from atleak.diagnosis.uncertainty.draws import Cube, Draws
+from atleak.diagnosis.uncertainty.one_sided_wear import one_sided_wear
 from atleak.diagnosis.uncertainty.paired import PairedVisit, _drawn_lands
 from atleak.engine.projection import stated_condition
 from atleak.measurements.readings import Readings

@@ -11,7 +11,7 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.diagnosis.uncertainty import NOTHING_ELSE
-from atleak.diagnosis.uncertainty.draws import SIDES, chances_of_sides
+from atleak.diagnosis.uncertainty.one_sided_wear import SIDES, chances_of_sides
 from atleak.equations.clearance import seen_of_one_sided
 from atleak.measurements.readings import Reading, Readings
 from tests.unit.diagnosis.uncertainty.conftest import a_sheet, two_instruments
