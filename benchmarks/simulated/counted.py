@@ -134,11 +134,11 @@ def world_rates(world: World, counts: Counter[str]) -> dict[str, Any]:
 # --- the population
 
 
-def count_population(known: Known, shape: str, directions: tuple[float, ...], units: range) -> Counter[str]:
+def count_population(known: Known, shape: str, directions: tuple[float, ...], body: str, units: range) -> Counter[str]:
     """Count over some units of the population, by what the valve body's file says of the clearance when new."""
     counts: Counter[str] = Counter()
     for number in units:
-        unit = population.simulate(known, number, shape, directions)
+        unit = population.simulate(known, number, shape, directions, body)
         diagnosis = unit.diagnosis
         assert diagnosis.uncertainty is not None
         first_limit = diagnosis.limits.pair_share.levels[0][1] if diagnosis.limits.pair_share else 0.0
@@ -165,6 +165,11 @@ def count_population(known: Known, shape: str, directions: tuple[float, ...], un
             counts["total leakage"] += 1
             _count_side(counts, "total leakage", total.leakage_interval, unit.true[total.condition].total)
             counts[f"{WIDTH}{_width(total):.2f}"] += 1
+            for circuit, pressure in unit.true[total.condition].pressures.items():
+                counts["pressure"] += 1
+                # the dangerous side of a pressure is below its interval
+                low, high = total.circuit_intervals[circuit]
+                _count_side(counts, "pressure", (-high, -low), -pressure)
         counts["units"] += 1
         if unit.is_new:
             counts["new units"] += 1
@@ -188,7 +193,7 @@ def population_rates(name: str, counts: Counter[str]) -> dict[str, Any]:
             name: percent(counts[f"{state} {name}"], whole) for name in ("pass", "conditional", "flagged")
         }
 
-    held = ("clearance", "leakage", "total leakage")
+    held = [name for name in ("clearance", "leakage", "total leakage", "pressure") if counts[name]]
     widths = Counter({float(name[len(WIDTH) :]): number for name, number in counts.items() if name.startswith(WIDTH)})
     return {
         "known": name,

@@ -1,10 +1,14 @@
-"""What truly leaks from a simulated unit: the gap law written out once more, with true fluid, pressures and pump."""
+"""What truly leaks from a simulated unit: the gap law written out once more, with true fluid, pressures and pump.
+
+Of a unit with circuits the engine solves the pressures, with clearances at which its gaps pass what that law says.
+"""
 
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,9 +16,14 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.diagnosis.uncertainty import Assumptions
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import WORKSHOP
+from atleak.engine.projection import project
+from atleak.measurements.clearances import clearances
 from simulated.pairs import Pair
 
 LandKey = tuple[str, int]
+ROUNDS = 8  # in which clearances and pressures come to agree
 ENTRY_AND_EXIT = 1.5  # velocity heads lost at a sharp-edged entrance (0.5) and at the exit (1)
 
 
@@ -25,6 +34,8 @@ class TrueFlows:
     leakage: dict[LandKey, float]  # [m³/s] of each land
     drawn: dict[LandKey, float]  # [m³/s] what of that is drawn from the pump
     capacity: float  # [m³/s] of the pump
+    beside: float = 0.0  # [m³/s] drawn by what is no land
+    pressures: dict[str, float] = field(default_factory=dict)  # [Pa] that each fed circuit holds
 
     def share(self, key: LandKey) -> float:
         """Return what one land takes of the pump's flow, as a fraction."""
@@ -32,8 +43,8 @@ class TrueFlows:
 
     @property
     def total(self) -> float:
-        """Return what all lands draw from the pump [m³/s]."""
-        return math.fsum(self.drawn.values())
+        """Return what leaves the pump [m³/s]."""
+        return math.fsum(self.drawn.values()) + self.beside
 
 
 @dataclass(frozen=True)
@@ -88,6 +99,57 @@ def true_flows(
     slip = (pump.slip_coefficient or 0.0) * math.exp(u.slip_coefficient * by.slip)
     capacity = pump.displacement * (point.engine_speed - slip * main / (2.0 * math.pi * mu))
     return TrueFlows(leakage, drawn, capacity)
+
+
+def flows_in_circuits(
+    pairs: Sequence[Pair],
+    controller: Controller,
+    fluid: Fluid,
+    point: OperatingPoint,
+    by: Circumstances,
+    u: Assumptions,
+) -> TrueFlows:
+    """Compute the flows of a true unit with circuits, and what these hold; parameters as of `true_flows`."""
+    thicker, setting = math.exp(u.viscosity * by.viscosity), 1.0 + u.main_pressure * by.main
+    points = tuple((at, nu * thicker) for at, nu in fluid.points)
+    fluid = replace(fluid, points=points, table=tuple((at, nu * thicker, rho) for at, nu, rho in fluid.table))
+    slip, line = controller.pump.slip_coefficient, controller.line
+    pump = replace(controller.pump, slip_coefficient=slip and slip * math.exp(u.slip_coefficient * by.slip))
+    if line is not None and line.following is not None:
+        follows = line.following
+        follows = replace(follows, ratio=follows.ratio * setting, offset=follows.offset * setting)
+        line = replace(line, following=follows)
+    controller = replace(controller, pump=pump, line=line)
+    at = replace(
+        point,
+        temperature=point.temperature + u.temperature * by.temperature,
+        main_pressure=point.main_pressure * setting,
+        converter_pressure=point.converter_pressure * (1.0 + u.converter_pressure * by.converter),
+    )
+    rho = float(fluid.density(at.temperature))
+    mu = float(fluid.kinematic_viscosity(at.temperature)) * rho
+    by_key = {pair.land.key: pair for pair in pairs}
+    states = {
+        state.land.key: replace(
+            state,
+            radial_clearance=by_key[state.land.key].clearance,
+            land=replace(state.land, contact_length=by_key[state.land.key].length),
+        )
+        for state in clearances(None, controller)
+    }
+    for _ in range(ROUNDS):
+        found = project(LeakageModel(controller, tuple(states.values()), fluid, WORKSHOP), at)
+        for gap in sorted(found.gaps, key=lambda each: each.leakage):  # of several gaps of a land the largest counts
+            if gap.leakage > 0.0:
+                state = states[gap.gap.key]
+                ratio = _gap_flow(by_key[gap.gap.key], gap.pressure_drop, mu, rho, at.temperature) / gap.leakage
+                states[gap.gap.key] = replace(state, radial_clearance=state.radial_clearance * ratio ** (1.0 / 3.0))
+    leakage, drawn = defaultdict[LandKey, float](float), defaultdict[LandKey, float](float)
+    for gap in found.gaps:
+        leakage[gap.gap.key] += gap.leakage
+        drawn[gap.gap.key] += gap.leakage if gap.drawn_from_pump else 0.0
+    held = {each.circuit.id: each.pressure for each in found.circuits if each.circuit.feeds}
+    return TrueFlows(leakage, drawn, found.pump_capacity, found.leakage - math.fsum(drawn.values()), held)
 
 
 def _gap_flow(pair: Pair, drop: float, mu: float, density: float, temperature: float) -> float:

@@ -2,7 +2,8 @@
 
 Which land sees which pressures, the pump and the operating points are those of the shipped four-speed valve body.
 Everything about a pair is drawn: its own clearance when new from the range that is published for new valves of
-automatic transmissions, its diameter, its contact length, the metal of its spool, and its wear.
+automatic transmissions, its diameter, its contact length, the metal of its spool, and its wear. In a valve body with
+circuits the feeds fit the lands, whose diameters and lengths stay as its file has them.
 """
 
 from __future__ import annotations
@@ -23,11 +24,12 @@ from atleak.catalogue.limits import Limits, load_limits
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.diagnosis.uncertainty import DEFAULTS
-from simulated.flows import Circumstances, TrueFlows, true_flows
+from simulated.flows import Circumstances, TrueFlows, flows_in_circuits, true_flows
 from simulated.gauges import Reader
 from simulated.pairs import Pair, random_forms, sides_as_assumed
 
 SEED = 20261121
+WITHOUT_CIRCUITS, WITH_CIRCUITS = "four_speed_2023", "five_speed_2005"
 NEW = (6.4e-6, 20e-6)  # [m] radial clearance of new valves: Sonnax, valve body inspection, 0.0127 … 0.040 mm diametral
 DIAMETER = (8e-3, 16e-3)  # [m]
 LENGTH = (4e-3, 12e-3)  # [m] of contact
@@ -78,29 +80,34 @@ class Unit:
 
 
 @cache
-def _catalogue_entries() -> tuple[Controller, Fluid, Limits, Instruments]:
+def _catalogue_entries(body: str) -> tuple[Controller, Fluid, Limits, Instruments]:
     return (
-        load_controller("four_speed_2023"),
+        load_controller(body),
         load_fluid("hipol_atf_iid"),
         load_limits("project_default"),
         Instruments(load_instrument("micrometer"), load_instrument("bore_gauge")),
     )
 
 
-def simulate(known: Known, unit: int, shape: str = "as assumed", directions: tuple[float, ...] = (0.0, 90.0)) -> Unit:
+def simulate(
+    known: Known,
+    unit: int,
+    shape: str = "as assumed",
+    directions: tuple[float, ...] = (0.0, 90.0),
+    body: str = WITHOUT_CIRCUITS,
+) -> Unit:
     """Simulate one unit, read it in some directions, twice in each, and diagnose the sheet like any other.
 
     The unit itself and its readings are the same whatever the file says of the clearance when new; whatever the shape
     of its wear, of `SHAPES`, the unit has the same wear.
     """
     rng = np.random.default_rng((SEED, unit))
-    whole, fluid, limits, instruments = _catalogue_entries()
+    whole, fluid, limits, instruments = _catalogue_entries(body)
     pairs = _pairs(rng, whole, SHAPES[shape] or sides_as_assumed(np.random.default_rng((SEED, unit, 1))))
     readings = Reader(instruments, repeats=2, directions=directions).read(rng, pairs)
     circumstances = Circumstances.draw(rng)
-    true = {
-        point.name: true_flows(pairs, whole, fluid, point, circumstances, DEFAULTS) for point in whole.operating_points
-    }
+    flows = true_flows if body == WITHOUT_CIRCUITS else flows_in_circuits
+    true = {point.name: flows(pairs, whole, fluid, point, circumstances, DEFAULTS) for point in whole.operating_points}
     controller = replace(whole, lands=tuple(_in_file(rng, pair, known) for pair in pairs))
     return Unit(pairs, true, diagnose(controller, fluid, limits, readings=readings, instruments=instruments))
 
@@ -111,13 +118,14 @@ def _pairs(rng: np.random.Generator, controller: Controller, sides: tuple[float,
     one_sided, exponent = sides  # a property of the unit: bores wear by how it was used and how clean its fluid was
     pairs = []
     for land in controller.lands:
-        land = replace(
-            land,
-            nominal_diameter=round(rng.uniform(*DIAMETER), 4),
-            contact_length=round(rng.uniform(*LENGTH), 4),
-            body_expansion=ALUMINIUM,
-            spool_expansion=ALUMINIUM if rng.random() < 0.5 else STEEL,
-        )
+        if controller.id == WITHOUT_CIRCUITS:
+            land = replace(
+                land,
+                nominal_diameter=round(rng.uniform(*DIAMETER), 4),
+                contact_length=round(rng.uniform(*LENGTH), 4),
+                body_expansion=ALUMINIUM,
+                spool_expansion=ALUMINIUM if rng.random() < 0.5 else STEEL,
+            )
         unworn = rng.random() < UNWORN
         wear = rng.exponential(mean_wear)
         pairs.append(

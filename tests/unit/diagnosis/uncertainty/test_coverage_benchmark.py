@@ -11,7 +11,13 @@ import numpy as np
 import pytest
 
 from atleak.catalogue.controller_file import load_controller
+from atleak.catalogue.fluid import load_fluid
+from atleak.diagnosis.uncertainty import DEFAULTS
+from atleak.engine.leakage import LeakageModel
+from atleak.engine.profile import WORKSHOP
+from atleak.engine.projection import project
 from atleak.equations.clearance import one_sided_moments
+from atleak.measurements.clearances import clearances
 
 DRAWS = 500
 
@@ -78,10 +84,38 @@ def test_the_population_is_the_same_whatever_the_file_knows_of_new(benchmark: Mo
     assert {pair.mounting for pair in known.pairs} != {
         land.mounting_clearance for land in known.diagnosis.controller.lands
     }
-    rates = benchmark.population_rates(
-        "a name", benchmark.count_population(population.Known.PAIR, "as assumed", (0.0, 90.0), range(worn, worn + 1))
-    )
+    case = population.Known.PAIR, "as assumed", (0.0, 90.0), population.WITHOUT_CIRCUITS
+    rates = benchmark.population_rates("a name", benchmark.count_population(*case, range(worn, worn + 1)))
     assert rates["unworn"]["lands"] + rates["worn"]["lands"] == len(known.pairs)
     assert sum(rates["worn"][name] for name in ("pass", "conditional", "flagged")) == pytest.approx(100.0, abs=1e-9)
     impossible = rates | {"unworn": {"pass": 80.0, "flagged": 2.0}}
     assert len(benchmark.population_failures(impossible, 0.0)) >= 2
+
+
+def test_true_pressures_are_those_of_the_gaps_of_the_true_unit(benchmark: ModuleType) -> None:
+    """Unworn and round bores at the stated condition hold what the engine computes for the file's own clearances."""
+    from simulated.flows import Circumstances, flows_in_circuits
+    from simulated.pairs import Form, Pair
+
+    controller, forms = load_controller("five_speed_2005"), dict.fromkeys(("spool", "sleeve"), Form(0.0, 0.0, 0.0, 0.0))
+    fluid, point = load_fluid("hipol_atf_iid"), controller.operating_points[1]
+    pairs = [
+        Pair(
+            land,
+            land.nominal_diameter,
+            13e-6,
+            0.0,
+            0.0,
+            0.0,
+            land.contact_length,
+            forms,
+        )
+        for land in controller.lands
+    ]
+    true = flows_in_circuits(pairs, controller, fluid, point, Circumstances(0.0, 0.0, 0.0, 0.0, 0.0), DEFAULTS)
+    states = [replace(each, radial_clearance=13e-6) for each in clearances(None, controller)]
+    said = project(LeakageModel(controller, tuple(states), fluid, WORKSHOP), point)
+    assert true.total == pytest.approx(said.leakage, rel=1e-2, abs=0.0)
+    for each in said.circuits:
+        if each.circuit.feeds:
+            assert true.pressures[each.circuit.id] == pytest.approx(each.pressure, rel=1e-3, abs=0.0)
