@@ -22,13 +22,14 @@ from atleak.catalogue.instruments import load_instruments
 from atleak.catalogue.workbook.cells import CLEARANCES, LENGTHS, PRESSURES, Units
 from atleak.cli.job_options import add_sheet
 from atleak.cli.parser import add_command, add_group
-from atleak.cli.shared import Outputs, add_force, add_json, add_units
+from atleak.cli.shared import Outputs, add_force, add_json, add_mapping, add_units, mapped_columns
 from atleak.common.errors import InputError
 from atleak.common.sentences import Sentence
 from atleak.common.wording import Wording, wording
 from atleak.job_book.book import open_book
 from atleak.job_book.new_sheets import NewSheet, new_sheets, shared_instruments
 from atleak.readers.controller_workbook import is_workbook, read_controller_workbook
+from atleak.readers.remembered_columns import default_path
 from atleak.readers.sheets.measuring_sheet import read_several
 from atleak.report.sheets.controller_export import exported_controller
 from atleak.report.sheets.controller_workbook import write_controller_workbook
@@ -65,6 +66,7 @@ def add_learn(group: Any) -> None:
     parser.add_argument("--controller", metavar="ID|FILE", required=True, help="the valve body that they are of")
     parser.add_argument("-o", "--output", metavar="FILE.toml|-", help="its file with the clearances that were learned")
     add_sheet(parser)
+    add_mapping(parser)
     help = "the valve body that the sheets name, where this one was copied from it"
     parser.add_argument("--made-for", metavar="ID", help=help)
     add_units(parser)
@@ -86,11 +88,14 @@ def run(options: argparse.Namespace) -> int:
         if of_book and not any(chosen.values())
         else load_instruments(**{part: named for part, named in chosen.items() if named is not None})
     )
+    columns = mapped_columns(options)
     sheets = read_several(
         ((Path(name).name, name) for name in options.sheets),
         controller,
-        sheet=options.sheet,
-        unit=options.sheet_unit,
+        sheet=columns["sheet_name"],
+        unit=columns["sheet_unit"],
+        mapping=dict(columns["sheet_columns"]),
+        remembered=default_path(),
         where=dict(options.where),
         fill_down=options.fill_down,
         made_for=options.made_for,

@@ -6,7 +6,7 @@ import argparse
 import gc
 from typing import Any
 
-from atleak.cli.job_options import add_job_options, as_read, chosen_job, input_files
+from atleak.cli.job_options import add_job_options, as_read, chosen_job, input_files, keep_columns
 from atleak.cli.parser import add_command
 from atleak.cli.shared import (
     Outputs,
@@ -88,6 +88,7 @@ def _evidence(options: argparse.Namespace) -> int:
     from atleak.report.terminal import print_sections
 
     diagnosis = case.diagnose()
+    keep_columns(options, case, diagnosis)
     outputs.write(json=lambda: evidence_record(diagnosis))
     if outputs.shown:
         say = wording("en", options.units)
@@ -114,6 +115,7 @@ def _diagnosed(options: argparse.Namespace) -> int:
     if options.sections is not None and options.pdf is None:
         doubt_option("--sections", ["--pdf"])
     diagnosis = case.diagnose()
+    keep_columns(options, case, diagnosis)
     from atleak.analysis.record_doubts import with_sheet
 
     job = with_sheet(job, diagnosis.readings)

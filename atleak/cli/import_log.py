@@ -8,10 +8,21 @@ from pathlib import Path
 from typing import Any
 
 from atleak.cli.parser import add_command
-from atleak.cli.shared import SAMPLE_LOG, Outputs, add_columns, add_force, add_json, add_units, log_choices, or_sample
+from atleak.cli.shared import (
+    SAMPLE_LOG,
+    Outputs,
+    add_columns,
+    add_force,
+    add_json,
+    add_mapping,
+    add_units,
+    log_choices,
+    or_sample,
+    write_map_file,
+)
 from atleak.common.errors import InputError, OutputError, Place
 from atleak.common.sentences import Sentence
-from atleak.readers.logs import default_path, describe, remember, tidy_csv, understand
+from atleak.readers.logs import default_path, describe, forget_columns, remember, tidy_csv, understand
 from atleak.report.terminal import print_log
 
 
@@ -28,20 +39,20 @@ def add_parser(commands: Any, name: str) -> None:
         type=or_sample(SAMPLE_LOG),
         help="text, xlsx or mf4, as the logger wrote it; sample: the one that comes with atleak",
     )
+    add_mapping(parser, keeps=True)
     add_columns(parser)
     add_units(parser, None)
     add_json(parser)
     parser.add_argument("--csv", metavar="FILE|-", help="the log as a plain table in rpm, °C, kPa and km/h")
     add_force(parser)
-    parser.add_argument(
-        "--forget", action="store_true", help="do not remember --map and --unit for logs with this header"
-    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Read the log, write what was asked for and remember how its columns were chosen."""
     outputs, choices = Outputs(options, [options.road_test]), log_choices(options)
     mapping, units = choices["mapping"], choices["units"]
+    if options.forget:
+        forget_columns(default_path(), understand(Path(options.road_test)).signature)
     understood = understand(Path(options.road_test), **choices, remembered=default_path())
     record, test = describe(understood), understood.road_test
     outputs.write(json=lambda: record)
@@ -56,6 +67,7 @@ def run(options: argparse.Namespace) -> int:
             remember(default_path(), understood.signature, mapping, units, format=understood.format, columns=labels)
         except OutputError as error:
             print(f"atleak: columns are not remembered: {error}", file=sys.stderr)
+    write_map_file(options, mapping, units)
     if outputs.shown:
         print_log(record, options.units)
     outputs.say_written()

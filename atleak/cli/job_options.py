@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -19,17 +20,22 @@ from atleak.cli.shared import (
     SAMPLE_LOG,
     add_columns,
     add_controller,
+    add_mapping,
     add_pairs,
     length_of,
     log_constants,
+    mapped_columns,
     number_argument,
     number_of_argument,
     or_sample,
+    say_doubts,
+    write_map_file,
 )
-from atleak.common.errors import InputError, unknown
+from atleak.common.errors import InputError, OutputError, unknown
 from atleak.common.sentences import Sentence
 
 if TYPE_CHECKING:
+    from atleak.diagnosis.diagnosis import Diagnosis
     from atleak.job.case import Case
     from atleak.measurements.job_card import Job
 
@@ -40,6 +46,9 @@ def add_job_options(parser: argparse.ArgumentParser) -> None:
     """Add the files and choices of a job, which `chosen_job` makes a job of."""
     _add_measured(parser.add_argument_group("what was measured"))
     _add_road_test(parser.add_argument_group("the road test"))
+    add_mapping(
+        parser.add_argument_group("which column is what, of sheet and log, where the headings do not tell"), keeps=True
+    )
     _add_unit(parser.add_argument_group("the unit and its job"))
     _add_condition(parser.add_argument_group("the stated condition, in place of the valve body's first"))
     _add_computing(parser.add_argument_group("how it is computed and judged"))
@@ -49,7 +58,9 @@ def add_job_options(parser: argparse.ArgumentParser) -> None:
 def add_choices(parser: argparse.ArgumentParser) -> None:
     """Add the choices of a job without its files, for the rows of a table; `chosen_case` makes a case of them."""
     add_sheet(parser.add_argument_group("how measuring sheets are read, where their row does not say"))
-    add_columns(parser.add_argument_group("how logs are read, where their row does not say"))
+    logs = parser.add_argument_group("how logs are read, where their row does not say")
+    add_mapping(logs)
+    add_columns(logs)
     _add_catalogue(parser.add_argument_group("what units are diagnosed with, where their row does not say"))
     _add_condition(parser.add_argument_group("the stated condition, in place of each valve body's first"))
     _add_computing(parser.add_argument_group("how they are computed and judged"))
@@ -195,6 +206,34 @@ def as_read(case: Case) -> Case:
     return case if case.road_test is None else with_log_choices(case, Reader().log(case))
 
 
+def _forget(case: Case) -> None:
+    """Delete what was settled for files with the headings of this job's sheet and log."""
+    from atleak.readers.logs import default_path, forget_columns, understand
+    from atleak.readers.sheets.measuring_sheet import forget_sheet
+
+    if case.readings is not None:
+        forget_sheet(case.readings.given, default_path(), case.readings.name)
+    if case.road_test is not None:
+        forget_columns(default_path(), understand(case.road_test.given, name=case.road_test.name).signature)
+
+
+def keep_columns(options: argparse.Namespace, case: Case, diagnosis: Diagnosis) -> None:
+    """Say what was settled earlier, remember how the sheet's columns were named, and write it to the file asked for."""
+    from atleak.readers.logs import default_path
+    from atleak.readers.sheets.mapping import remember_sheet
+
+    readings = diagnosis.readings
+    say_doubts(message for message in (readings.messages if readings else ()) if message.code == "remembered")
+    try:
+        if case.sheet_columns and readings is not None and not options.forget:
+            remember_sheet(default_path(), readings, case.sheet_unit)
+    except OutputError as error:
+        print(f"atleak: columns are not remembered: {error}", file=sys.stderr)
+    units = {**dict(case.units), **({"value": case.sheet_unit} if case.sheet_unit else {})}
+    of_sheet = dict(readings.columns) if readings is not None else {}
+    write_map_file(options, {**of_sheet, **dict(case.columns)}, units, case.sheet_name)
+
+
 def chosen_case(options: argparse.Namespace) -> Case:
     """Return the files and choices that the command line names, without what a job record says."""
     from atleak.catalogue.pump import PumpClearances
@@ -204,7 +243,7 @@ def chosen_case(options: argparse.Namespace) -> Case:
     chosen: dict[str, Any] = {
         name: SourceFile.at(value) if name in OWN_FILES else value for name, value in given.items() if value is not None
     }
-    return Case(
+    case = Case(
         **chosen,
         fluid_state=options.fluid_state,
         options=_profile_options(options),
@@ -214,12 +253,10 @@ def chosen_case(options: argparse.Namespace) -> Case:
         mileage=options.mileage,
         measuring_temperature=options.measuring_temperature,
         pump_clearances=PumpClearances.of_um(options.pump_side_clearance, options.pump_tip_clearance),
-        sheet_name=options.sheet,
-        sheet_unit=options.sheet_unit,
+        **mapped_columns(options),
+        remember=not getattr(options, "forget", False),
         sheet_where=tuple(options.where),
         sheet_fill_down=options.fill_down,
-        columns=tuple(options.map),
-        units=tuple(options.unit),
         constants=log_constants(options),
         every=options.every,
         assumptions=tuple(pair for pair in options.assume if pair[0] != _POSITION),
@@ -227,6 +264,9 @@ def chosen_case(options: argparse.Namespace) -> Case:
         complaint=options.complaint,
         repairs=tuple(options.repair),
     )
+    if not case.remember:
+        _forget(case)
+    return case
 
 
 def _profile_options(options: argparse.Namespace) -> tuple[tuple[str, str], ...]:

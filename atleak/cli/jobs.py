@@ -13,7 +13,7 @@ from typing import Any
 
 from atleak.analysis.record_doubts import with_sheet
 from atleak.cli.app import PORT, open_page, port_number
-from atleak.cli.job_options import add_job_options, as_read, chosen_job
+from atleak.cli.job_options import add_job_options, as_read, chosen_job, keep_columns
 from atleak.cli.parser import add_command, add_group
 from atleak.cli.shared import (
     SHOWN,
@@ -368,6 +368,7 @@ def _add(options: argparse.Namespace) -> int:
     diagnosis = case.diagnose()
     parts = job_parts(diagnosis, with_sheet(job, diagnosis.readings), as_read(case))
     print(open_book().save(parts).id, file=asked_for(sys.stdout))
+    keep_columns(options, case, diagnosis)
     return 0
 
 

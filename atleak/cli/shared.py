@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -162,10 +162,23 @@ def doubt_option(option: str, others: Iterable[str]) -> None:
     print(f"atleak: {option} does nothing without {' or '.join(others)}", file=sys.stderr)
 
 
+def add_mapping(parser: CommandOptions, *, keeps: bool = False) -> None:
+    """Add the options that say which column is what, which `mapped_columns` gathers."""
+    help = (
+        "the column of a quantity of the log, as main_pressure, or of a role of the measuring sheet: component, plane, "
+        "part, direction, repeat, value, new; by heading, letter or number; part==spool holds for all rows"
+    )
+    add_pairs(parser, "--map", "NAME=COLUMN", help)
+    add_pairs(parser, "--unit", "NAME=UNIT", "the unit of a quantity of the log, or of the sheet's value")
+    help = "a file that says so, as --map-file writes it beside --map where there is none of that name"
+    parser.add_argument("--map-file", metavar="FILE", help=help)
+    if keeps:
+        help = "neither use nor remember what is settled for files with these headings; what was is forgotten"
+        parser.add_argument("--forget", action="store_true", help=help)
+
+
 def add_columns(parser: CommandOptions) -> None:
-    """Add the options about a log's columns, which `log_choices` gathers."""
-    add_pairs(parser, "--map", "QUANTITY=COLUMN", "the column of a quantity of the log")
-    add_pairs(parser, "--unit", "QUANTITY=UNIT", "the unit of a quantity of the log")
+    """Add the options about what a log lacks, and how much of it is read."""
     help = (
         "what stands for a channel that the log lacks, in kPa, °C or rpm: converter_pressure=300; in a diagnosis "
         "main_pressure=operating-points, those of the valve body's file by gear"
@@ -267,12 +280,49 @@ def chosen_controller(options: argparse.Namespace) -> Controller:
     return controller
 
 
+def mapped_columns(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the choices of a case that say which column is what; the command line goes before the file that it names.
+
+    Raises
+    ------
+    InputError
+        no such file, or a name that is neither a quantity nor a role.
+    """
+    from atleak.job.case import named_columns
+    from atleak.readers.remembered_columns import MapFile
+
+    file = MapFile({})
+    if options.map_file is not None and (Path(options.map_file).exists() or not options.map):
+        file = MapFile.read(Path(options.map_file))
+    given = {name for name, _ in options.map}
+    columns = [*((name, column) for name, column in file.mapping.items() if name not in given), *options.map]
+    units = {**file.units, **dict(options.unit)}
+    chosen = named_columns(columns, units.items(), getattr(options, "sheet_unit", None))
+    return chosen | {"sheet_name": getattr(options, "sheet", None) or file.sheet}
+
+
+def write_map_file(
+    options: argparse.Namespace, mapping: Mapping[str, str], units: Mapping[str, str], sheet: str | None = None
+) -> None:
+    """Write which column is what to the file that is asked for, where there is none of that name."""
+    if options.map_file is not None and not Path(options.map_file).exists():
+        from atleak.readers.remembered_columns import MapFile
+
+        for name in write_file(options.map_file, MapFile(mapping, units, sheet).text()):
+            print(f"atleak: columns are written to {name}", file=sys.stderr)
+
+
 def log_choices(options: argparse.Namespace) -> dict[str, Any]:
     """Return the choices about a log: columns, units, values for missing channels, and of how many rows one is read."""
+    chosen = mapped_columns(options)
+    if chosen["sheet_columns"]:
+        from atleak.measurements.road_test import QUANTITIES
+
+        name = chosen["sheet_columns"][0][0]
+        raise unknown(Sentence("a role of a measuring sheet, and no quantity of a log"), name, QUANTITIES)
     constants = {name: value for name, value in log_constants(options) if not isinstance(value, str)}
-    return {
-        "mapping": dict(options.map), "units": dict(options.unit), "constants": constants, "every": options.every,
-    }  # fmt: skip
+    named = {"mapping": dict(chosen["columns"]), "units": dict(chosen["units"])}
+    return {**named, "constants": constants, "every": options.every}
 
 
 def log_constants(options: argparse.Namespace) -> tuple[tuple[str, float | str], ...]:

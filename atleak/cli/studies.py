@@ -15,6 +15,7 @@ from atleak.cli.shared import (
     add_controller,
     add_force,
     add_json,
+    add_mapping,
     add_units,
     chosen_controller,
     chosen_road_test,
@@ -40,6 +41,7 @@ def _add_variants(commands: Any, name: str) -> None:
     parser = add_command(commands, name, _variants, examples=("variants", "variants --json variants.json"))
     add_controller(parser)
     parser.add_argument("--road-test", metavar="LOG", help="your own log instead of the shipped test")
+    add_mapping(parser)
     add_columns(parser)
     add_json(parser)
     add_force(parser)

@@ -39,6 +39,7 @@ from atleak.job.case import (
     CaseChoice,
     Reader,
     SourceFile,
+    named_columns,
     pairs_of,
     with_log_choices,
     with_record,
@@ -391,11 +392,9 @@ class TableUnits:
             "complaint": read.text("complaint"),
             "repairs": tuple(each.strip() for each in re.split(r"[;,\n]", read.text("repair") or "") if each.strip()),
             "sheet_name": read.text("sheet_name"),
-            "sheet_unit": read.text("sheet_unit"),
             "sheet_where": read.pairs("where"),
             "sheet_fill_down": read.yes("fill_down"),
-            "columns": read.pairs("map"),
-            "units": read.pairs("unit"),
+            **named_columns(read.pairs("map"), read.pairs("unit"), read.text("sheet_unit")),
         }
         speed = read.number("rpm", ENGINE_SPEED)
         changes["engine_speed"] = None if speed is None else speed / 60.0

@@ -14,6 +14,7 @@ import pickle
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -22,6 +23,7 @@ import pyarrow as pa
 from distributed import get_worker
 
 from atleak.analysis.record_doubts import with_sheet
+from atleak.catalogue.controller import Controller
 from atleak.common.damage import unexpected
 from atleak.common.errors import AtleakError, InputError
 from atleak.common.units import DM3_MIN, KPA, PERCENT
@@ -34,6 +36,7 @@ from atleak.fleet.units import FleetUnit
 from atleak.job.case import Case, CaseChoice, Reader, Slot
 from atleak.job.result import result_sha256
 from atleak.measurements.job_card import Job
+from atleak.measurements.readings import Readings
 from atleak.readers.logs import Understood, default_path, understand
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.version import __version__
@@ -292,6 +295,16 @@ class _Reader(Reader):
 
     def __init__(self, memory: int | None) -> None:
         self._memory = memory
+
+    def readings(self, case: Case, controller: Controller) -> Readings:
+        """Read the job's measuring sheet as its row says: what this computer remembers of sheets is not its own.
+
+        Raises
+        ------
+        ReadingsError
+            as `read_readings`.
+        """
+        return super().readings(replace(case, remember=False), controller)
 
     def log(self, case: Case) -> Understood:
         """Read the job's log.

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -54,6 +55,7 @@ from atleak.readers.gauges.flow_table import read_flow_table
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
 from atleak.readers.logs import NOT_LOGGED, Understood, default_path, recall, understand
+from atleak.readers.sheets.mapping import is_role, require_known
 from atleak.readers.sheets.measuring_sheet import read_readings
 
 _Loaded = TypeVar("_Loaded")
@@ -170,7 +172,12 @@ OWN_FILES = (
 )  # of a job, besides what it takes from the catalogue
 
 
-_ADDED_LATER = {"every": 1, "vacuum": None, "flows": None}  # choices that results kept before do not know
+_ADDED_LATER = {
+    "every": 1,
+    "vacuum": None,
+    "flows": None,
+    "sheet_columns": (),
+}  # choices that results kept before do not know
 
 
 @dataclass(frozen=True)
@@ -201,11 +208,12 @@ class Case:
     sheet_unit: str | None = None  # of the diameters, where the sheet does not say
     sheet_fill_down: bool = False  # whether an empty cell of a label goes on with the one above it
     sheet_where: tuple[tuple[str, str], ...] = ()  # heading → value of the rows to read, where it holds several states
+    sheet_columns: tuple[tuple[str, str], ...] = ()  # role → column of the sheet, where the user chose it
     columns: tuple[tuple[str, str], ...] = ()  # quantity → column of the log, where the user chose it
     units: tuple[tuple[str, str], ...] = ()  # quantity → unit
     constants: Pairs = ()  # quantity → value in SI of a channel that the log lacks; of main pressure `OPERATING_POINTS`
     every: int = 1  # N: only one row in N of the log is read
-    remember: bool = True  # whether to use what this computer remembers of such logs
+    remember: bool = True  # whether to use what this computer remembers of such logs and sheets
     assumptions: Pairs = ()  # those that differ from the defaults
     guard_factor: float | None = None  # k of the guard band; None: the usual one
     complaint: str | None = None  # id of one of the controller's complaints
@@ -263,6 +271,7 @@ class Case:
             "unit": self.sheet_unit,
             "where": dict(self.sheet_where),
             "fill_down": self.sheet_fill_down,
+            "mapping": dict(self.sheet_columns),
         }
 
     @property
@@ -480,7 +489,8 @@ class Reader:
         """
         sheet = case.readings
         assert sheet is not None
-        return read_readings(sheet.given, controller, name=sheet.name, **case.sheet_choices)
+        remembered = default_path() if case.remember else None
+        return read_readings(sheet.given, controller, name=sheet.name, remembered=remembered, **case.sheet_choices)
 
     def log(self, case: Case) -> Understood:
         """Read the job's log as far as it is understood, open questions included.
@@ -577,6 +587,32 @@ def differing_options(profile: Profile) -> Pairs:
     """Return the options in which a profile differs from the shipped one of its name."""
     shipped = PROFILES[profile.name].options
     return tuple((name, value) for name, value in profile.options.items() if value != shipped[name])
+
+
+def named_columns(
+    columns: Iterable[tuple[str, str]], units: Iterable[tuple[str, str]], sheet_unit: str | None = None
+) -> dict[str, Any]:
+    """Return how a case keeps columns and units by their names: of a log's quantities, and of a sheet's roles.
+
+    Raises
+    ------
+    InputError
+        a name that is neither, or a role that is given twice.
+    """
+    columns, units = tuple(columns), tuple(units)
+    require_known(name for name, _ in (*columns, *units))
+    of_sheet = tuple(pair for pair in columns if is_role(pair[0]))
+    twice = next((name for name, count in Counter(name for name, _ in of_sheet).items() if count > 1), None)
+    if twice is not None:
+        expected = Sentence("each role once; of several columns of diameters each as 'value spool' or 'value repeat 2'")
+        raise InputError(Sentence("a role of a measuring sheet is given twice"), value=twice, expected=expected)
+    of_values = [unit for name, unit in units if is_role(name)]
+    return {
+        "sheet_columns": of_sheet,
+        "sheet_unit": sheet_unit or next(iter(of_values), None),
+        "columns": tuple(pair for pair in columns if not is_role(pair[0])),
+        "units": tuple(pair for pair in units if not is_role(pair[0])),
+    }
 
 
 def pairs_of(values: Mapping[str, Any] | None) -> Pairs:

@@ -82,6 +82,7 @@ class ReadingChoices(_Strict):
     unit: str | None = None  # of the diameters
     where: dict[str, str] = {}  # heading → what must stand under it
     fill_down: bool = False  # an empty cell of a label goes on with the one above
+    mapping: dict[str, str] = {}  # role → column, chosen now or earlier
     measuring_temperature_c: MeasuringCelsius | None = None  # of gauge and parts
     pump_side_clearance_um: PumpSideMicrometres | None = None  # the whole axial play
     pump_tip_clearance_um: PumpTipMicrometres | None = None  # of its tips
@@ -139,6 +140,7 @@ class Choices(_Strict):
             sheet_unit=sheet.unit,
             sheet_where=pairs_of(sheet.where),
             sheet_fill_down=sheet.fill_down,
+            sheet_columns=pairs_of(sheet.mapping),
             columns=pairs_of(log.mapping),
             units=pairs_of(log.units),
             constants=pairs_of(log.constants),
@@ -225,7 +227,9 @@ def _choices(diagnosis: Diagnosis, job: Job, case: Case, files: Mapping[str, str
         options=diagnosis.profile.options,
         condition=_Condition(**asdict(diagnosis.projection.condition)),
         mileage=case.mileage if diagnosis.mileage == head else diagnosis.mileage,
-        readings=ReadingChoices(**case.sheet_choices, **measured) if "readings" in files else ReadingChoices(),
+        readings=ReadingChoices(**{**case.sheet_choices, **measured, **_settled(diagnosis)})
+        if "readings" in files
+        else ReadingChoices(),
         fluid_state=None if diagnosis.fluid_state_assumed else diagnosis.fluid.state,
         complaint=diagnosis.complaint.id if diagnosis.complaint else None,
         repairs=[repair.id for repair in diagnosis.repairs],
@@ -234,6 +238,15 @@ def _choices(diagnosis: Diagnosis, job: Job, case: Case, files: Mapping[str, str
         guard_factor=uncertainty.guard_factor if uncertainty else case.guard_factor,
         files=dict(files),
     )
+
+
+def _settled(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the columns that the sheet was read with, now or as settled earlier, and the unit."""
+    readings = diagnosis.readings
+    if readings is None or not readings.columns:
+        return {}
+    unit = {} if readings.unit_assumed or ", " in readings.unit else {"unit": readings.unit}
+    return {"mapping": dict(readings.columns), **unit}
 
 
 class OfBook(_Strict):

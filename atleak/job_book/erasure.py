@@ -75,6 +75,7 @@ def without_person(file: JobFile) -> WithoutPerson:
         sheet_unit=None,
         sheet_where=(),
         sheet_fill_down=False,
+        sheet_columns=(),
         columns=log.columns if log else (),
         units=log.units if log else (),
         every=1,

@@ -182,6 +182,10 @@ class Readings:
         lengths measured, repairs fitted.
     unworn
         readings marked as taken at an unworn end: of the pair when new, none of ``readings``.
+    columns
+        role and column, where a person said which column is what.
+    headings
+        of those columns' table.
     """
 
     file: str
@@ -199,6 +203,8 @@ class Readings:
     pump: PumpClearances = NO_CLEARANCES
     own_lands: OwnLands = OwnLands()
     unworn: tuple[Reading, ...] = ()
+    columns: tuple[tuple[str, str], ...] = ()
+    headings: tuple[str, ...] = ()
 
     @property
     def one_direction(self) -> bool:

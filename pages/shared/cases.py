@@ -38,14 +38,14 @@ from atleak.readers.logs import (
     remember,
     understand,
 )
-from atleak.readers.logs.remembered_columns import RememberedColumns
-from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.readers.remembered_columns import RememberedColumns, recall_all
+from atleak.readers.sheets.mapping import FORMAT
 
 CaseKind = TypeVar("CaseKind", bound=Case)
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
 LARGE, LARGE_KEPT = 4_000_000, 2  # [bytes], and how many
 _CHOICES = {  # those that belong to one file, and go with it
-    "readings": ("sheet_name", "sheet_unit", "sheet_where", "sheet_fill_down"),
+    "readings": ("sheet_name", "sheet_unit", "sheet_where", "sheet_fill_down", "sheet_columns"),
     "road_test": ("columns", "units", "constants", "every", "remember"),
     "pressures": (),
     "vacuum": (),
@@ -147,7 +147,7 @@ class Kept(Reader):
     def readings(self, case: Case, controller: Controller) -> Readings:
         assert case.readings is not None
         file = case.readings
-        key = repr((file.name, file.sha256, controller.sha256, sorted(case.sheet_choices.items())))
+        key = repr((file.name, file.sha256, controller.sha256, sorted(case.sheet_choices.items()), _of_sheets(case)))
         return _readings(key, case, controller)
 
     def pressures(self, case: Case, controller: Controller) -> PressureTable:
@@ -167,9 +167,7 @@ def _entry(slot: str, called: str, sha256: str, _choice: CaseChoice) -> Any:
 
 @st.cache_resource(max_entries=6, show_spinner="…")
 def _readings(key: str, _case: Case, _controller: Controller) -> Readings:
-    assert _case.readings is not None
-    file = _case.readings
-    return read_readings(file.content, _controller, name=file.name, **_case.sheet_choices)
+    return Reader().readings(_case, _controller)
 
 
 @st.cache_resource(max_entries=6, show_spinner=False)
@@ -335,8 +333,14 @@ def diagnosis_of(case: Case) -> Diagnosis:
 
 
 def result_key(case: Case) -> str:
-    """Return the key of a job's result: its files and choices, with the columns of its log as they are read now."""
-    return case_with_columns(case).key
+    """Return the key of a job's result: its files and choices, with the columns as they are read now."""
+    return case_with_columns(case).key + _of_sheets(case)
+
+
+def _of_sheets(case: Case) -> str:
+    """Return what is remembered of measuring sheets, where the job may be read by it; "" where nothing is."""
+    kept = recall_all(default_path()) if case.remember and case.readings is not None else {}
+    return "".join(f"{key} {entry}" for key, entry in kept.items() if entry.format == FORMAT)
 
 
 @st.cache_resource(max_entries=8, show_spinner="W1 … W8")

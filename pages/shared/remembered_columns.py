@@ -10,7 +10,7 @@ from atleak.common.errors import OutputError
 from atleak.common.files import damaged_before
 from atleak.common.wording import Wording
 from atleak.readers.logs import FORMATS, default_path, forget_columns
-from atleak.readers.logs.remembered_columns import RememberedColumns, recall_all, restore_columns
+from atleak.readers.remembered_columns import RememberedColumns, recall_all, restore_columns
 from pages.shared import fields, reader, show
 from pages.shared.state import choose, session
 

@@ -26,8 +26,8 @@ from atleak.readers.gauges.gauge_study import read_study
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
 from atleak.readers.logs import log_columns, remember, understand
-from atleak.readers.logs.remembered_columns import recall_all
 from atleak.readers.process.parent import FaultOfChild
+from atleak.readers.remembered_columns import recall_all
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.typed_sheet import typed_in
 from atleak.report.json.diagnosis import diagnosis_record

@@ -15,7 +15,8 @@ from atleak.measurements.road_test import RoadTest
 from atleak.readers.logs.columns import Ambiguous
 from atleak.readers.logs.importer import LogColumn, log_columns, understand
 from atleak.readers.logs.parquet_log import head_of_parquet
-from atleak.readers.logs.remembered_columns import (
+from atleak.readers.logs.understood import FORMATS, Understood, describe, tidy_csv
+from atleak.readers.remembered_columns import (
     NOT_LOGGED,
     default_path,
     forget_columns,
@@ -23,7 +24,6 @@ from atleak.readers.logs.remembered_columns import (
     remember,
     signature,
 )
-from atleak.readers.logs.understood import FORMATS, Understood, describe, tidy_csv
 
 __all__ = [
     "FORMATS", "NOT_LOGGED", "Ambiguous", "LogColumn", "Understood", "default_path", "describe", "forget_columns",

@@ -20,8 +20,8 @@ from atleak.measurements.road_test import QUANTITIES, ChannelKind
 from atleak.readers.dates import words
 from atleak.readers.logs.headings import Heading
 from atleak.readers.logs.names import Match, Tier, match_name, match_short_name, name_kind
-from atleak.readers.logs.remembered_columns import NOT_LOGGED
 from atleak.readers.logs.units import ATMOSPHERE, Fit, fit, given
+from atleak.readers.remembered_columns import NOT_LOGGED
 
 _AT_100 = {  # [rpm] at 100 km/h between which cars with automatic transmissions lie, by gear: choice of this project
     10: (900, 2400), 9: (900, 2400), 8: (1000, 2500), 7: (1100, 2700), 6: (1200, 2900), 5: (1300, 3200),

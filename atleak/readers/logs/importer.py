@@ -22,8 +22,8 @@ from atleak.common.errors import InputError, Message, Place, RoadTestError
 from atleak.common.memory import free_memory
 from atleak.common.sentences import Sentence
 from atleak.measurements.road_test import thinned
+from atleak.readers import remembered_columns as memory
 from atleak.readers.dates import words
-from atleak.readers.logs import remembered_columns as memory
 from atleak.readers.logs.columns import (
     BESIDE,
     Ambiguous,
@@ -213,10 +213,9 @@ def _with_memory(job: _Job, signature: str) -> tuple[dict[str, str], dict[str, s
     remembered = memory.recall(job.memory, signature)
     if remembered is None:
         return mapping, units, []
-    note = Message("info", "remembered", Sentence("columns are taken as settled earlier for logs with this header"))
     mapped = {words(column) for column in mapping.values() if column != memory.NOT_LOGGED}
     earlier = {quantity: column for quantity, column in remembered.mapping.items() if words(column) not in mapped}
-    return {**earlier, **mapping}, {**remembered.units, **units}, [note]
+    return {**earlier, **mapping}, {**remembered.units, **units}, [remembered.note]
 
 
 # --- workbooks ----------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import numpy as np
 
 from atleak.common.errors import Place, RoadTestError, extra_installed
 from atleak.common.sentences import Sentence
-from atleak.readers.logs import remembered_columns as memory
+from atleak.readers import remembered_columns as memory
 from atleak.readers.logs.clock import Clock
 from atleak.readers.logs.columns import Assigner, find_candidates, map_columns, stated_units
 from atleak.readers.logs.delimited import Filled

@@ -27,7 +27,6 @@ from atleak.readers.logs.headings import Heading, named_by_a_date
 from atleak.readers.logs.log_cells import is_clock, kind_of_cells
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.names import Tier, clean_unit, is_unit, match_name, split_unit
-from atleak.readers.logs.remembered_columns import NOT_LOGGED
 from atleak.readers.logs.rows import (
     LeftOutRow,
     LogRows,
@@ -48,6 +47,7 @@ from atleak.readers.logs.timeline import Timeline
 from atleak.readers.logs.timeline import build as build_timeline
 from atleak.readers.logs.understood import TableResult
 from atleak.readers.logs.units import same_unit
+from atleak.readers.remembered_columns import NOT_LOGGED
 
 UNIT_HEADERS = frozenset({"unit", "units", "einheit", "jednostka", "unite", "unidade", "единицы"})
 _NAME_HEADERS = {

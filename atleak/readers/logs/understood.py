@@ -21,8 +21,8 @@ from atleak.readers.logs import channels as build
 from atleak.readers.logs.clock import YEAR, Clock
 from atleak.readers.logs.columns import Ambiguous, Assigner
 from atleak.readers.logs.headings import Heading
-from atleak.readers.logs.remembered_columns import NOT_LOGGED
 from atleak.readers.logs.timeline import Timeline
+from atleak.readers.remembered_columns import NOT_LOGGED
 from atleak.version import __version__
 
 FORMATS: Mapping[str, Sentence] = MappingProxyType(  # of files, as pages name them; those of MDF and Parquet are names

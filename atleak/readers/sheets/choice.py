@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.words import PART_WORDS
@@ -15,7 +15,8 @@ from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Sheet
 from atleak.readers.sheets.controller_names import ControllerNames, Sizes
 from atleak.readers.sheets.diameters import PlaceKey, filled_down
-from atleak.readers.sheets.layout import continued, find_tables, turned
+from atleak.readers.sheets.layout import continued, find_tables, mapped_tables, turned
+from atleak.readers.sheets.mapping import NOTHING_SAID, SheetMapping, likely_table, suggestion
 from atleak.readers.sheets.rows import SheetRows
 from atleak.readers.sheets.table import EXPECTED_SHEET, HeadedTable, best_header
 from atleak.readers.sheets.words import is_repeat_title, letters
@@ -107,19 +108,34 @@ class SheetChoice:
 
 
 def choose_sheet(
-    sheets: Sequence[Sheet], file: str, names: ControllerNames, wanted: str | None, fill_down: bool = False
+    sheets: Sequence[Sheet],
+    file: str,
+    names: ControllerNames,
+    wanted: str | None,
+    fill_down: bool = False,
+    mapping: SheetMapping = NOTHING_SAID,
 ) -> SheetChoice:
     """Choose the tables to read: of the sheet that is asked for, or of every visible sheet that is filled in.
 
-    ``fill_down`` says that empty cells of a label go on with the one above them. A `ReadingsError` says where there is
+    ``fill_down`` says that empty cells of a label go on with the one above them, ``mapping`` which columns are read:
+    of the sheets that have them. A `ReadingsError` says where there is
     no such sheet, none holds readings, or none is filled in.
     """
-    every = [_the_right_way_round(sheet, names) for sheet in sheets]
-    for before, page in pairwise(every):
+    sheets = [(mapping.down and turned(sheet)) or sheet for sheet in sheets]
+    mapped = _mapped(sheets, wanted, mapping)
+    every = [
+        _SheetTables(sheet, mapped_tables(sheet, mapping, names))
+        if sheet in mapped
+        else _the_right_way_round(sheet, names)
+        for sheet in sheets
+    ]
+    for before, page in () if mapped else itertools.pairwise(every):
         if not page.tables and before.readable:
             page.tables = continued(page.sheet, before.readable[-1], names)
     if wanted is not None and any(sheet.name is not None for sheet in sheets):
         looked_at = [_wanted(every, file, wanted)]
+    elif mapped:
+        looked_at = [page for page in every if page.sheet in mapped]
     else:
         filled = [page for page in every if page.is_filled]
         # hidden sheets are read only where no visible sheet is filled in
@@ -131,12 +147,23 @@ def choose_sheet(
     return SheetChoice(file, wanted, every, looked_at, [filled_down(table, fill_down) for table in readable])
 
 
+def _mapped(sheets: Sequence[Sheet], wanted: str | None, mapping: SheetMapping) -> list[Sheet]:
+    """Return the sheets whose columns a person named: the one asked for, or the visible ones that have them."""
+    if not mapping:
+        return []
+    asked = [sheet for sheet in sheets if (not sheet.hidden if wanted is None else sheet.name in (wanted, None))]
+    fitting = [sheet for sheet in asked if mapping.fits(sheet)]
+    if asked and not fitting:
+        raise mapping.not_found(asked)
+    return fitting
+
+
 def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> _SheetTables:
     """Return a sheet with its tables, turned where its headings run down the first column."""
     upright = _SheetTables(sheet, find_tables(sheet, names))
     if any(table.of("component") and any(column.holds_size for column in table.columns) for table in upright.tables):
         return upright
-    around = turned(sheet, names)
+    around = turned(sheet)
     sideways = None if around is None else _SheetTables(around, find_tables(around, names))
     return sideways if sideways is not None and sideways.is_filled else upright
 
@@ -181,7 +208,7 @@ def _no_readings(every: Sequence[_SheetTables], file: str, naming: ControllerNam
             )
     headers = [*tables, *filter(None, map(best_header, sheets))]
     if headers:
-        return _incomplete(max(headers, key=lambda table: table.score), Sizes(naming.controller))
+        return _incomplete(max(headers, key=lambda table: table.score), naming)
     names = [sheet.name for sheet in sheets if sheet.name is not None]
     problem = Sentence("no row of headings found: not a measuring sheet?")
     if len(names) > 1:
@@ -189,10 +216,16 @@ def _no_readings(every: Sequence[_SheetTables], file: str, naming: ControllerNam
             "no row of headings found in any of the sheets {sheets}: not a measuring sheet?", sheets=_quoted(names)
         )
     place = Place(file, sheets[0].name if len(sheets) == 1 else None)
-    return ReadingsError(problem, place=place, expected=EXPECTED_SHEET)
+    fullest = max(sheets, key=lambda sheet: sum(map(bool, itertools.chain(*sheet.rows))))
+    return ReadingsError(problem, place=place, expected=_expected(fullest, naming))
 
 
-def _incomplete(table: HeadedTable, sizes: Sizes) -> ReadingsError:
+def _expected(sheet: Sheet, names: ControllerNames) -> Sentence:
+    options = suggestion(likely_table(sheet, names), names)
+    return Sentence("{headings}; or {suggestion}", headings=EXPECTED_SHEET, suggestion=options)
+
+
+def _incomplete(table: HeadedTable, names: ControllerNames) -> ReadingsError:
     """Return why a table cannot be read whose headings are the best of the file, and what may be meant by them."""
     missing = [] if table.of("component") else [Sentence("component")]
     missing += [] if table.values else [Sentence("diameter, or coordinate x1 and coordinate x2")]
@@ -217,7 +250,7 @@ def _incomplete(table: HeadedTable, sizes: Sizes) -> ReadingsError:
         ),
         (means, Sentence("{problem}. Means are no readings ({headings})")),
         (
-            _of_size(table, sizes),
+            _of_size(table, Sizes(names.controller)),
             Sentence(
                 "{problem}. Numbers of that size stand under {headings}: more words there than a part, land, "
                 "direction or repeat"
@@ -227,7 +260,8 @@ def _incomplete(table: HeadedTable, sizes: Sizes) -> ReadingsError:
         if headings and not table.values:
             problem = template.of(problem=problem, headings=_quoted(headings))
     value = ", ".join(repr(column.name) for column in table.columns)
-    return ReadingsError(problem, place=table.sheet.place(table.last), value=value, expected=EXPECTED_SHEET)
+    expected = _expected(table.sheet, names)
+    return ReadingsError(problem, place=table.sheet.place(table.last), value=value, expected=expected)
 
 
 def _of_size(table: HeadedTable, sizes: Sizes) -> list[str]:

@@ -12,9 +12,9 @@ from atleak.common.sentences import Sentence
 from atleak.common.units import Unit, find_unit
 from atleak.readers.sheets.column_headings import HeadedColumn, Role
 from atleak.readers.sheets.controller_names import ControllerNames
-from atleak.readers.sheets.labels import says_date
+from atleak.readers.sheets.mapping import suggestion
 from atleak.readers.sheets.table import HeadedTable
-from atleak.readers.sheets.words import plain, sheet_vocabulary, text_of
+from atleak.readers.sheets.words import plain, says_date, sheet_vocabulary, text_of
 
 _COORDINATES = ("coordinate 1", "coordinate 2")
 _VALUE_WORDS = {
@@ -248,7 +248,10 @@ def _missing(table: HeadedTable, names: ControllerNames, columns: Columns) -> It
             Sentence("no column holds {what}", what=what),
             place=table.sheet.place(max(table.last, 0)),
             value=", ".join(column.name for column in table.columns),
-            expected=Sentence("headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'"),
+            expected=Sentence(
+                "headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'; or {suggestion}",
+                suggestion=suggestion(table, names),
+            ),
         )
 
 

@@ -1,14 +1,15 @@
 """Whether a number has the size of a diameter of the controller.
 
-Which of a controller's components and lands a sheet means.
+Which of a controller's components and lands a sheet means; `read_label` takes apart cells that say several things.
 """
 
 from __future__ import annotations
 
+import datetime
 import re
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property
 
 from atleak.catalogue.controller import Controller, Land
@@ -19,7 +20,17 @@ from atleak.common.units import Unit, unit
 from atleak.common.wording import wording
 from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.readers.cells.sheet import Cell
-from atleak.readers.sheets.words import numbers_in, plain, plane_names, text_of
+from atleak.readers.sheets.column_headings import Role, is_angle, spot_of_heading, tokens_of, unit_of_heading
+from atleak.readers.sheets.words import (
+    direction_of,
+    numbers_in,
+    part_of,
+    part_said,
+    plain,
+    plane_names,
+    sheet_vocabulary,
+    text_of,
+)
 
 _INCH_DECIMALS = 3  # a diameter in inches has at least so many; 0.5 is half a millimetre of something
 ROUNDED = 0.51e-6  # [m] by which a number that was rounded to a micrometre may be off
@@ -211,3 +222,102 @@ def _list(names: Iterable[str]) -> Sentence:
     if len(listed) > _LISTED:
         return Sentence("{names} … ({count} in all)", names=listed[:_LISTED], count=len(listed))
     return Sentence("{names}", names=listed)
+
+
+# --- cells that say several things at once: "pressure_regulator/2", "No. 8, plane 1", "bore 90°"
+
+_LEADING_NUMBER = re.compile(r"(\d+'?)(?=[\s,;:./_()\-–—#]|$)")
+_AXES = {"x": "0°", "y": "90°"}
+LABELLED: Mapping[str, Role] = {  # what a cell may say; a number stands for a land or a plane without saying which
+    **{role: role for role in ("component", "part", "land", "plane", "direction", "repeat", "unit")},
+    "number": "plane",
+}
+Label = dict[str, str]  # what one cell says of a diameter, each as a cell of its own column would say it
+
+
+def read_label(cell: Cell, names: ControllerNames) -> Label | None:
+    """Return what a cell says, if all of it is understood.
+
+    >>> from atleak.catalogue.controller_file import load_controller
+    >>> names = ControllerNames(load_controller("minimal_example"))
+    >>> read_label("pressure_regulator (2), bore 90°", names)
+    {'component': 'pressure_regulator', 'part': 'sleeve', 'plane': '2', 'direction': '90°'}
+    >>> read_label("ring gauge 18.0", names), read_label("pressure_regulator/3", names)
+    (None, None)
+    """
+    if isinstance(cell, bool | datetime.date | datetime.time) or cell is None:
+        return None
+    rest, unit = unit_of_heading(text_of(cell))
+    folded = plain(rest)
+    for component, other in (*_with_component(folded, names), (None, folded)):
+        label: Label = {} if component is None else {"component": component}
+        label |= {} if unit is None else {"unit": unit.name}
+        if _takes_rest(other, label) and _is_placed(label, names) and label:
+            return {name: label[name] for name in LABELLED if name in label}
+    return None
+
+
+def _with_component(folded: str, names: ControllerNames) -> Iterator[tuple[str, str]]:
+    """Yield each component that a text may name, the longest name first, with the rest of the text."""
+    for name, component in names.by_length:
+        if component not in names.with_lands:
+            continue
+        if any(letter.isalpha() for letter in name):
+            match = re.search(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])", folded) if name in folded else None
+            if match is not None:
+                yield component, f"{folded[: match.start()]} {folded[match.end() :]}"
+    leading = re.sub(r"^(?:(?:[^\W\d_]+|#)[\s.:]*)", _unless_label, folded)
+    match = _LEADING_NUMBER.match(leading)
+    numbered = names.component(match[1]) if match else None
+    if match is not None and numbered is not None and numbered in names.with_lands:
+        yield numbered, leading[match.end() :]
+
+
+def _unless_label(match: re.Match[str]) -> str:
+    is_label = match[0].strip(" .:") in sheet_vocabulary("number", "component", "generic")
+    return "" if is_label or match[0].startswith("#") else match[0]
+
+
+def _takes_rest(text: str, label: Label) -> bool:
+    """Add what the other words of its cell say to a label; return whether all of them are understood."""
+    part = part_said(text.strip(" -–_/.,;:()"))
+    if part is not None:
+        label["part"] = part
+        return True
+    spot, others = spot_of_heading(tokens_of(text.replace(".", " ").replace("°", "° ")))
+    label |= spot
+    before = ""
+    for token in others:
+        part = part_of(token) if len(token) > 1 else None
+        if token.isdigit():
+            repeats = before in sheet_vocabulary("of_repeat") and "repeat" not in label
+            if not repeats and not label.keys().isdisjoint(("number", "land", "plane")):
+                return False
+            label["repeat" if repeats else "number"] = token
+        elif (is_angle(token) or token in _AXES) and "direction" not in label:
+            label["direction"] = _AXES.get(token, token)
+        elif part is not None and label.get("part", part) == part:
+            label["part"] = part
+        elif token.isalpha() and len(token) > 3 and "direction" not in label and direction_of(token) is not None:
+            label["direction"] = token
+        elif token not in sheet_vocabulary("number", "diameter", "of_repeat"):
+            return False
+        before = token
+    return True
+
+
+def _is_placed(label: Label, names: ControllerNames) -> bool:
+    """Take the number of a label for a plane; return whether its component has that plane or land."""
+    component = label.get("component")
+    if component is None:
+        return True
+    try:
+        if "number" in label:
+            label["plane"] = names.plane(component, label.pop("number"))
+        elif "plane" in label:
+            names.plane(component, label["plane"])
+        if "land" in label:
+            names.land(component, label["land"])
+    except ReadingsError:
+        return False
+    return True

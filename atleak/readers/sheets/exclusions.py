@@ -342,12 +342,12 @@ def mark_messages(table: HeadedTable, rows: Collection[int], columns: Columns) -
 
 
 def _stars(table: HeadedTable, read: Sequence[Sequence[At]]) -> Iterator[Message]:
-    """Say which numbers have a star or dagger, which points to a note."""
+    """Say which numbers have a star, dagger or brackets, which point to a note."""
     sheet, marked = table.sheet, [at for cells in read for at in cells if is_marked(table.sheet.cell(*at))]
     if marked:
         numbers = tuple(dict.fromkeys(text_of(sheet.cell(*at)) for at in marked))[:_QUOTED]
         text = Sentence(
-            "a mark stands behind {numbers} ({rows}): read as they stand; what it means only the sheet's notes say",
+            "a mark stands at {numbers} ({rows}): read as they stand; what it means only the sheet's notes say",
             numbers=numbers,
             rows=rows_named(sheet, [row for row, _ in marked]),
         )

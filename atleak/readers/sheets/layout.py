@@ -19,7 +19,7 @@ from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.cells.workbook_marks import Marks
 from atleak.readers.sheets.column_headings import HeadedColumn, Role, read_heading, unit_of_heading
 from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames, Sizes, numbers_of
-from atleak.readers.sheets.labels import read_label, with_split_labels
+from atleak.readers.sheets.mapping import SheetMapping
 from atleak.readers.sheets.table import HeadedTable, find_headers, read_together
 from atleak.readers.sheets.words import (
     is_blank,
@@ -31,7 +31,6 @@ from atleak.readers.sheets.words import (
     repeat_of,
     stated_number,
     summary_of,
-    text_of,
 )
 
 _IN_BRACKETS = re.compile(r"\[[^\[\]]*\]|\([^()]*\)")
@@ -147,6 +146,12 @@ def find_tables(sheet: Sheet, names: ControllerNames) -> list[HeadedTable]:
     ]
 
 
+def mapped_tables(sheet: Sheet, mapping: SheetMapping, names: ControllerNames) -> list[HeadedTable]:
+    """Return the table whose columns a person named, cut by lines between its rows; no title leaves it aside."""
+    table = _titled(_by_content(mapping.table(sheet, names), Sizes(names.controller)), names)
+    return list(_sections(replace(table, left_aside=None), names))
+
+
 def continued(sheet: Sheet, table: HeadedTable, names: ControllerNames) -> list[HeadedTable]:
     """Return a sheet without headings as the continuation of the table before it; nothing where columns do not fit."""
     components = table.of("component")
@@ -204,7 +209,7 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[HeadedTable]:
             titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
             end = min([following.first, *titles])
         table = replace(header, sheet=_only(sheet, 0, sheet.width, end))
-        yield with_deviations(with_split_labels(_by_content(table, Sizes(names.controller)), names))
+        yield with_deviations(_by_content(table, Sizes(names.controller)))
 
 
 def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
@@ -362,16 +367,10 @@ def _sections(table: HeadedTable, names: ControllerNames) -> Iterator[HeadedTabl
 
 
 _MOST_CELLS = 200_000  # of a sheet that is turned; a measuring sheet has a hundredth of them
-_KEYS: tuple[Role, ...] = ("component", "part", "plane", "land", "direction")
-_HEADINGS = {"component": "Component", "part": "Part", "land": "Land", "plane": "Plane", "direction": "Direction"}
 
 
-def turned(sheet: Sheet, names: ControllerNames) -> Sheet | None:
-    """Return the sheet with rows and columns exchanged; None where it is too large for a measuring sheet.
-
-    Where the cells beside a label name components or parts, and the label does not, it is headed so. An empty cell
-    behind such a name goes on with it if a further name under it says of what: a heading over several columns.
-    """
+def turned(sheet: Sheet) -> Sheet | None:
+    """Return the sheet with rows and columns exchanged; None where it is too large for a measuring sheet."""
     if sheet.width * len(sheet.rows) > _MOST_CELLS:
         return None
     rows = [list(cells) for cells in zip_longest(*sheet.rows, fillvalue="")]
@@ -384,65 +383,13 @@ def turned(sheet: Sheet, names: ControllerNames) -> Sheet | None:
         comments={(column, row): words for (row, column), words in sheet.marks.comments.items()},
     )
     faults = {(column, row): why for (row, column), why in sheet.faults.items()}
-    around = replace(sheet, rows=rows, merged=merged, faults=faults, marks=marks, turned=not sheet.turned)
-    first = next((row for row, cells in enumerate(rows) if any(isinstance(cell, str) and cell for cell in cells)), None)
-    return around if first is None else _headed(around, first, names)
-
-
-def _headed(sheet: Sheet, first: int, names: ControllerNames) -> Sheet:
-    """Return the turned sheet with headings in row ``first`` for keys that have none, and keys spread over theirs."""
-    headings = list(sheet.rows[first])
-    rows: list[list[Cell]] = [*map(list, sheet.rows[:first]), headings, *map(list, sheet.rows[first + 1 :])]
-    keys: list[int] = []
-    titles: dict[int, str] = {}
-    named = False
-    for column, heading in enumerate(sheet.rows[first]):
-        below = [cell for row in range(first + 1, len(rows)) if not is_blank(cell := sheet.cell(row, column))]
-        if not below:  # a title or a note beside nothing
-            headings[column] = heading if numbers_of(heading) else ""
-            if isinstance(heading, str) and (component := names.component_in(heading)) is not None:
-                titles[column] = component
-            continue
-        read, kind = read_heading(text_of(heading)) if isinstance(heading, str) else None, _kind(below, names)
-        role = None if read is None else read.role
-        if kind not in (None, role):
-            headings[column] = _HEADINGS[kind]
-        if kind is not None or role in _KEYS:
-            keys.append(column)
-        named = named or "component" in (kind, role)
-    end = next((row for row in range(first + 1, len(rows)) if all(map(is_blank, rows[row]))), len(rows))
-    for column, component in () if named else titles.items():  # "Valve: accumulator" over its own rows
-        headings[column] = _HEADINGS["component"]
-        for cells in rows[first + 1 : end]:
-            cells[column] = component
-    return replace(sheet, rows=rows, merged={**sheet.merged, **_spread(sheet, first, keys)})
-
-
-def _kind(cells: Sequence[Cell], names: ControllerNames) -> str | None:
-    """Return what all cells name and name alone: components, parts, lands, planes or directions."""
-    texts = [cell for cell in cells if isinstance(cell, str)]
-    if not texts or len(texts) < len(cells):
-        return None
-    kinds: set[str] = set()
-    for text in dict.fromkeys(texts):
-        label = read_label(text, names)
-        kinds |= set() if label is None else label.keys() - {"unit"}
-        if label is None or len(kinds) != 1:
-            return None
-    kind = kinds.pop()
-    return kind if kind in _HEADINGS else None
-
-
-def _spread(sheet: Sheet, first: int, keys: Sequence[int]) -> dict[tuple[int, int], tuple[int, int]]:
-    """Return which empty cells of a key go on with the one before: those beside a further key of their own."""
-    spread: dict[tuple[int, int], tuple[int, int]] = {}
-    for at, column in enumerate(keys[:-1]):
-        for row in range(first + 2, len(sheet.rows)):
-            if not is_blank(sheet.filled(row, column)) or is_blank(sheet.filled(row - 1, column)):
-                continue
-            inner = any(not is_blank(sheet.cell(row, other)) for other in keys[at + 1 :])
-            outer = any(not is_blank(sheet.cell(row, other)) for other in keys[:at])
-            if inner and not outer:
-                spread[row, column] = spread.get((row - 1, column), (row - 1, column))
-                sheet = replace(sheet, merged={**sheet.merged, (row, column): spread[row, column]})
-    return spread
+    rows[:1] = [
+        [
+            ""
+            if isinstance(cell, str) and not numbers_of(cell) and all(is_blank(row[index]) for row in rows[1:])
+            else cell
+            for index, cell in enumerate(cells)
+        ]
+        for cells in rows[:1]
+    ]  # a title or a note beside nothing heads no column
+    return replace(sheet, rows=rows, merged=merged, faults=faults, marks=marks, turned=not sheet.turned)

@@ -92,6 +92,9 @@ class Account:
         repeats_sizes = len(rivals) == 1 and _is_headed(table) and _says_other(table, rivals[0])
         if repeats_sizes and not self._differs(rows, rivals[0]):
             self._leave_column(table, rivals[0], self._sizes_in(rows, rivals[0]), None)
+        elif table.mapped:  # a person said which one is the measurement
+            for index in rivals:
+                self._leave_column(table, index, self._sizes_in(rows, index), None)
         elif rivals:
             self.problems.append(_which(table, rivals))
 

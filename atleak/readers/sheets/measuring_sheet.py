@@ -8,6 +8,7 @@ What happens to a file:
 1. `readers.cells` turns its bytes into sheets: cells, what is merged, hidden or crossed out.
 2. `layout` cuts a sheet into tables: `column_headings` reads single headings, `table` all of them together, `labels`
    cells that say several things; `words` and ``vocabulary.toml`` know the words of every language.
+   What a person says of the columns (`mapping`) makes the same tables, and goes before what the headings say.
 3. `choice` picks the tables that are the measurement, and `columns` the columns of each that are read.
 4. `rows` reads every row, with `controller_names`; `exclusions` leaves out rows that are no reading, and `repeats` asks
    where two states would be averaged. `diameters` makes metres of what they hold.
@@ -22,6 +23,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -31,7 +33,7 @@ from atleak.common.damage import own_errors_only
 from atleak.common.errors import Message, Place, ReadingsError
 from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence, all_of, counted, in_a_row
-from atleak.common.units import Unit
+from atleak.common.units import Unit, find_unit
 from atleak.common.units import unit as unit_named
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.readings import Reading, Readings
@@ -39,6 +41,7 @@ from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Sheet
 from atleak.readers.cells.sheet_file import read_bytes, read_sheets
 from atleak.readers.gauges.gauge_table import find_tabs, likeness_of
+from atleak.readers.remembered_columns import forget_columns
 from atleak.readers.sheets import agreement
 from atleak.readers.sheets.choice import SheetChoice, choose_sheet, require_one_measurement
 from atleak.readers.sheets.controller_names import ControllerNames
@@ -47,6 +50,7 @@ from atleak.readers.sheets.exclusions import LEFT_ASIDE
 from atleak.readers.sheets.head import is_typed, read_head
 from atleak.readers.sheets.land_values import LandValues, read_land_values
 from atleak.readers.sheets.leftovers import Account, units_apart
+from atleak.readers.sheets.mapping import SheetMapping, recalled
 from atleak.readers.sheets.plausibility import check
 from atleak.readers.sheets.repeats import require_known
 from atleak.readers.sheets.rows import SheetRows, read_rows
@@ -88,7 +92,7 @@ class ReadingsRefused(ReadingsError):
         return text
 
 
-__all__ = ["ReadingsRefused", "check", "read_readings"]
+__all__ = ["ReadingsRefused", "check", "forget_sheet", "read_readings"]
 
 
 @own_errors_only(ReadingsError, "name", "source")
@@ -101,6 +105,8 @@ def read_readings(
     unit: str | None = None,
     where: Mapping[str, str] | None = None,
     fill_down: bool = False,
+    mapping: Mapping[str, str] | None = None,
+    remembered: Path | None = None,
     made_for: str | None = None,
 ) -> Readings:
     """Return the readings of a measuring sheet.
@@ -122,6 +128,10 @@ def read_readings(
         which rows to read: headings of columns and what must stand under them, as in ``{"Inspection": "May"}``.
     fill_down
         whether an empty cell of a label goes on with the one above it.
+    mapping
+        role → column, where the headings do not tell: see `atleak.readers.sheets.mapping.SheetMapping`.
+    remembered
+        a file of mappings chosen earlier (see `atleak.readers.remembered_columns`); None: none are consulted.
     made_for
         id that the sheet may name in place of the controller's: of the one from which this one was copied.
 
@@ -130,7 +140,8 @@ def read_readings(
     Readings
         diameters in metres, each with its place in the file; ``messages`` say what was assumed. Its ``pressures`` are
         those of a tab of gauge readings; where only that is filled in, there are no diameters. Its ``own_lands`` are
-        contact lengths, positions and fitted repairs, where the sheet states them.
+        contact lengths, positions and fitted repairs, where the sheet states them. Its ``columns`` are the mapping that
+        it was read with, and ``headings`` those by which that may be remembered.
 
     Raises
     ------
@@ -143,6 +154,7 @@ def read_readings(
         where the file as a whole cannot be read: no such file, empty, damaged, a picture, no measuring sheet in it,
         several of them, or none filled in.
     """
+    settled = SheetMapping(mapping or {})
     given_unit = None if unit is None else unit_named(unit, "length")
     data, file = read_bytes(source, name)
     of_gauges = likeness_of(controller)
@@ -154,18 +166,32 @@ def read_readings(
     if pressures is not None and not any(any(map(str.isdigit, str(cell))) for cell in cells):
         digest, tab = pressures.sha256, pressures.sheet
         return Readings(pressures.file, digest, tab, "mm", False, "tidy", readings=(), pressures=pressures)
-    chosen = choose_sheet(sheets, file, ControllerNames(controller), sheet, fill_down)
+    earlier = None
+    if remembered is not None:
+        shown = [page for page in sheets if (not page.hidden if sheet is None else page.name in (sheet, None))]
+        earlier = recalled(remembered, shown)
+    if earlier is not None:
+        settled = SheetMapping(earlier.with_chosen(settled.chosen))
+        given_unit = given_unit or find_unit(earlier.entry.units.get("value", ""), "length")
+    chosen = choose_sheet(sheets, file, ControllerNames(controller), sheet, fill_down, settled)
     require_known(chosen.tables, where or {})
     tables = [*chosen.tables, *chosen.of_lands]
     lands = read_land_values(tables, ControllerNames(controller), given_unit, where)
     controller = lands.own.with_fitted(controller)
     measured = _Measurement(chosen, sheets, lands, ControllerNames(controller), given_unit, where)
     result = measured.readings(hashlib.sha256(data).hexdigest(), pressures)
+    if settled:
+        note = [] if earlier is None else [earlier.entry.note]
+        columns, headings = tuple(settled.chosen.items()), measured.first.headed
+        result = replace(result, messages=(*note, *result.messages), columns=columns, headings=headings)
     problems = [*measured.problems, *check(result, controller)]
     others = [agreement.other_controller(table, controller, made_for) for table in chosen.tables]
     problems = next(([other] for other in reversed(others) if other is not None), problems)
     if problems:
-        raise ReadingsRefused(sorted(problems, key=lambda problem: problem.place.row or 0))
+        refused = sorted(problems, key=lambda problem: problem.place.row or 0)
+        if earlier is not None:
+            refused.append(ReadingsError(earlier.entry.note.text, place=Place(file)))
+        raise ReadingsRefused(refused)
     if not (result.readings or result.unworn or any(map(is_typed, sheets))) and pressures is None:
         raise _none_left(result, measured.first)
     return result
@@ -321,6 +347,22 @@ def _none_left(result: Readings, table: HeadedTable) -> ReadingsError:
         problem = Sentence("no reading is left: {reasons}", reasons=in_a_row(reasons))
         place = Place(result.file, result.sheet)
     return ReadingsError(problem, place=place, expected=Sentence("at least one diameter, or two coordinates"))
+
+
+def forget_sheet(source: str | Path | bytes, path: Path, name: str | None = None) -> None:
+    """Delete the columns that are remembered at a path for sheets with this one's headings.
+
+    Raises
+    ------
+    ReadingsError
+        where the file cannot be read.
+    OutputError
+        where what is remembered cannot be written.
+    """
+    data, file = read_bytes(source, name)
+    earlier = recalled(path, read_sheets(data, file, _score, is_word))
+    if earlier is not None:
+        forget_columns(path, earlier.key)
 
 
 def read_several(

@@ -17,7 +17,7 @@ from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Cell, column_letter
 from atleak.readers.sheets.column_headings import HeadedColumn
 from atleak.readers.sheets.columns import Columns, find_columns
-from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames
+from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames, read_label
 from atleak.readers.sheets.diameters import FILL_DOWN, DiameterCell, PlaceKey, RawValue, broken_blocks
 from atleak.readers.sheets.exclusions import Exclusions, mark_messages
 from atleak.readers.sheets.repeats import Break, repeat_messages, rows_left_out, states_question
@@ -190,7 +190,13 @@ class _Reader:
 
     def _report_overlong(self, row: int) -> None:
         """Report a text row with more cells than headings: its decimal commas were taken for the ends of cells."""
-        width, cells = len(self.table.texts), self.sheet.rows[row]
+        cells, width = self.sheet.rows[row], len(self.table.texts)
+        if not any(self.table.texts):  # without headings their number does not tell
+            width = len(cells) - any(
+                str(self.sheet.cell(row, index)).isdigit() and str(self.sheet.cell(row, index + 1)).isdigit()
+                for group in self.columns.groups
+                for index in (column.index for column in group.values())
+            )
         if self.sheet.is_text and any(not is_blank(cell) for cell in cells[width:]):
             problem = Sentence(
                 "the row has {cells} cells under {headings} headings: a decimal comma in a file whose columns are "
@@ -247,6 +253,11 @@ class _Reader:
                 read = diameter if name == "diameter" else number
                 numbers[name], written = read(self.sheet.cell(row, column.index))
             except ReadingsError as error:
+                cell = text_of(self.sheet.cell(row, column.index))
+                if not re.search(r"\d", cell):
+                    stands = Sentence("{expected}; or, for no reading, --map {missing}")
+                    missing = f'"missing={cell}"'
+                    error.expected = stands.of(expected=error.expected or A_DIAMETER, missing=missing)
                 self.rows.problems.append(at(self.table.place(row, column), error))
                 return None
             units[name] = written or self._unit(row, column)
@@ -319,8 +330,18 @@ class _Reader:
                 error.nearest = PART_WORDS[meant] if meant else None
             elif name == "unit":
                 error = unknown(problem, text_of(cell), unit_names("length"), kind=ReadingsError)
-            self._once(row, column, error)
+            self._once(row, column, self._shared(cell, column, error))
         return value
+
+    def _shared(self, cell: Cell, column: HeadedColumn, error: ReadingsError) -> ReadingsError:
+        """Say of a cell that says several things at once how its column is named for all of them."""
+        said = (read_label(cell, self.names) or {}).keys() - {"unit"}
+        if len(said) > 1 and not self.table.mapped:
+            roles = sorted({"plane" if role == "land" else role for role in said})
+            options = " ".join(f'--map "{role}={column.name}"' for role in roles)
+            settled = Sentence("{expected}; or the column for all that it says: {options}")
+            error.expected = settled.of(expected=error.expected or "", options=options)
+        return error
 
     def _is_unworn(self, row: int) -> bool:
         """Return whether a cell of its own says that the row's diameter was taken at an unworn end."""
@@ -347,7 +368,7 @@ class _Reader:
                 self._same_component(component, self.sheet.filled(row, column.index))
             return component
         except ReadingsError as problem:
-            self._once(row, column, problem)
+            self._once(row, column, self._shared(cell, column, problem))
             return None
 
     def _same_component(self, component: str, cell: Cell) -> None:

@@ -43,7 +43,7 @@ class HeadedTable:
     nothing of the tables beside and below. ``part`` and ``component`` are what the title or the sheet's name says, with
     ``named_by`` naming it. ``left_aside`` is why a table holds no readings of this valve body, None where it may.
     ``used`` are columns whose numbers went into others behind the last, ``filled`` rows whose labels are those of a row
-    above, and ``messages`` is what is to be said of both.
+    above, and ``messages`` is what is to be said of both. ``mapped`` is whether a person named its columns.
     """
 
     sheet: Sheet
@@ -58,6 +58,7 @@ class HeadedTable:
     used: frozenset[int] = frozenset()
     messages: tuple[Message, ...] = ()
     filled: frozenset[int] = frozenset()
+    mapped: bool = False
 
     # --- headings and columns -----------------------------------------------------------------------------------------
 
@@ -140,6 +141,11 @@ class HeadedTable:
         """Return the columns that the table spans."""
         wide = [index for index, text in enumerate(self.texts) if text]
         return range(min(wide), max(wide) + 1) if wide else range(self.sheet.width)
+
+    @property
+    def headed(self) -> tuple[str, ...]:
+        """Return the headings as they stand in the file."""
+        return tuple(text for index, text in enumerate(self.texts) if index not in self.sheet.derived)
 
     # --- rows and cells -----------------------------------------------------------------------------------------------
 
@@ -334,16 +340,16 @@ def _headers_at(sheet: Sheet, first: int) -> Iterator[HeadedTable]:
     for last in range(first, min(first + _DEPTH, len(sheet.rows))):
         if last > first and not any(not is_blank(cell) for cell in sheet.rows[last]):
             return
-        headings = _headings(sheet, first, last)
-        columns = [column for index, text in enumerate(headings) if (column := read_heading(text, index)) is not None]
-        columns += _numbered(columns, headings)
-        header = HeadedTable(sheet, first, last, read_together(columns), tuple(headings))
+        texts = headings(sheet, first, last)
+        columns = [column for index, text in enumerate(texts) if (column := read_heading(text, index)) is not None]
+        columns += _numbered(columns, texts)
+        header = HeadedTable(sheet, first, last, read_together(columns), tuple(texts))
         if last > first and _is_data(header):
             return
         yield header
 
 
-def _headings(sheet: Sheet, first: int, last: int) -> list[str]:
+def headings(sheet: Sheet, first: int, last: int) -> list[str]:
     """Return the text over every column: a heading over several columns counts for each of them, merged or not."""
     width = max(len(row) for row in sheet.rows[first : last + 1])
     levels = [[_said(sheet, row, column) for column in range(width)] for row in range(first, last + 1)]

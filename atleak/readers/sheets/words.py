@@ -186,9 +186,12 @@ _DRESSED = re.compile(
 )
 
 
+_IN_BRACKETS = re.compile(r"^\(\s*(\d+[.,]\d+)\s*\)(?=\D*$)")
+
+
 def _undressed(text: str) -> str:
     """Return a number as written without the sign for a diameter, its uncertainty, and stars; its unit stays."""
-    stripped = text.strip()
+    stripped = _IN_BRACKETS.sub(r"\1", text.strip())
     if stripped[:1].isdigit() and stripped[-1:].isdigit() and "±" not in stripped and "/" not in stripped:
         return stripped
     match = _DRESSED.fullmatch(stripped)
@@ -196,12 +199,14 @@ def _undressed(text: str) -> str:
 
 
 def is_marked(cell: Cell) -> bool:
-    """Return whether a star or a dagger stands at a cell's number, which points to a note.
+    """Return whether a star, a dagger or brackets stand at a cell's number, which point to a note.
 
-    >>> is_marked("17.998*"), is_marked("17.998"), is_marked("* measured twice")
-    (True, False, False)
+    >>> is_marked("17.998*"), is_marked("(17.998)"), is_marked("17.998"), is_marked("* measured twice")
+    (True, True, False, False)
     """
-    return isinstance(cell, str) and cell.rstrip()[-1:] in {"*", "†", "‡"} and number_of(cell) is not None
+    if not isinstance(cell, str) or number_of(cell) is None:
+        return False
+    return cell.rstrip()[-1:] in {"*", "†", "‡"} or _IN_BRACKETS.match(cell.strip()) is not None
 
 
 def _split_unit(text: str) -> tuple[str, Unit | None]:
@@ -295,17 +300,20 @@ _DIRECTIONS = {
 }
 
 
+_CLOCK = re.compile(r"(?<=\d)\s*(?:o'?\s?clock|uhr|godz\.?|h)$")
+
+
 def direction_of(cell: Cell) -> float | None:
     """Return the angle [°] from 0 to below 180 that a cell names, or None: 270° is the same diameter as 90°.
 
     >>> direction_of("90°"), direction_of("y1-y2"), direction_of("II"), direction_of(270), direction_of("up")
     (90.0, 90.0, 90.0, 90.0, None)
-    >>> direction_of("0°-180°"), direction_of("90/270"), direction_of("0-90"), direction_of("quer")
+    >>> direction_of("0°-180°"), direction_of("90/270"), direction_of("0-90"), direction_of("12-6 h")
     (0.0, 90.0, None, 90.0)
     """
     if isinstance(cell, bool):
         return None
-    text = plain(text_of(cell)).replace(" ", "").replace("–", "-").replace("÷", "-")
+    text = _CLOCK.sub("", plain(text_of(cell))).replace(" ", "").replace("–", "-").replace("÷", "-")
     if text in _DIRECTIONS:
         return _DIRECTIONS[text]
     # NFKD leaves ° as it is and turns º into o
@@ -514,3 +522,21 @@ def is_page_title(text: str) -> bool:
     (True, True, False)
     """
     return bool(letters(text)) and letters(text).only("page")
+
+
+_MONTH = (
+    r"(?:jan|feb|mar|apr|may|mai|maj|jun|jul|aug|sep|oct|okt|nov|dec|dez|sty|lut|kwi|cze|lip|sie|wrz|paz|lis|gru)"
+    r"[a-z]*\.?"
+)
+_DATE = re.compile(rf"\d{{1,2}}[-. ]+{_MONTH}|{_MONTH}[-. ]+\d{{1,2}}|\d{{4}}-\d\d-\d\d(?:[t ]00:00(?::00)?)?")
+
+
+def says_date(cell: Cell) -> bool:
+    """Return whether a spreadsheet program may have made a date of "8-1" here.
+
+    >>> says_date(datetime.date(2026, 8, 1)), says_date("08-Jan"), says_date("1. Aug"), says_date("8/1")
+    (True, True, True, False)
+    """
+    if isinstance(cell, datetime.date):
+        return True
+    return isinstance(cell, str) and _DATE.fullmatch(plain(cell)) is not None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -136,6 +137,42 @@ def test_rows_of_one_inspection(run: Run, tmp_path: Path, record_of: RecordOf) -
     assert [reading.diameter for reading in again.diagnose().readings.readings] == pytest.approx(
         [17.998e-3, 18.041e-3], abs=1e-12
     )
+
+
+def test_columns_of_a_sheet_are_named_remembered_shared_and_forgotten(run: Run, tmp_path: Path) -> None:
+    sheet, job, file = tmp_path / "scheda.csv", tmp_path / "job.zip", tmp_path / "map.json"
+    sheet.write_text("N.;Sezione;Cursore;Sede\naccumulator;1;17.998;18.041\n", encoding="utf-8")
+    command = ("diagnose", sheet, "--controller", "minimal_example")
+    status, _, err = run(*command)
+    assert status == 2
+    options = shlex.split(err[err.index("--map") :])
+    assert options[-1] == "value sleeve=Sede"
+    status, _, err = run(*command, *options, "--unit", "value=mm", "--map-file", file, "--job-file", job)
+    assert (status, err) == (0, f"atleak: columns are written to {file}\n")
+    again = read_job_file(job)
+    assert dict(again.case.sheet_columns)["value sleeve"] == "Sede"
+    assert len(again.diagnose().readings.readings) == 2
+    status, _, err = run(*command)  # remembered
+    assert status == 0
+    assert err.startswith("atleak: columns are taken as settled on ")
+    assert run(*command, "--forget")[0] == 2
+    assert run(*command)[0] == 2
+    assert run(*command, "--map-file", file, "--forget")[0] == 0
+    assert run(*command)[0] == 2
+    assert run(*command, "--map-file", file)[0] == 0
+    assert run("controller", "learn", sheet, "--controller", "minimal_example", "--map-file", file)[0] == 0
+
+
+@pytest.mark.parametrize("option", ["--map", "--unit"])
+def test_an_unknown_name_lists_roles_and_quantities(run: Run, sample_readings: Path, option: str) -> None:
+    status, out, err = run("diagnose", sample_readings, option, "valeu=A")
+    assert (status, out) == (2, "")
+    assert "component" in err
+    assert "main_pressure" in err
+    status, _, err = run("diagnose", sample_readings, "--map", "value=A", "--map", "value=B")
+    assert status == 2
+    assert "given twice" in err
+    assert run("diagnose", sample_readings, "--map-file", "none.json")[0] == 2
 
 
 def test_empty_cells_of_a_block_go_on_with_the_one_above(run: Run, tmp_path: Path, record_of: RecordOf) -> None:

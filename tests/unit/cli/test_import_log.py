@@ -50,6 +50,27 @@ def test_a_home_that_cannot_be_written_is_no_failure(
     assert "not remembered" in err
 
 
+def test_columns_are_shared_by_a_file_and_forgotten(run: Run, tmp_path: Path) -> None:
+    log, file = tmp_path / "log.csv", tmp_path / "map.json"
+    log.write_text("t;a;b\n" + "".join(f"{n / 2};{900 + n};{500 + n}\n" for n in range(40)), encoding="utf-8")
+    named = ("--map", "time=t", "--map", "engine_speed=a", "--map", "main_pressure=b", "--unit", "main_pressure=kPa")
+    assert run("import-log", log, *named, "--map-file", file)[0] == 0
+    content = json.loads(file.read_text(encoding="utf-8"))
+    assert {"name": "b", "type": "any", "atleak:roles": ["main_pressure"]} in content["schema"]["fields"]
+
+    def pressure(*options: object) -> float | None:
+        record = json.loads(run("import-log", log, *options, "--json", "-")[1] or "{}")
+        return next((each["max"] for each in record.get("columns", ()) if each["quantity"] == "main_pressure"), None)
+
+    assert pressure() == 539.0  # remembered
+    assert pressure("--forget") is None
+    assert pressure() is None
+    assert pressure("--map-file", file) == 539.0
+    status, _, err = run("import-log", log, "--map", "component=a")
+    assert status == 2
+    assert "no quantity of a log" in err
+
+
 def test_the_table_shows_every_number_in_the_unit_beside_it(run: Run, tmp_path: Path) -> None:
     log = tmp_path / "imperial.csv"
     rows = "".join(f"{i * 500};{700 + i};{140 + i};{57 + i / 10};{i}\n" for i in range(40))

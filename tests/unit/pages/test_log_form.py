@@ -8,7 +8,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.job.case import SourceFile
-from atleak.readers.logs.remembered_columns import recall_all
+from atleak.readers.remembered_columns import recall_all
 from tests.unit.pages.conftest import ROOT, go, texts, uploader
 
 pytestmark = pytest.mark.page("2_In_the_car#log-in-full")

@@ -16,7 +16,7 @@ import pytest
 from atleak.common.errors import OutputError
 from atleak.common.files import damaged_before
 from atleak.readers.logs import NOT_LOGGED, forget_columns, recall, remember
-from atleak.readers.logs.remembered_columns import RememberedColumns, recall_all, restore_columns
+from atleak.readers.remembered_columns import RememberedColumns, recall_all, restore_columns
 
 WRITERS = 4  # processes, each with two threads
 ANSWERS = 10  # of every thread

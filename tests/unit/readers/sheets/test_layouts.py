@@ -67,6 +67,11 @@ def test_a_sheet_that_a_person_understands_is_read_or_asked_about(example, fille
     controller = load_controller(entry["controller"]) if "controller" in entry else example
     options = {"fill_down": True} if entry.get("fill_down") else {}
     data = written(entry, form, filled_in)
+    if "map" in entry:
+        with pytest.raises(ReadingsError) as caught:
+            read_readings(data, controller, **options)
+        assert "--map" in str(caught.value)
+        options["mapping"] = entry["map"]
     if word := entry.get("asked", entry.get("refused")):
         with pytest.raises(ReadingsError) as caught:
             read_readings(data, controller, **options)
@@ -86,6 +91,7 @@ def test_no_number_of_an_unusual_sheet_is_lost(example, filled_in, entry, form):
     """Another number of that size, wherever it stands, is named, or the sheet is refused; the readings stay theirs."""
     controller = load_controller(entry["controller"]) if "controller" in entry else example
     options = {"fill_down": True} if entry.get("fill_down") else {}
+    options["mapping"] = entry.get("map")
     stray = {"four_speed_2023": "11.871"}.get(controller.id, "17.871")
     lines = entry["sheet"].strip("\n").split("\n")
     widest = max(line.count(";") for line in lines)

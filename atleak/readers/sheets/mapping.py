@@ -1,0 +1,505 @@
+"""What a person says of a measuring sheet: which column is what, so that a sheet in any words and order can be read.
+
+A mapping is written as pairs of a role and a column, as `atleak diagnose --map` takes them. It makes the same
+`HeadedTable` as the headings do where they are understood; what it does not say they still may.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from atleak.catalogue.instruments import Part
+from atleak.common.errors import ReadingsError, nearest_name, unknown
+from atleak.common.sentences import Sentence
+from atleak.measurements.readings import Readings
+from atleak.measurements.road_test import QUANTITIES
+from atleak.readers.cells.sheet import Cell, Sheet, column_letter
+from atleak.readers.remembered_columns import CONSTANT, RememberedColumns, recall_all, remember, signature
+from atleak.readers.sheets.column_headings import (
+    HeadedColumn,
+    Role,
+    is_explained,
+    read_heading,
+    spot_of_heading,
+    tokens_of,
+    unit_of_heading,
+)
+from atleak.readers.sheets.controller_names import (
+    LABELLED,
+    UNITS,
+    ControllerNames,
+    Sizes,
+    is_whole,
+    numbers_of,
+    read_label,
+)
+from atleak.readers.sheets.table import HeadedTable, best_header, headings, read_together
+from atleak.readers.sheets.words import direction_of, is_blank, number_of, part_said, plain, repeat_of, text_of
+
+ROLES: Mapping[str, Role] = {
+    **{role: role for role in ("component", "plane", "land", "part", "direction", "repeat")},
+    "value": "diameter",
+    "new": "specification",
+}
+ABOUT = ("header", "rows", "missing", "spool", "sleeve")  # the table as a whole, or words that stand in it
+FORMAT = "measuring sheet"  # by which what is remembered of sheets is told from logs
+_NAME = re.compile(r"([a-z]+)(?![^\W\d_])[\s:,._]*(.*)", re.DOTALL)
+_LETTERS, _NUMBER = re.compile(r"[A-Z]{1,2}"), re.compile(r"(?:column\s*)?(\d{1,5})", re.IGNORECASE)
+_LINES = re.compile(r"(\d+|[A-Z]{1,2})(?:\s*[-–]\s*(\d+|[A-Z]{1,2}))?")
+_PLACES: tuple[Role, ...] = ("plane", "land")
+_KEPT_ROWS = 300  # among which headings are looked for
+_DEPTH = 4  # rows that they may be spread over
+_EXAMPLES = Sentence("a heading of the sheet; a letter such as C, or 'column 3'; or a value for all rows: =spool")
+
+
+def is_role(name: str) -> bool:
+    """Return whether a name is one of a sheet's, and not a quantity of a log.
+
+    >>> is_role("value spool 0°"), is_role("header"), is_role("main_pressure")
+    (True, True, False)
+    """
+    match = _NAME.fullmatch(name)
+    return match is not None and (match[1] == "value" or (not match[2] and match[1] in {*ROLES, *ABOUT}))
+
+
+def require_known(names: Iterable[str]) -> None:
+    """Refuse a name that is neither a role of a sheet nor a quantity of a log.
+
+    Raises
+    ------
+    InputError
+        listing both.
+    """
+    for name in names:
+        if not is_role(name) and name not in QUANTITIES:
+            problem = Sentence("neither a role of a measuring sheet nor a quantity of a log")
+            raise unknown(problem, name, [*ROLES, *ABOUT, *QUANTITIES])
+
+
+class SheetMapping:
+    """Which column of a sheet is what.
+
+    Parameters
+    ----------
+    chosen
+        by role the heading of its column, its letter or number; behind ``=`` what holds for all rows; `NOT_LOGGED`
+        where no column holds it. ``value spool 0°`` says of what its diameters are. ``header`` and ``rows`` count as
+        the file's program does; ``missing`` is what stands for no reading, several with ``|`` between; ``spool`` and
+        ``sleeve`` are the sheet's words for them.
+
+    Raises
+    ------
+    ReadingsError
+        a name that is no role, or something that it cannot be.
+    """
+
+    def __init__(self, chosen: Mapping[str, str]) -> None:
+        require_known(chosen)
+        self.chosen = {name: text.strip() for name, text in chosen.items()}
+        self.header = self._lines("header")
+        self.lines = self._lines("rows")
+        self._constants = {name: text[1:].strip() for name, text in self._roles if text.startswith(CONSTANT)}
+        self._columns = {name: text for name, text in self._roles if text and not text.startswith(CONSTANT)}
+        self._values = {name: self._value(name) for name in self._columns if _role(name) == "diameter"}
+
+    def __bool__(self) -> bool:
+        return bool(self.chosen)
+
+    @property
+    def _roles(self) -> Iterator[tuple[str, str]]:
+        return ((name, text) for name, text in self.chosen.items() if name not in ABOUT)
+
+    def _lines(self, name: str) -> tuple[int, int] | None:
+        """Return the first and last row that is stated; (0, 0) for none."""
+        text = self.chosen.get(name, "")
+        if not text or text == "none":
+            return (0, 0) if text else None
+        match = _LINES.fullmatch(text)
+        first, last = (0, 0) if match is None else (_line(end) for end in (match[1], match[2] or match[1]))
+        if not 0 < first <= last:
+            expected = Sentence(
+                "rows as the sheet counts them, such as 3 or 3-40; 'none' where no headings stand; a letter such as A "
+                "where they run down a column"
+            )
+            raise _refused(Sentence("no rows of a sheet"), f"{name}={text}", expected)
+        return first, last
+
+    @property
+    def down(self) -> bool:
+        """Return whether headings run down a column, which is named by its letter instead of a row."""
+        return self.chosen.get("header", "")[:1].isupper()
+
+    def _value(self, name: str) -> HeadedColumn:
+        """Return what a role says of a column of diameters."""
+        said = f"diameter {_words(name)}".strip()
+        read = read_heading(said)
+        if read is None or read.role != "diameter" or not is_explained(spot_of_heading(tokens_of(said))[1]):
+            expected = Sentence("'value', or with part, plane, direction and repeat: 'value spool plane 1 0° repeat 2'")
+            raise _refused(Sentence("not understood of which diameters this column is"), name, expected)
+        return replace(read, tentative=False, besides=frozenset())
+
+    # --- where the table stands ---------------------------------------------------------------------------------------
+
+    def fits(self, sheet: Sheet) -> bool:
+        """Return whether a sheet has the columns that are named."""
+        return self._found(sheet) is not None
+
+    def _found(self, sheet: Sheet) -> tuple[range, tuple[str, ...], dict[str, int]] | None:
+        """Return the rows of headings, the headings, and the column of each role; None where one is not there."""
+        for rows in self._headers(sheet):
+            texts = tuple(headings(sheet, rows[0], rows[-1])) if rows else ("",) * sheet.width
+            places = {name: _place(text, texts, sheet) for name, text in self._columns.items()}
+            if None not in places.values():
+                return rows, texts, {name: at for name, at in places.items() if at is not None}
+        return None
+
+    def _headers(self, sheet: Sheet) -> Iterator[range]:
+        if self.header is not None:
+            first, last = self.header
+            numbers = [row for row in range(len(sheet.rows)) if first <= sheet.row_number(row) <= last]
+            yield range(numbers[0], numbers[-1] + 1) if numbers else range(0)
+        elif all(_position(text) is not None for text in self._columns.values()):
+            yield self._above_numbers(sheet)
+        yield from _spans(sheet) if self.header is None else ()
+
+    def _above_numbers(self, sheet: Sheet) -> range:
+        """Return the row above the first number of a diameter, if it holds text; else the headings that are likely."""
+        columns = [at for name in self._values if (at := _position(self._columns[name])) is not None]
+        first = self.lines[0] if self.lines else 0
+        for row in range(len(sheet.rows)) if columns else ():
+            cells = [sheet.cell(row, at) for at in columns]
+            if sheet.row_number(row) >= first and any(number_of(text_of(cell)) for cell in cells if not is_blank(cell)):
+                headed = row > 0 and any(isinstance(cell, str) and cell.strip() for cell in sheet.rows[row - 1])
+                return range(row - 1, row) if headed else range(0)
+        likely = None if columns else best_header(sheet)
+        return range(0) if likely is None else range(likely.first, likely.last + 1)
+
+    def not_found(self, sheets: Sequence[Sheet]) -> ReadingsError:
+        """Return the error for a column that no sheet has."""
+        likely = [found for sheet in sheets if (found := best_header(sheet)) is not None]
+        widest = max((row for sheet in sheets for row in sheet.rows), key=lambda row: sum(map(bool, row)), default=[])
+        texts = likely[0].texts if likely else tuple(text_of(cell) for cell in widest if isinstance(cell, str) and cell)
+        lost = [text for text in self._columns.values() if _place(text, texts, sheets[0]) is None]
+        heading = (lost or [*self._columns.values(), ""])[0]
+        place = sheets[0].place(likely[0].last if likely else None)
+        problem = Sentence("no column is headed {heading!r}", heading=heading)
+        return ReadingsError(
+            problem,
+            place=place,
+            value=", ".join(filter(None, texts)),
+            expected=_EXAMPLES,
+            nearest=nearest_name(heading, list(filter(None, texts))),
+        )
+
+    # --- the table ----------------------------------------------------------------------------------------------------
+
+    def table(self, sheet: Sheet, names: ControllerNames) -> HeadedTable:
+        """Return the table with the columns as they are named; what is not named is as the headings say.
+
+        Raises
+        ------
+        ReadingsError
+            a column that is not there, or a constant that its role cannot be.
+        """
+        found = self._found(sheet)
+        if found is None:
+            raise self.not_found([sheet])
+        rows, texts, at = found
+        columns = self._all_columns(texts, at)
+        first, last = (rows[0], rows[-1]) if rows else (-1, -1)
+        view = self._as_said(sheet, columns, range(last + 1))
+        table = HeadedTable(view, first, last, columns, texts, mapped=True)
+        if (component := self._constants.get("component")) is not None:
+            table = replace(table, component=names.require_component(component))
+        for index in dict.fromkeys(at.values()):
+            names_of = [name for name in at if at[name] == index]
+            if len(names_of) > 1 and not self._values.keys().isdisjoint(names_of):
+                problem = Sentence("one column is named for several: {names}", names=tuple(names_of))
+                raise _refused(problem, column_letter(index), Sentence("a column of its own for each diameter"))
+            table = _split(table, index, names) if len(names_of) > 1 else table
+        return table
+
+    def _all_columns(self, texts: Sequence[str], at: Mapping[str, int]) -> tuple[HeadedColumn, ...]:
+        heading = dict(enumerate(texts))
+        values = [
+            replace(
+                said,
+                index=at[name],
+                heading=heading.get(at[name], ""),
+                unit=unit_of_heading(heading.get(at[name], ""))[1],
+            )
+            for name, said in self._values.items()
+        ]
+        keys = [
+            HeadedColumn(index, heading.get(index, ""), ROLES[name], rank=9)
+            for name, index in at.items()
+            if name not in self._values
+        ]
+        read = [column for index, text in enumerate(texts) if (column := read_heading(text, index)) is not None]
+        settled = self._settled(values)
+        guessed = [
+            column
+            for column in read_together(read)
+            if column.index not in at.values() and column.role not in settled and not (values and column.holds_value)
+        ]
+        said = self._said_of_all()
+        values += [column for column in guessed if column.holds_value]
+        others = [column for column in guessed if not column.holds_value]
+        unsaid: dict[str, Any] = {role: None for role in at if role in ("part", "plane", "land", "direction", "repeat")}
+        values = [replace(column, **{**unsaid, **said}) for column in values]
+        return tuple(sorted((*keys, *values, *others), key=lambda column: column.index))
+
+    def _settled(self, values: Iterable[HeadedColumn]) -> set[Role]:
+        """Return the roles of which a guess by the headings does not count."""
+        settled = {_role(name) for name, _ in self._roles} - {"specification"}
+        for role in ("part", "plane", "land", "direction", "repeat"):
+            settled |= {role} if any(getattr(column, role) is not None for column in values) else set()
+        return settled | ({*_PLACES} if settled.intersection(_PLACES) else set())
+
+    def _said_of_all(self) -> dict[str, Any]:
+        """Return what constants say of every diameter."""
+        read: dict[str, Callable[[str], Any]] = {
+            "part": part_said,
+            "direction": direction_of,
+            "repeat": repeat_of,
+            "plane": str,
+            "land": str,
+        }
+        said: dict[str, Any] = {}
+        for name, text in self._constants.items():
+            if name == "component":
+                continue
+            said[name] = read[name](text) if name in read else None
+            if said[name] is None:
+                expected = Sentence("such as part==spool, direction==0° or repeat==1; 'value' and 'new' are columns")
+                raise _refused(Sentence("not understood as {role}", role=name), text, expected)
+        return said
+
+    def _as_said(self, sheet: Sheet, columns: Collection[HeadedColumn], above: range) -> Sheet:
+        """Return the sheet without rows that do not count and without what stands for no reading, in our words."""
+        first, last = self.lines or (0, len(sheet.rows) + (sheet.lines or [0])[-1])
+        missing = {plain(text) for text in self.chosen.get("missing", "").split("|") if text.strip()}
+        words: dict[str, Part] = {
+            plain(self.chosen[part]): part for part in ("spool", "sleeve") if self.chosen.get(part)
+        }
+        values = {column.index for column in columns if column.holds_value}
+        parts = {column.index for column in columns if column.role == "part"}
+
+        def said(index: int, cell: Cell) -> Cell:
+            if index in values and missing and plain(text_of(cell)) in missing:
+                return ""
+            return words.get(plain(text_of(cell)), cell) if index in parts and words else cell
+
+        rows = [
+            [said(index, cell) for index, cell in enumerate(cells)]
+            if row in above or first <= sheet.row_number(row) <= last
+            else []
+            for row, cells in enumerate(sheet.rows)
+        ]
+        faults = {
+            at: why
+            for at, why in sheet.faults.items()
+            if rows[at[0]] and not (at[1] in values and plain(why) in missing)
+        }
+        return replace(sheet, rows=rows, faults=faults)
+
+
+NOTHING_SAID = SheetMapping({})
+
+
+def _role(name: str) -> Role:
+    match = _NAME.fullmatch(name)
+    assert match is not None
+    return ROLES[match[1]]
+
+
+def _words(name: str) -> str:
+    match = _NAME.fullmatch(name)
+    return match[2] if match else ""
+
+
+def _refused(problem: Sentence, value: str, expected: Sentence) -> ReadingsError:
+    return ReadingsError(problem, value=value, expected=expected)
+
+
+def _place(text: str, texts: Sequence[str], sheet: Sheet) -> int | None:
+    """Return the column that a text names: by its heading, or else by letter or number."""
+    headed = [index for index, heading in enumerate(texts) if heading and plain(heading) == plain(text)]
+    if len(headed) > 1:
+        letters = ", ".join(column_letter(index) for index in headed)
+        problem = Sentence("several columns are headed {heading!r} ({letters})", heading=text, letters=letters)
+        raise _refused(problem, text, Sentence("one by its letter, or 'column {number}'", number=headed[0] + 1))
+    position = _position(text)
+    return headed[0] if headed else position if position is not None and position < sheet.width else None
+
+
+def _position(text: str) -> int | None:
+    """Return the column that a letter or number names.
+
+    >>> _position("C"), _position("column 3"), _position("3"), _position("Ø")
+    (2, 2, 2, None)
+    """
+    if _LETTERS.fullmatch(text):
+        return sum((ord(letter) - ord("A") + 1) * 26**at for at, letter in enumerate(reversed(text))) - 1
+    match = _NUMBER.fullmatch(text)
+    return int(match[1]) - 1 if match and int(match[1]) else None
+
+
+def _spans(sheet: Sheet) -> Iterator[range]:
+    """Yield the rows that may be headings: every single one before any two, since a title may stand over them."""
+    most = min(len(sheet.rows), _KEPT_ROWS)
+    for depth in range(1, _DEPTH + 1):
+        yield from (range(first, first + depth) for first in range(most - depth + 1))
+
+
+def _line(text: str) -> int:
+    """Return the number of a row, or of a column where rows and columns are exchanged."""
+    position = _position(text)
+    return 0 if position is None else position + 1
+
+
+def fingerprint(texts: Iterable[str]) -> str:
+    """Return the key under which a mapping is kept for sheets with these headings; "" where nothing stands in them."""
+    texts = [text for text in texts if text]
+    return signature([FORMAT, *texts]) if texts else ""
+
+
+def remember_sheet(path: Path, readings: Readings, unit: str | None = None) -> None:
+    """Keep the columns that a sheet was read with for sheets with the same headings; not the rows of this one file.
+
+    Raises
+    ------
+    OutputError
+        where the sheet has no headings, or the file cannot be written.
+    """
+    columns = {name: text for name, text in readings.columns if name not in ("header", "rows")}
+    units = {"value": unit} if unit else {}
+    remember(path, fingerprint(readings.headings), columns, units, format=FORMAT, columns=readings.headings)
+
+
+def _split(table: HeadedTable, index: int, names: ControllerNames) -> HeadedTable:
+    """Return a table with further columns behind its last one, for each thing that the cells of a column say.
+
+    A cell that is not understood stays as a whole in the first of the new columns, to be refused there.
+    """
+    filled = table.sheet.filled
+    labels = {row: read_label(cell, names) or {} for row, cell in table.cells(index).items()}
+    wanted = list(dict.fromkeys(name for label in labels.values() for name in label)) or ["component"]
+    columns = [(HeadedColumn(0, table.heading(index), LABELLED[name], rank=9), index) for name in wanted]
+
+    def cells(row: int) -> Iterator[Cell]:
+        label = labels.get(row)
+        for at, name in enumerate(wanted):
+            yield label[name] if label and name in label else filled(row, index) if label == {} and at == 0 else ""
+
+    return table.with_columns(columns, cells, frozenset({index}))
+
+
+@dataclass(frozen=True)
+class Earlier:
+    """What was settled earlier for a sheet with such headings: its key, and the rows in which they stand here."""
+
+    key: str
+    entry: RememberedColumns
+    header: str
+
+    def with_chosen(self, chosen: Mapping[str, str]) -> dict[str, str]:
+        """Return it with what is chosen now, which goes first."""
+        roles = {_NAME.sub(r"\1", name) for name in chosen}
+        kept = {name: text for name, text in self.entry.mapping.items() if is_role(name)}
+        kept = {name: text for name, text in kept.items() if _NAME.sub(r"\1", name) not in roles}
+        kept = {name: text for name, text in kept.items() if not text or text not in chosen.values()}
+        return {"header": self.header, **kept, **chosen}
+
+
+def recalled(path: Path, sheets: Iterable[Sheet]) -> Earlier | None:
+    """Return what is remembered at a path for the first of the sheets that has such headings; None where nothing is."""
+    kept = {key: entry for key, entry in recall_all(path).items() if entry.format == FORMAT}
+    for sheet in sheets if kept else ():
+        for rows in _spans(sheet):
+            key = fingerprint(headings(sheet, rows[0], rows[-1]))
+            if key in kept:
+                return Earlier(key, kept[key], f"{sheet.row_number(rows[0])}-{sheet.row_number(rows[-1])}")
+    return None
+
+
+def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
+    """Return the table that a sheet most likely holds: with the headings above the first row of a reading."""
+    table, sizes = best_header(sheet), Sizes(names.controller)
+    for row, cells in enumerate(sheet.rows):
+        named = any(read_label(cell, names) for cell in cells if not is_blank(cell))
+        if named and any(
+            sizes.near(value, UNITS) and not is_whole(cell) for cell in cells for value in numbers_of(cell)
+        ):
+            if table is not None and table.last == row - 1:
+                return table
+            headed = row > 0 and not any(number_of(text_of(cell)) for cell in sheet.rows[row - 1])
+            texts = tuple(headings(sheet, row - 1, row - 1)) if headed else ("",) * sheet.width
+            read = [column for index, text in enumerate(texts) if (column := read_heading(text, index)) is not None]
+            return HeadedTable(sheet, row - 1, row - 1, read_together(read), texts)
+    return table or HeadedTable(sheet, -1, -1, (), ())
+
+
+def likely(table: HeadedTable, names: ControllerNames) -> dict[str, int]:
+    """Return by role the column that it most likely is, by its heading or else by its cells; for a person to judge."""
+    found: dict[str, int] = {}
+    for role in ("component", "part", "plane", "direction", "repeat"):
+        columns = table.of(ROLES[role]) or (table.of("land") if role == "plane" else ())
+        found |= {role: columns[0].index} if columns else {}
+    sizes, free = Sizes(names.controller), [index for index in range(table.sheet.width) if index not in found.values()]
+    cells = {index: list(table.cells(index).values()) for index in free}
+    says: dict[str, Callable[[Cell], bool]] = {
+        "component": lambda cell: names.component(cell) in names.with_lands,
+        "part": lambda cell: part_said(text_of(cell)) is not None,
+        "plane": names.is_plane,
+    }
+    for role, is_one in says.items():
+        named = [index for index in free if cells[index] and 2 * sum(map(is_one, cells[index])) > len(cells[index])]
+        if role not in found and named and named[0] not in found.values():
+            found[role] = named[0]
+    for index in range(table.sheet.width):  # cells that say several things
+        meanings = Counter(name for cell in table.cells(index).values() for name in read_label(cell, names) or {})
+        most = {
+            "plane" if name == "land" else name
+            for name, count in meanings.items()
+            if 2 * count > len(table.cells(index))
+        }
+        found |= dict.fromkeys(sorted(most - {"unit"}), index) if len(most - {"unit"}) > 1 else {}
+    values = [column.index for column in table.values] or [
+        index
+        for index in free
+        if index not in found.values()
+        and table.role(index) not in ("specification", "remark", "gauge")
+        and sizes.fill([cell for cell in cells[index] if not is_whole(cell)])
+        and any(numbers_of(cell) for cell in cells[index])
+    ]
+    if len(values) == 2 and "part" not in found:
+        first, second = (sum(map(sum, map(numbers_of, table.cells(index).values()))) for index in values)
+        spool, sleeve = values if first < second else reversed(values)
+        return found | {"value spool": spool, "value sleeve": sleeve}
+    return found | ({"value": values[0]} if values else {})
+
+
+def column_name(table: HeadedTable, index: int) -> str:
+    """Return how a mapping names a column: by its heading where no other one has it, or else by its letter."""
+    heading = table.heading(index)
+    unique = heading and sum(plain(text) == plain(heading) for text in table.texts) == 1
+    return heading if unique else column_letter(index)
+
+
+def suggestion(table: HeadedTable, names: ControllerNames) -> Sentence:
+    """Return the options that would settle which column is what, with COLUMN where only a person knows."""
+    found = {role: column_name(table, index) for role, index in likely(table, names).items()}
+    needed = {"component", "plane", "part", "value"} - ({"part", "value"} if "value spool" in found else set())
+    found |= dict.fromkeys(sorted(needed - found.keys()), "COLUMN")
+    options = " ".join(f"--map {_quoted(role, column)}" for role, column in found.items())
+    return Sentence("which column is what: {options}", options=options)
+
+
+def _quoted(role: str, column: str) -> str:
+    return f"{role}={column}" if re.fullmatch(r"[\w.]+", role + column) else f'"{role}={column}"'

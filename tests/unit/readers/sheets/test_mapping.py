@@ -1,0 +1,301 @@
+"""A sheet whose columns a person named: it is read, every guard looks at it, and the next one needs no word."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+
+import openpyxl
+import pytest
+
+from atleak.common.errors import InputError, ReadingsError
+from atleak.readers.remembered_columns import MapFile, recall_all
+from atleak.readers.sheets.mapping import is_role, remember_sheet
+from atleak.readers.sheets.measuring_sheet import ReadingsRefused, forget_sheet, read_readings
+
+CHINESE = """测量记录;;;;
+零件;位置;类别;方向;直径
+accumulator;1;阀芯;0;17.998
+accumulator;1;阀芯;90;17.996
+accumulator;1;阀孔;0;18.041
+accumulator;1;阀孔;90;18.044"""
+OF_CHINESE = {
+    "component": "零件",
+    "plane": "位置",
+    "part": "类别",
+    "direction": "方向",
+    "value": "直径",
+    "spool": "阀芯",
+    "sleeve": "阀孔",
+}
+ITALIAN = "N.;Sezione;Cursore;Sede\naccumulator;1;17.998;18.041\ntcc_regulator;1;10.998;11.031"
+OF_ITALIAN = {"component": "N.", "plane": "Sezione", "value spool": "Cursore", "value sleeve": "Sede"}
+PLAIN = "Valve;Land;Part;Diameter [mm]\naccumulator;1;piston;17.998\naccumulator;1;bore;18.041"
+DIRECTIONS = [("spool", 0.0), ("spool", 90.0), ("sleeve", 0.0), ("sleeve", 90.0)]
+PAIRS = [("accumulator", 17.998), ("accumulator", 18.041), ("tcc_regulator", 10.998), ("tcc_regulator", 11.031)]
+
+
+def read(written, controller, mapping=None, **options):
+    data = written.encode() if isinstance(written, str) else written
+    return read_readings(data, controller, name="sheet", mapping=mapping, **options)
+
+
+def sizes(readings):
+    return [(one.component, round(one.diameter * 1e3, 4)) for one in readings.readings]
+
+
+def codes(readings):
+    return {message.code for message in readings.messages}
+
+
+# --- what is read -----------------------------------------------------------------------------------------------------
+
+
+def test_headings_in_any_language_are_named(example):
+    readings = read(CHINESE, example, OF_CHINESE)
+    assert [(one.part, one.direction) for one in readings.readings] == DIRECTIONS
+    assert readings.readings[0].place.row == 3
+    assert sizes(read(ITALIAN, example, OF_ITALIAN)) == PAIRS
+
+
+@pytest.mark.parametrize("named", ["ABCDE", "12345", [f"column {number}" for number in range(1, 6)]])
+def test_a_column_is_named_by_letter_or_number(example, named):
+    columns = dict(zip(("component", "plane", "part", "direction", "value"), named, strict=True))
+    assert sizes(read(CHINESE, example, {**OF_CHINESE, **columns})) == sizes(read(CHINESE, example, OF_CHINESE))
+
+
+def test_the_refusal_names_the_options_that_settle_the_sheet(example):
+    for sheet in (ITALIAN, PLAIN.replace("Part", "Pt").replace("Valve", "Vv"), "X;Y;Z;W\n" + PLAIN.partition("\n")[2]):
+        with pytest.raises(ReadingsError) as caught:
+            read(sheet, example)
+        words = shlex.split(re.search(r"--map .*", str(caught.value))[0])
+        mapping = dict(word.split("=", 1) for word in words if word != "--map")
+        assert sizes(read(sheet, example, mapping))[:2] == PAIRS[:2]
+
+
+def test_what_holds_for_all_rows_is_a_value_behind_an_equals_sign(example):
+    rows = "accumulator;1;17.998\ntcc_regulator;1;10.998"
+    columns = {"component": "A", "plane": "B", "value": "C", "part": "=piston", "direction": "=90°", "repeat": "=2"}
+    readings = read(rows, example, columns)
+    assert [(one.part, one.direction) for one in readings.readings] == [("spool", 90.0)] * 2
+    columns = {"component": "=accumulator", "plane": "1", "value": "2", "part": "3"}
+    of_one = read("1;17.998;piston\n1;18.041;bore", example, columns)
+    assert sizes(of_one) == PAIRS[:2]
+
+
+def test_one_option_is_enough_where_the_other_headings_are_understood(example):
+    mean = "No.;Part;Plane;Mean of 10 [mm];s [µm];n\naccumulator;spool;1;17.998;1.1;10\naccumulator;bore;1;18.041;1;10"
+    with pytest.raises(ReadingsError, match="Means are no readings"):
+        read(mean, example)
+    assert sizes(read(mean, example, {"value": "Mean of 10 [mm]"})) == PAIRS[:2]
+
+
+def test_what_stands_for_no_reading_and_numbers_in_brackets(example):
+    sheet = PLAIN + "\ntcc_regulator;1;spool;#N/A\ntcc_regulator;1;sleeve;(11.031)"
+    with pytest.raises(ReadingsError, match=r"missing=#N/A"):
+        read(sheet, example)
+    readings = read(sheet, example, {"missing": "?|#N/A"})
+    assert sizes(readings) == [*PAIRS[:2], PAIRS[3]]
+    assert {"numbers_marked", "rows_not_measured"} <= codes(readings)
+
+
+def test_an_error_of_a_formula_is_no_reading_only_where_that_is_said(example, filled_in, tmp_path):
+    book = openpyxl.load_workbook(__import__("io").BytesIO(filled_in(PLAIN, "workbook")))
+    book.active.append(["tcc_regulator", 1, "spool", "#N/A"])
+    book.active["D4"].data_type = "e"
+    book.save(tmp_path / "sheet.xlsx")
+    with pytest.raises(ReadingsError):
+        read_readings(tmp_path / "sheet.xlsx", example)
+    assert sizes(read_readings(tmp_path / "sheet.xlsx", example, mapping={"missing": "#N/A"})) == PAIRS[:2]
+
+
+def test_rows_and_headings_are_counted_as_the_sheet_counts_them(example):
+    two = PLAIN + "\n" + PLAIN.partition("\n")[2].replace("17.998", "17.990").replace("18.041", "18.050")
+    assert sizes(read(two, example, {"rows": "2-3"})) == PAIRS[:2]
+    assert sizes(read(two, example, {"header": "1", "rows": "4-5"})) == [("accumulator", 17.99), ("accumulator", 18.05)]
+    levels = "Typ;Ort;Innen;Innen\n;;0 Grad;90 Grad\naccumulator;1;18.041;18.044"
+    columns = {"component": "A", "plane": "B", "value sleeve 0°": "C", "value sleeve 90°": "D", "header": "1-2"}
+    assert [one.direction for one in read(levels, example, columns).readings] == [0.0, 90.0]
+
+
+def test_headings_that_run_down_a_column(example):
+    across = "Sheet of today;;\n零件;accumulator;accumulator\n类别;spool;sleeve\n直径;17.998;18.041"
+    columns = {"header": "A", "component": "零件", "part": "类别", "value": "直径"}
+    assert sizes(read(across, example, columns)) == PAIRS[:2]
+
+
+def test_a_sheet_of_a_workbook_is_found_by_its_columns(example, filled_in):
+    book = filled_in({"Notes": "Nothing;here", "Messung": CHINESE.replace("测量记录;;;;\n", "")}, "workbook")
+    readings = read(book, example, OF_CHINESE)
+    assert readings.sheet == "Messung"
+    with pytest.raises(ReadingsError, match="零件"):
+        read(book, example, OF_CHINESE, sheet="Notes")
+
+
+def test_several_things_in_one_cell_are_taken_apart(example):
+    sheet = "Spot;Diameter [mm]\naccumulator/1 piston;17.998\naccumulator/1 bore;18.041\nball 7;17.9"
+    columns = dict.fromkeys(("component", "plane", "part"), "Spot")
+    readings = read(sheet, example, columns)
+    assert sizes(readings) == PAIRS[:2]
+    assert any(message.code == "notes_left_aside" and "ball 7" in message.text for message in readings.messages)
+
+
+# --- what every guard says of it --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changed", "options", "word"),
+    [
+        ({"value spool": "Sede", "value sleeve": "Cursore"}, {}, "swapped"),
+        ({}, {"unit": "inch"}, "a wrong unit"),
+        ({"component": "Sezione", "plane": "N."}, {}, "unknown component"),
+        ({"value sleeve": "Cursore"}, {}, "one column is named for several"),
+        ({"value spool": "Sezione"}, {}, "."),
+    ],
+)
+def test_a_wrong_column_is_refused_as_a_wrong_sheet_is(example, changed, options, word):
+    with pytest.raises(ReadingsError, match=word):
+        read(ITALIAN, example, {**OF_ITALIAN, **changed}, **options)
+
+
+def test_a_radius_and_a_wrong_clearance_are_refused(example):
+    radii = ITALIAN.replace("17.998;18.041", "8.999;9.0205").replace("10.998;11.031", "5.499;5.5155")
+    with pytest.raises(ReadingsRefused, match="a radius"):
+        read(radii, example, OF_ITALIAN, unit="mm")
+    with pytest.raises(ReadingsRefused, match="clearance"):
+        read(ITALIAN.replace("18.041", "19.441"), example, OF_ITALIAN)
+
+
+def test_states_are_asked_about_and_contradictions_told(example):
+    states = "零件;类别;日期;直径\naccumulator;spool;2024-05-01;17.998\naccumulator;spool;2025-05-01;17.990"
+    columns = {"component": "零件", "part": "类别", "value": "直径"}
+    with pytest.raises(ReadingsError, match="averaged as repeats"):
+        read(states, example, columns)
+    where = {"日期": "2024-05-01"}
+    assert sizes(read(states, example, columns, where=where)) == PAIRS[:1]
+    clearances = "N.;Sezione;Cursore;Sede;Clearance D-d [µm]\naccumulator;1;17.998;18.041;63"
+    assert "clearance_disagrees" in codes(read(clearances, example, OF_ITALIAN))
+
+
+def test_no_number_of_the_size_of_a_diameter_is_lost(example):
+    beside = ITALIAN.replace("Sede", "Sede;Altro").replace("18.041", "18.041;17.871").replace("11.031", "11.031;10.9")
+    readings = read(beside, example, OF_ITALIAN)
+    assert any(message.level == "warning" and "17.871" in message.text for message in readings.messages)
+    slipped = ITALIAN.replace(";18.041", ";;18.041").replace("Sede", "Sede;Nota")
+    with pytest.raises(ReadingsError, match=r"18\.041"):
+        read(slipped, example, OF_ITALIAN)
+
+
+def test_rows_of_means_and_rejected_rows_stay_out(example):
+    sheet = "零件;类别;Repeat;直径;备注\n" + "\n".join(
+        f"accumulator;spool;{repeat};{size};{remark}"
+        for repeat, size, remark in ((1, 17.998, ""), (2, 17.996, ""), (3, 17.9, "rejected"), ("mean", 17.997, ""))
+    )
+    columns = {"component": "零件", "part": "类别", "value": "直径"}
+    assert sizes(read(sheet, example, columns)) == [("accumulator", 17.998), ("accumulator", 17.996)]
+
+
+def test_a_decimal_comma_that_ends_a_cell_is_told_without_headings_too(example):
+    columns = {"component": "A", "plane": "B", "part": "C", "value": "D"}
+    with pytest.raises(ReadingsError, match="decimal comma"):
+        read("accumulator,1,spool,17,998\naccumulator,1,sleeve,18,041", example, columns)
+
+
+@pytest.mark.parametrize(
+    ("mapping", "word"),
+    [
+        ({"pressure": "A"}, "main_pressure.*"),
+        ({"value": "Durchmesser"}, "no column is headed 'Durchmesser'.*did you mean 'Diameter \\[mm\\]'|no column"),
+        ({"value": "Z"}, "no column is headed 'Z'"),
+        ({"value largest": "D"}, "of which diameters"),
+        ({"part": "=ball"}, "not understood as part"),
+        ({"component": "=valve 99"}, "unknown component"),
+        ({"rows": "9-2"}, "no rows"),
+        ({"header": "x"}, "no rows"),
+    ],
+)
+def test_a_mapping_that_cannot_be_is_refused(example, mapping, word):
+    with pytest.raises(InputError, match=word):
+        read(PLAIN, example, mapping)
+
+
+def test_a_heading_that_stands_twice_is_named_by_its_letter(example):
+    sheet = "零件;类别;直径;直径\naccumulator;spool;1;17.998\naccumulator;sleeve;1;18.041"
+    columns = {"component": "零件", "part": "类别", "value": "直径"}
+    with pytest.raises(ReadingsError, match=r"C, D"):
+        read(sheet, example, columns)
+    assert sizes(read(sheet, example, {**columns, "value": "D"})) == PAIRS[:2]
+
+
+def test_roles_and_quantities_have_no_name_in_common():
+    from atleak.measurements.road_test import QUANTITIES
+
+    assert not [name for name in QUANTITIES if is_role(name)]
+    assert all(map(is_role, ("component", "value", "value spool 0°", "new", "rows")))
+    assert not any(map(is_role, ("values", "components", "component 2", "")))
+
+
+# --- remembered and shared --------------------------------------------------------------------------------------------
+
+
+def test_the_next_sheet_with_these_headings_needs_no_word(example, tmp_path):
+    store = tmp_path / "columns.json"
+    first = read(CHINESE, example, OF_CHINESE)
+    remember_sheet(store, first, "mm")
+    (kept,) = recall_all(store).values()
+    another = "另一行;;;;\n\n" + CHINESE.replace("17.998", "17.997")
+    again = read(another, example, remembered=store)
+    note = again.messages[0]
+    assert note.code == "remembered"
+    assert kept.when[:10] in note.text
+    assert "--forget" in note.text
+    assert sizes(again)[0] == ("accumulator", 17.997)
+    assert not again.unit_assumed  # the unit that was stated
+    assert read(another, example, dict(again.columns), unit="mm").readings == again.readings  # a job reads it elsewhere
+    forget_sheet(another.encode(), store)
+    assert recall_all(store) == {}
+
+
+def test_what_is_remembered_is_looked_at_by_every_guard(example, tmp_path):
+    store = tmp_path / "columns.json"
+    remember_sheet(store, read(ITALIAN, example, OF_ITALIAN))
+    swapped = "N.;Sezione;Cursore;Sede\naccumulator;1;18.041;17.998\ntcc_regulator;1;11.031;10.998"
+    with pytest.raises(ReadingsRefused) as caught:
+        read(swapped, example, remembered=store)
+    assert "swapped" in str(caught.value)
+    assert "settled on" in str(caught.value)
+    now = {"value spool": "Sede", "value sleeve": "Cursore"}  # what is said now goes first
+    assert len(read(swapped, example, now, remembered=store).readings) == 4
+
+
+def test_other_headings_and_logs_recall_nothing(example, tmp_path):
+    store = tmp_path / "columns.json"
+    remember_sheet(store, read(ITALIAN, example, OF_ITALIAN))
+    assert "remembered" not in codes(read(PLAIN, example, remembered=store))
+    from atleak.readers.logs import understand
+
+    log = "N.;Sezione;Cursore;Sede\n" + "\n".join(f"{n};{700 + n};{n};1" for n in range(9))
+    assert "remembered" not in {message.code for message in understand(log.encode(), remembered=store).messages}
+
+
+def test_a_mapping_is_written_and_read_as_it_was(tmp_path):
+    mapping = {**OF_CHINESE, "header": "2-3", "missing": "#N/A|-", "repeat": "", "value sleeve": "直径"}
+    file = MapFile(mapping, {"value": "mm"}, "表1")
+    path = tmp_path / "map.json"
+    path.write_text(file.text(), encoding="utf-8")
+    assert MapFile.read(path) == MapFile({**mapping}, {"value": "mm"}, "表1")
+    content = json.loads(file.text())
+    assert content["dialect"] == {"header": True, "headerRows": [2, 3], "sheetName": "表1"}
+    assert content["schema"]["missingValues"] == ["", "#N/A", "-"]
+    assert {"name": "零件", "type": "any", "atleak:roles": ["component"]} in content["schema"]["fields"]
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"schema": {"fields": [1]}}', "\x00", "[" * 100_000])
+def test_a_file_that_is_no_mapping_is_refused(tmp_path, text):
+    path = tmp_path / "map.json"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=r"map\.json"):
+        MapFile.read(path)
+    with pytest.raises(InputError, match="cannot be read"):
+        MapFile.read(tmp_path / "none.json")
