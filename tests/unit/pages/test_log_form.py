@@ -313,7 +313,7 @@ def test_a_log_without_clock_and_pressure_takes_an_interval_and_the_operating_po
     interval().input("0.1")
     use_columns(app)
     assert not app.exception
-    assert "the log names no columns by which others like it could be told" in texts(app)
+    assert "the file names no columns by which others like it could be told" in texts(app)
     assert taken_from(app)["engine speed"] == "column 1"
     assert most_leakage(app) > 0.0
 
@@ -328,8 +328,7 @@ def test_moving_the_cursors_diagnoses_and_reads_nothing_again(app: AppTest, monk
     works = "job.case.diagnose", "diagnosis.examination.assess", "job.case.understand", "job.case.read_readings"
     for worked in works:
         monkeypatch.setattr(f"atleak.{worked}", again)
-    for reading in ("understand", "read_readings"):
-        monkeypatch.setattr(f"pages.shared.cases.{reading}", again)
+    monkeypatch.setattr("pages.shared.cases.understand", again)
     whole = app.dataframe[-1].value
     cursors = next(widget for widget in app.main.slider if "cursors" in widget.label)
     cursors.set_value((3.0, 9.0)).run()
