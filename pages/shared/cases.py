@@ -40,6 +40,7 @@ from atleak.readers.logs import (
 )
 from atleak.readers.remembered_columns import RememberedColumns, recall_all
 from atleak.readers.sheets.mapping import FORMAT
+from atleak.readers.sheets.measuring_sheet import SheetLook, look_at
 
 CaseKind = TypeVar("CaseKind", bound=Case)
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_data"
@@ -168,6 +169,22 @@ def _entry(slot: str, called: str, sha256: str, _choice: CaseChoice) -> Any:
 @st.cache_resource(max_entries=6, show_spinner="…")
 def _readings(key: str, _case: Case, _controller: Controller) -> Readings:
     return Reader().readings(_case, _controller)
+
+
+@st.cache_resource(max_entries=6, show_spinner=False)
+def _look(key: str, _file: SourceFile, _controller: Controller, sheet: str | None, header: str) -> SheetLook:
+    return look_at(_file.content, _controller, name=_file.name, sheet=sheet, header=header)
+
+
+def sheet_look(file: SourceFile, controller: Controller, sheet: str | None, header: str) -> SheetLook:
+    """Return how a measuring sheet looks, and which column most likely is what.
+
+    Raises
+    ------
+    ReadingsError
+        as `look_at`.
+    """
+    return _look(f"{file.name} {file.sha256} {controller.sha256}", file, controller, sheet, header)
 
 
 @st.cache_resource(max_entries=6, show_spinner=False)

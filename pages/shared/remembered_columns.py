@@ -1,4 +1,4 @@
-"""Show what is remembered of logs' columns, and let it be forgotten."""
+"""Show what is remembered of the columns of logs and measuring sheets, and let it be forgotten."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ import streamlit as st
 
 from atleak.common.errors import OutputError
 from atleak.common.files import damaged_before
+from atleak.common.sentences import Sentence
 from atleak.common.wording import Wording
 from atleak.readers.logs import FORMATS, default_path, forget_columns
 from atleak.readers.remembered_columns import RememberedColumns, recall_all, restore_columns
+from atleak.readers.sheets.mapping import FORMAT
 from pages.shared import fields, reader, show
+from pages.shared.cases import readings_of
 from pages.shared.state import choose, session
 
 _FORGOTTEN = "forgotten-columns"
@@ -53,7 +56,7 @@ def _words(entry: RememberedColumns, say: Wording) -> str:
     if entry.columns:
         columns = ", ".join(entry.columns[:6]) + (" …" if len(entry.columns) > 6 else "")
         count = say.number(len(entry.columns), 0)
-        format_ = show.plain(FORMATS.get(entry.format, entry.format))
+        format_ = show.plain({**FORMATS, FORMAT: Sentence("measuring sheet")}.get(entry.format, entry.format))
         head = say("remembered.entry", format=format_, count=count, columns=show.plain(columns))
     else:
         head = say("remembered.entry_unknown")
@@ -87,6 +90,11 @@ def _forget(header: str, entry: RememberedColumns) -> None:
     now = session()
     if now.case.road_test is not None and now.case.road_test == now.good.road_test:  # this job keeps its log's columns
         choose(columns=now.good.columns, units=now.good.units, remember=now.good.remember)
+    sheet = now.good.readings
+    if entry.format == FORMAT and sheet is not None and now.case.readings == sheet and not now.case.sheet_columns:
+        readings = readings_of(now.good, sheet)  # this job keeps its sheet's columns
+        if readings.columns:
+            choose(sheet_columns=readings.columns, sheet_unit=now.case.sheet_unit or entry.units.get("value"))
     try:
         forget_columns(default_path(), header)
         st.session_state[_FORGOTTEN] = (header, entry)

@@ -23,7 +23,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -44,20 +44,23 @@ from atleak.readers.gauges.gauge_table import find_tabs, likeness_of
 from atleak.readers.remembered_columns import forget_columns
 from atleak.readers.sheets import agreement
 from atleak.readers.sheets.choice import SheetChoice, choose_sheet, require_one_measurement
+from atleak.readers.sheets.columns import find_columns
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.diameters import convert
 from atleak.readers.sheets.exclusions import LEFT_ASIDE
 from atleak.readers.sheets.head import is_typed, read_head
 from atleak.readers.sheets.land_values import LandValues, read_land_values
+from atleak.readers.sheets.layout import find_tables, turned
 from atleak.readers.sheets.leftovers import Account, units_apart
-from atleak.readers.sheets.mapping import SheetMapping, recalled
+from atleak.readers.sheets.mapping import SheetMapping, column_name, likely, likely_table, recalled
 from atleak.readers.sheets.plausibility import check
 from atleak.readers.sheets.repeats import require_known
 from atleak.readers.sheets.rows import SheetRows, read_rows
 from atleak.readers.sheets.table import HeadedTable, best_header
-from atleak.readers.sheets.words import is_word
+from atleak.readers.sheets.words import is_word, text_of
 
 _SHOWN = 10
+_LOOKED_AT = 15  # rows that are shown to a person
 
 
 class ReadingsRefused(ReadingsError):
@@ -92,7 +95,7 @@ class ReadingsRefused(ReadingsError):
         return text
 
 
-__all__ = ["ReadingsRefused", "check", "forget_sheet", "read_readings"]
+__all__ = ["ReadingsRefused", "SheetLook", "check", "forget_sheet", "look_at", "read_readings"]
 
 
 @own_errors_only(ReadingsError, "name", "source")
@@ -347,6 +350,55 @@ def _none_left(result: Readings, table: HeadedTable) -> ReadingsError:
         problem = Sentence("no reading is left: {reasons}", reasons=in_a_row(reasons))
         place = Place(result.file, result.sheet)
     return ReadingsError(problem, place=place, expected=Sentence("at least one diameter, or two coordinates"))
+
+
+@dataclass(frozen=True)
+class SheetLook:
+    """A sheet as it stands in its file, for a person to say which column is what."""
+
+    sheets: tuple[str, ...]  # of the workbook, that are shown
+    sheet: str | None  # of which the rest is
+    rows: tuple[tuple[str, ...], ...]  # the first ones, as text
+    columns: tuple[str, ...]  # as a mapping names them
+    header: str  # the rows of the headings, as a mapping names them
+    likely: Mapping[str, str]  # role → column
+    understood: bool  # by its headings alone
+
+
+@own_errors_only(ReadingsError, "name", "source")
+def look_at(
+    source: str | Path | bytes,
+    controller: Controller,
+    *,
+    name: str | None = None,
+    sheet: str | None = None,
+    header: str = "",
+) -> SheetLook:
+    """Return how a sheet looks, and which column most likely is what.
+
+    Parameters are those of `read_readings`; ``header`` says where the headings stand, unless they are to be found.
+
+    Raises
+    ------
+    ReadingsError
+        where the file cannot be read, or has no such rows.
+    """
+    data, file = read_bytes(source, name)
+    names, chosen = ControllerNames(controller), SheetMapping({"header": header} if header else {})
+    pages = read_sheets(data, file, _score, is_word)
+    pages = [page for page in pages if not page.hidden] or pages
+    page = next((page for page in pages if page.name == sheet), max(pages, key=_score))
+    understood = any(table.readable and not find_columns(table, names).problems for table in find_tables(page, names))
+    page = (chosen.down and turned(page)) or page
+    table = chosen.table(page, names) if header else likely_table(page, names)
+    first, last = page.row_number(max(table.first, 0)), page.row_number(max(table.last, 0))
+    found = header or ("none" if not any(table.texts) else f"{first}" if first == last else f"{first}-{last}")
+    columns = tuple(column_name(table, index) for index in range(page.width))
+    rows = tuple(tuple(map(text_of, cells)) for cells in page.rows[:_LOOKED_AT])
+    asked = {role: columns[index] for role, index in likely(table, names).items()}
+    return SheetLook(
+        tuple(page.name for page in pages if page.name), page.name, rows, columns, found, asked, understood
+    )
 
 
 def forget_sheet(source: str | Path | bytes, path: Path, name: str | None = None) -> None:
