@@ -19,6 +19,7 @@ from atleak.cli.shared import Outputs, add_force, add_json, add_units
 from atleak.common.files import made_folder
 from atleak.common.printable import asked_for
 from atleak.common.wording import Wording, wording
+from atleak.report.json.conditions import named_record
 from atleak.report.json.diagnosis import limits_record
 from atleak.report.tables.catalogue import evidence_counts, open_values
 from atleak.report.terminal import print_records
@@ -82,8 +83,7 @@ def _fluids(options: argparse.Namespace) -> int:
     known = listed_entries("fluids", load_fluid)
     rows = [
         {
-            "id": fluid.id,
-            "name": fluid.name,
+            **named_record(fluid, "id", "name"),
             "viscosity_mm2_s": {f"{at:g}": nu * 1e6 for at, nu in fluid.points},
             "density_g_cm3": fluid.density_at[1] * 1e-3,
             "density_at_c": fluid.density_at[0],
@@ -107,13 +107,9 @@ def _instruments(options: argparse.Namespace) -> int:
     known = listed_entries("instruments", load_instrument)
     rows = [
         {
-            "id": instrument.id,
-            "name": instrument.name,
+            **named_record(instrument, "id", "name"),
             "measures": list(instrument.measures),
-            "resolution_um": instrument.resolution * 1e6,
-            "calibration_um": instrument.calibration * 1e6,
-            "common_part": instrument.common_part,
-            "repeatability_um": None if instrument.repeatability is None else instrument.repeatability * 1e6,
+            **named_record(instrument, "resolution_um", "calibration_um", "common_part", "repeatability_um"),
             "expansion_per_k": instrument.expansion,
             "representative": list(instrument.representative),
             "note": instrument.note or None,

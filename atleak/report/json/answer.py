@@ -10,7 +10,14 @@ from atleak.catalogue.repairs import PUMP
 from atleak.common.units import KPA
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.report.json.conditions import explained_record, kit_components, of_land, scaled, unexplained_record
+from atleak.report.json.conditions import (
+    explained_record,
+    kit_components,
+    named_record,
+    of_land,
+    scaled,
+    unexplained_record,
+)
 from atleak.report.tables.answer import answer_lines
 
 _NOTHING = dict.fromkeys(("unexplained_kpa", "unexplained_low_kpa", "unexplained_high_kpa"))
@@ -38,7 +45,7 @@ def answer_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "cost": prices.get(currency) if currency else None,
         "currency": currency,
         "next_measurement": [
-            {"component": each.component, "land": each.land, "part": each.part, "value": scaled(each.value, KPA)}
+            {**named_record(each, "component", "land", "part"), "value": scaled(each.value, KPA)}
             for each in answer.next_measurements
         ],
     }
@@ -49,9 +56,7 @@ def _do(answer: Answer) -> list[dict[str, Any]]:
         {
             **(of_land(step.land.key) if isinstance(step, RepairStep) else {"component": PUMP, "land": None}),
             "components": kit_components(step.chosen.repair if step.chosen else None),
-            "repair": step.chosen.repair.id if step.chosen else None,
-            "price": step.chosen.repair.price if step.chosen else None,
-            "hours": step.chosen.repair.hours if step.chosen else None,
+            **named_record(step.chosen and step.chosen.repair, repair="id", price="price", hours="hours"),
         }
         for step in answer.steps
     ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from atleak.catalogue.circuits import SECTIONS
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import LandKey, Repair
 from atleak.common.errors import Message
-from atleak.common.units import DM3_MIN, KPA, MM3_S, PERCENT, RPM
+from atleak.common.units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, RPM, UM
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.missing import Amount, Missing, Row
 from atleak.diagnosis.rules import Rule
@@ -40,9 +40,29 @@ def scaled(value: float | None, factor: float) -> float | None:
     return None if value is None else finite(value * factor)
 
 
-def named_record(item: Any, *names: str) -> dict[str, Any]:
-    """Return some attributes of an item by their names."""
-    return {name: getattr(item, name) for name in names}
+_FACTORS: dict[str, float | None] = {  # from SI, by the end of a key; None: as it is
+    "_dm3_min": DM3_MIN, "_mm3_s": MM3_S, "_mm2_s": MM2_S, "_g_cm3": G_CM3, "_percent": PERCENT, "_rpm": RPM,
+    "_kpa": KPA, "_um": UM, "_mm": MM, "_km": None, "_c": None, "_s": None,
+}  # fmt: skip
+
+
+def named_record(item: Any, *keys: str, **others: str) -> dict[str, Any]:
+    """Return attributes of an item by their names, a quantity by its name and unit: ``loss_kpa`` is ``loss`` [Pa] in kPa.
+
+    ``others`` are keys of attributes with another name. All of it is None where there is no item.
+    """
+    record = {}
+    for key, name in (*((key, None) for key in keys), *others.items()):
+        end = _unit_of(key)
+        value = None if item is None else getattr(item, name or key.removesuffix(end))
+        factor = _FACTORS.get(end)
+        record[key] = value if factor is None else scaled(value, factor)
+    return record
+
+
+@cache
+def _unit_of(key: str) -> str:
+    return next((end for end in _FACTORS if key.endswith(end)), "")
 
 
 def of_land(key: LandKey) -> dict[str, Any]:
@@ -60,8 +80,6 @@ def interval_ends(
 
 def decided_record(decided: RuleDecision | None) -> dict[str, Any]:
     """Return how sure what a rule says is, and how likely its limit is passed."""
-    if decided is None:
-        return {"decision": None, "probability_over_limit": None}
     return named_record(decided, "decision", "probability_over_limit")
 
 
@@ -73,17 +91,13 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
     new, unworn = diagnosis.new_at(projection), diagnosis.unworn_at(projection)  # pressures are judged by the latter
     permissible = projection.permissible
     return {
-        "name": at.name,
-        "label": at.label,
-        "state": at.state,
-        "temperature_c": at.temperature,
-        "engine_rpm": at.engine_speed * RPM,
-        "gear": at.gear,
+        **named_record(at, "name", "label", "state", "temperature_c"),
+        **named_record(at, engine_rpm="engine_speed", gear="gear"),
         **{f"{name}_kpa": projection.pressures[name] * KPA for name in SECTIONS},
         "p_g_held_kpa": projection.main_pressure_held * KPA,
         **interval_ends("p_g_held_{}_kpa", total.main_pressure_interval if total else None, KPA),
         "p_g_held_new_kpa": unworn.main_pressure_held * KPA,
-        **interval_ends("permissible_{}_kpa", (permissible.low, permissible.high) if permissible else None, KPA),
+        **named_record(permissible, permissible_low_kpa="low", permissible_high_kpa="high"),
         "leakage_dm3_min": projection.leakage * DM3_MIN,
         **interval_ends("leakage_{}_dm3_min", total.leakage_interval if total else None, DM3_MIN),
         "leakage_new_dm3_min": new.leakage * DM3_MIN,
@@ -91,12 +105,9 @@ def condition_record(diagnosis: Diagnosis, projection: Projection) -> dict[str, 
         "other_leakage_dm3_min": projection.other_leakage * DM3_MIN,
         "growth_percent": scaled(projection.leakage / new.leakage - 1.0, PERCENT) if new.leakage > 0.0 else None,
         **interval_ends("growth_{}_percent", total.growth_interval if total else None, PERCENT),
-        "pump_supply_dm3_min": projection.pump_supply * DM3_MIN,
-        "pump_slip_dm3_min": projection.slip * DM3_MIN,
+        **named_record(projection, "pump_supply_dm3_min", pump_slip_dm3_min="slip"),
         "pump_slip_new_dm3_min": scaled(slips(diagnosis, projection)[1], DM3_MIN),
-        "pump_capacity_dm3_min": projection.pump_capacity * DM3_MIN,
-        "consumers_dm3_min": projection.consumers * DM3_MIN,
-        "consumers_starved_dm3_min": projection.starved * DM3_MIN,
+        **named_record(projection, "pump_capacity_dm3_min", "consumers_dm3_min", consumers_starved_dm3_min="starved"),
         "reserve": finite(projection.reserve),
         **interval_ends("reserve_{}", total.reserve_interval if total else None),
         "reserve_new": finite(unworn.reserve),
@@ -138,16 +149,13 @@ def _circuit(
     rule = diagnosis.pressure_rule(projection, RuleKind.CIRCUIT_LOSS, circuit)
     decided = diagnosis.decided(rule) if rule else None
     return {
-        "id": circuit.id,
-        "name": circuit.name,
-        "vented": state.vented,
-        "pressure_kpa": state.pressure * KPA,
+        **named_record(circuit, "id", "name"),
+        **named_record(state, "vented", "pressure_kpa"),
         **interval_ends("pressure_{}_kpa", total.circuit_intervals.get(circuit.id) if total else None, KPA),
         "pressure_new_kpa": new * KPA,
         "set_kpa": scaled(state.set_pressure, KPA),
         "loss_kpa": (new - state.pressure) * KPA,
-        "feed_dm3_min": state.feed * DM3_MIN,
-        "relief_dm3_min": state.relief * DM3_MIN,
+        **named_record(state, "feed_dm3_min", "relief_dm3_min"),
         "verdict": diagnosis.verdict_on(rule),
         "decision": decided.decision if decided else None,
         "missing": None if state.vented else missing_record(diagnosis.missing_shown(projection, circuit.id)),
@@ -200,8 +208,7 @@ def pump_record(diagnosis: Diagnosis) -> dict[str, Any]:
 def missing_record(missing: Missing) -> dict[str, Any]:
     """Return what is missing of one pressure, and what explains it."""
     return {
-        "measured_kpa": scaled(missing.measured, KPA),
-        "expected_kpa": missing.expected * KPA,
+        **named_record(missing, "measured_kpa", "expected_kpa"),
         **_amount(missing.amount(lambda each: each.missing), "missing_"),
         "explained": explained_record(missing),
         **unexplained_record(missing),
@@ -210,9 +217,8 @@ def missing_record(missing: Missing) -> dict[str, Any]:
 
 def logged_record(missing: Missing) -> dict[str, Any]:
     """Return the same of main pressure where a log shows it, with where that was."""
-    point = missing.point
-    at = {"state": point.state, "gear": point.gear, "temperature_c": point.temperature}
-    return {**at, "engine_rpm": point.engine_speed * RPM, **missing_record(missing)}
+    at = named_record(missing.point, "state", "gear", "temperature_c", engine_rpm="engine_speed")
+    return {**at, **missing_record(missing)}
 
 
 def explained_record(missing: Missing) -> list[dict[str, Any]]:

@@ -11,7 +11,7 @@ from atleak.analysis.repair.totals import Total
 from atleak.catalogue.limits import Limits, RuleKind, Steps
 from atleak.catalogue.repairs import PUMP
 from atleak.common.memory import kept_with
-from atleak.common.units import DM3_MIN, G_CM3, KPA, MM, MM2_S, MM3_S, PERCENT, UM
+from atleak.common.units import DM3_MIN, KPA, MM2_S, PERCENT, UM
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis, PumpDiagnosis
@@ -122,11 +122,9 @@ def head_record(diagnosis: Diagnosis) -> dict[str, Any]:
         "limits": limits_record(diagnosis.limits),
         "mileage_km": diagnosis.mileage,
         "readings": {
-            "file": readings.file if readings else None,
-            "sha256": readings.sha256 if readings else None,
+            **named_record(readings, "file", "sha256"),
             "date": readings.date.isoformat() if readings and readings.date else None,
-            "measuring_temperature_c": measured_at.value if measured_at else None,
-            "measuring_temperature_assumed": measured_at.assumed if measured_at else None,
+            **named_record(measured_at, measuring_temperature_c="value", measuring_temperature_assumed="assumed"),
             "lands_measured": diagnosis.measured,
             "lands_total": len(diagnosis.lands),
         },
@@ -177,7 +175,7 @@ def _unit(diagnosis: Diagnosis) -> dict[str, Any]:
             "land": land,
             "circuit": rule.circuit.id if rule and rule.circuit else None,
             "where": rule.where if rule and rule.where else None,
-            "rule": rule.id if rule else None,
+            **named_record(rule, rule="id"),
             "value": finite(rule.value * rule.kind.factor) if rule else None,
             "limit": finite(rule.limit * rule.kind.factor) if rule else None,
         },
@@ -208,8 +206,7 @@ def _complaint(diagnosis: Diagnosis) -> dict[str, Any] | None:
                 "rule": each.rule.id,
                 "condition": each.rule.condition.name if each.rule.condition else None,
                 "circuit": each.rule.circuit.id if each.rule.circuit else None,
-                "held_kpa": None if each.held is None else each.held.now * KPA,
-                "new_kpa": None if each.held is None else each.held.new * KPA,
+                **named_record(each.held, held_kpa="now", new_kpa="new"),
                 "lands": [of_land(key) for key in each.lands],
             }
             for each in explanations(diagnosis, complaint)
@@ -262,29 +259,17 @@ def land_record(diagnosis: Diagnosis, row: MatrixRow) -> dict[str, Any]:
         **of_land(land.key),
         "measured": state.status,
         **named_record(state, "spool_readings", "sleeve_readings"),
-        "spool_diameter_mm": state.spool_diameter * MM,
-        "sleeve_diameter_mm": state.sleeve_diameter * MM,
-        "radial_clearance_um": state.radial_clearance * UM,
-        "uncertainty_um": scaled(uncertainty.u_clearance, UM) if uncertainty else None,
-        "contact_length_mm": nominal.contact_length * MM,
-        "contact_length_measured": nominal.contact_length_measured,
-        "position_mm": scaled(nominal.position, MM),
-        "seal": nominal.seal,
-        "fitted_repair": nominal.fitted,
-        "mounting_clearance_um": nominal.mounting_high * UM,
+        **named_record(state, "spool_diameter_mm", "sleeve_diameter_mm", "radial_clearance_um"),
+        **named_record(uncertainty, uncertainty_um="u_clearance"),
+        **named_record(nominal, "contact_length_mm", "contact_length_measured", "position_mm", "seal"),
+        **named_record(nominal, fitted_repair="fitted", mounting_clearance_um="mounting_high"),
         "mounting_clearance_low_um": nominal.mounting_range[0] * UM,
-        "mounting_tolerance_um": scaled(nominal.mounting_tolerance, UM),
-        "new_clearance_um": nominal.new_clearance * UM,
-        "new_origin": nominal.new_origin,
-        "wear_percent": None if land.wear is None else land.wear * PERCENT,
-        "effective_clearance_um": land.effective_clearance * UM,
-        "leakage_dm3_min": land.leakage * DM3_MIN,
-        "drawn_from_pump_dm3_min": land.drawn_from_pump * DM3_MIN,
+        **named_record(nominal, "mounting_tolerance_um", "new_clearance_um", "new_origin"),
+        **named_record(land, "wear_percent", "effective_clearance_um", "leakage_dm3_min", "drawn_from_pump_dm3_min"),
         **interval_ends("leakage_{}_dm3_min", uncertainty.leakage_interval if uncertainty else None, DM3_MIN),
-        "share_percent": finite(land.share * PERCENT),
-        **named_record(land, "verdict", "decision", "suspect", "probability_over_limit"),
+        **named_record(land, "share_percent", "verdict", "decision", "suspect", "probability_over_limit"),
         "consequence": diagnosis.consequences[land.key],
-        "advice": uncertainty.advice if uncertainty else None,
+        **named_record(uncertainty, "advice"),
         "replace_mileage_km": at.value if at and math.isfinite(at.high) else None,
         **interval_ends("replace_mileage_{}_km", (at.low, at.high) if at else None),
         "representative": list(nominal.representative),
@@ -295,14 +280,9 @@ def land_record(diagnosis: Diagnosis, row: MatrixRow) -> dict[str, Any]:
 
 
 def _at_condition(cell: LandAtCondition) -> dict[str, Any]:
-    condition = cell.projection.condition
     return {
-        **named_record(condition, "name", "label"),
-        "leakage_dm3_min": cell.leakage * DM3_MIN,
-        "drawn_from_pump_dm3_min": cell.drawn_from_pump * DM3_MIN,
-        "share_percent": finite(cell.share * PERCENT),
-        "loss_kpa": scaled(cell.loss, KPA),
-        "verdict": cell.verdict,
+        **named_record(cell.projection.condition, "name", "label"),
+        **named_record(cell, "leakage_dm3_min", "drawn_from_pump_dm3_min", "share_percent", "loss_kpa", "verdict"),
         "elsewhere": cell.elsewhere or None,
     }
 
@@ -328,15 +308,9 @@ def _gap(leak: GapLeakage) -> dict[str, Any]:
         **named_record(gap, "component", "land", "section"),
         "from": str(gap.high),
         "to": str(gap.low),
-        "pressure_drop_kpa": leak.pressure_drop * KPA,
-        "diameter_mm": leak.diameter * MM,
-        "contact_length_mm": leak.contact_length * MM,
-        "effective_clearance_um": leak.effective_clearance * UM,
-        "kinematic_viscosity_mm2_s": leak.kinematic_viscosity * MM2_S,
-        "density_g_cm3": leak.density * G_CM3,
-        "leakage_mm3_s": leak.leakage * MM3_S,
-        "drawn_from_pump": leak.drawn_from_pump,
-        "reynolds_number": leak.reynolds_number,
+        **named_record(leak, "pressure_drop_kpa", "diameter_mm", "contact_length_mm", "effective_clearance_um"),
+        **named_record(leak, "kinematic_viscosity_mm2_s", "density_g_cm3", "leakage_mm3_s"),
+        **named_record(leak, "drawn_from_pump", "reynolds_number"),
         "published": gap.published,
     }
 
@@ -364,16 +338,14 @@ def _repair_step(step: PumpStep | RepairStep) -> dict[str, Any]:
     return {
         **repaired,
         "chosen": None if step.chosen is None else step.chosen.repair.id,
-        "at": step.at.condition.name,
-        "at_label": step.at.condition.label,
-        "share_before_percent": finite(step.at.before.share * PERCENT),
-        "share_after_percent": finite(step.at.after.share * PERCENT),
+        **named_record(step.at.condition, at="name", at_label="label"),
+        **named_record(step.at.before, share_before_percent="share"),
+        **named_record(step.at.after, share_after_percent="share"),
         "conditions": [
             {
                 **named_record(each.condition, "name", "label"),
-                "share_before_percent": finite(each.before.share * PERCENT),
-                "share_after_percent": finite(each.after.share * PERCENT),
-                "band_after": each.after.band,
+                **named_record(each.before, share_before_percent="share"),
+                **named_record(each.after, share_after_percent="share", band_after="band"),
                 **_held(each.after),
             }
             for each in step.conditions
@@ -391,9 +363,7 @@ def _repair_ends(plan: RepairPlan) -> dict[str, Any]:
         "remaining": [
             {
                 **_end(left.total, judged=plan.judged),
-                "new_share_percent": finite(left.new_share * PERCENT),
-                "kinematic_viscosity_mm2_s": left.kinematic_viscosity * MM2_S,
-                "pump_loss_percent": left.pump_loss * PERCENT,
+                **named_record(left, "new_share_percent", "kinematic_viscosity_mm2_s", "pump_loss_percent"),
             }
             for left in plan.remaining
         ],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,7 +9,7 @@ from atleak.common.units import DM3_MIN
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.flows import FlowFinding
-from atleak.report.json.conditions import scaled
+from atleak.report.json.conditions import named_record
 from atleak.report.tables.table import Column, Section, Table, Text
 from atleak.report.tables.vacuum import vacuum_section
 
@@ -51,14 +50,9 @@ def flow_table(flows: tuple[FlowFinding, ...], say: Wording) -> Table:
 def flow_record(each: FlowFinding) -> dict[str, Any]:
     """Return a flow as ``atleak diagnose --json`` writes it."""
     return {
-        "condition": each.condition,
-        "what": each.what,
-        "consumer": None if each.consumer is None else each.consumer.id,
-        "flow_dm3_min": each.flow * DM3_MIN,
-        "usual_dm3_min": scaled(each.usual, DM3_MIN),
-        "left_low_dm3_min": each.left_low * DM3_MIN,
-        "left_high_dm3_min": None if math.isinf(each.left_high) else each.left_high * DM3_MIN,
-        "bound": each.bound,
-        "computed_left_dm3_min": scaled(each.computed, DM3_MIN),
+        **named_record(each, "condition", "what"),
+        **named_record(each.consumer, consumer="id"),
+        **named_record(each, "flow_dm3_min", "usual_dm3_min", "left_low_dm3_min", "left_high_dm3_min"),
+        **named_record(each, bound="bound", computed_left_dm3_min="computed"),
         "place": each.reading.place.parts,
     }

@@ -28,10 +28,17 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.projection import Projection
-from atleak.measurements.events import Event
 from atleak.measurements.road_test import RoadTest
 from atleak.report.charts.comparison_figures import clearance_chart, total_chart
-from atleak.report.json.conditions import condition_record, finite, message_record, scaled
+from atleak.report.json.conditions import (
+    condition_record,
+    finite,
+    interval_ends,
+    message_record,
+    named_record,
+    of_land,
+    scaled,
+)
 from atleak.report.json.diagnosis import FORMAT, head_record, land_record
 from atleak.report.tables.first_sentence import shown_verdict
 from atleak.report.tables.lands import MatrixRow
@@ -67,19 +74,14 @@ def comparison_record(comparison: Comparison) -> dict[str, Any]:
 
 
 def _land(comparison: Comparison, land: LandComparison) -> dict[str, Any]:
-    component, number = land.key
     change = land.change
-    low, high = (change.interval if change else None) or (None, None)
     return {
-        "component": component,
-        "land": number,
+        **of_land(land.key),
         "before": _side_of_land(comparison.before, land.before),
         "after": _side_of_land(comparison.after, land.after),
-        "change_um": scaled(change.value, UM) if change else None,
-        "change_u_um": scaled(change.standard_uncertainty, UM) if change else None,
-        "change_low_um": scaled(low, UM),
-        "change_high_um": scaled(high, UM),
-        "significant": change.significant if change else None,
+        **named_record(change, change_um="value", change_u_um="standard_uncertainty"),
+        **interval_ends("change_{}_um", change.interval if change else None, UM),
+        **named_record(change, "significant"),
     }
 
 
@@ -100,7 +102,7 @@ def _condition(comparison: Comparison, each: ConditionComparison) -> dict[str, A
         **_change("p_g_held", "kpa", each.main_pressure, KPA),
     }
     record["circuits"] = [
-        {"id": one.circuit.id, "name": one.circuit.name, **_change("pressure", "kpa", one.change, KPA)}
+        {**named_record(one.circuit, "id", "name"), **_change("pressure", "kpa", one.change, KPA)}
         for one in each.circuits
     ]
     return record
@@ -115,26 +117,18 @@ def _change(name: str, unit: str, change: Change | None, factor: float) -> dict[
     low, high = (change.interval if change else None) or (None, None)
     values = {"change": change.value if change else None, "change_low": low, "change_high": high}
     record: dict[str, Any] = {
-        "_".join(filter(None, (name, what, unit))): None if value is None else finite(value * factor)
-        for what, value in values.items()
+        "_".join(filter(None, (name, what, unit))): scaled(value, factor) for what, value in values.items()
     }
     return {**record, f"{name}_significant": change.significant if change else None}
 
 
 def _pair(pair: EventPair) -> dict[str, Any]:
-    event = pair.event
     return {
-        "kind": event.kind,
-        "from_gear": event.from_gear,
-        "to_gear": event.to_gear,
+        **named_record(pair.event, "kind", "from_gear", "to_gear"),
         "order": pair.order,
-        "before": _event(pair.before),
-        "after": _event(pair.after),
+        "before": pair.before and named_record(pair.before, "start_s", "stop_s"),
+        "after": pair.after and named_record(pair.after, "start_s", "stop_s"),
     }
-
-
-def _event(event: Event | None) -> dict[str, Any] | None:
-    return None if event is None else {"start_s": event.start, "stop_s": event.stop}
 
 
 def verdicts_sentence(comparison: Comparison, say: Wording) -> str:

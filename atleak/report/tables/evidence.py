@@ -10,7 +10,7 @@ from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.evidence import LIKELY, CircuitEvidence, Evidence, LandEvidence, evidence_of
 from atleak.engine.profile import UNKNOWN
-from atleak.report.json.conditions import of_land
+from atleak.report.json.conditions import named_record, of_land
 from atleak.report.tables.before_opening import before_opening, flow_record
 from atleak.report.tables.names import land_number, land_words
 from atleak.report.tables.road_record import warm_up_record
@@ -213,23 +213,16 @@ def evidence_record(diagnosis: Diagnosis) -> dict[str, Any]:
             {
                 **of_land(each.land.key),
                 "probability_worn": each.probability,
-                "clearance_um": each.clearance * UM,
-                "low_um": each.low * UM,
-                "high_um": each.high * UM,
-                "loss_kpa": each.loss * KPA,
-                "group": each.group,
-                "group_probability": each.of_group,
-                "measured": each.measured,
+                **named_record(each, "clearance_um", "low_um", "high_um", "loss_kpa", "group"),
+                **named_record(each, group_probability="of_group", measured="measured"),
             }
             for each in evidence.lands
         ],
         "circuits": [*map(_circuit_record, evidence.circuits)],
         "pump": pump
         and {
-            "probability": pump.probability,
-            "slip_growth_percent": pump.growth * PERCENT,
-            "low_percent": pump.low * PERCENT,
-            "high_percent": pump.high * PERCENT,
+            **named_record(pump, probability="probability", slip_growth_percent="growth"),
+            **named_record(pump, "low_percent", "high_percent"),
         },
         "clutch_seals": [*map(_circuit_record, evidence.seals)],
         "vacuum": vacuum_records(diagnosis),
@@ -245,11 +238,4 @@ def evidence_record(diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def _circuit_record(each: CircuitEvidence) -> dict[str, Any]:
-    return {
-        "id": each.circuit.id,
-        "probability": each.probability,
-        "loss_kpa": each.loss * KPA,
-        "low_kpa": each.low * KPA,
-        "high_kpa": each.high * KPA,
-        "read": each.read,
-    }
+    return {"id": each.circuit.id, **named_record(each, "probability", "loss_kpa", "low_kpa", "high_kpa", "read")}

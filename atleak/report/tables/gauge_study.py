@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from atleak.analysis.gauge_study import CATEGORY, SPREAD, GaugeStudy
-from atleak.common.units import PERCENT, UM
+from atleak.common.units import UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
 from atleak.report.charts.study_figures import component_chart
-from atleak.report.json.conditions import message_record
+from atleak.report.json.conditions import message_record, named_record
 from atleak.report.json.diagnosis import FORMAT
 from atleak.report.tables.table import Column, Picture, Section, SectionPart, Table, Text
 from atleak.version import __version__
@@ -22,9 +22,8 @@ def component_rows(study: GaugeStudy) -> list[dict[str, Any]]:
             "component": component.name,
             "deviation_um": component.deviation * UM,
             "spread_um": SPREAD * component.deviation * UM,
-            "contribution_percent": _percent(component.contribution),
-            "of_study_percent": _percent(component.of_study),
-            **({} if study.tolerance is None else {"of_tolerance_percent": _percent(component.of_tolerance)}),
+            **named_record(component, "contribution_percent", "of_study_percent"),
+            **({} if study.tolerance is None else named_record(component, "of_tolerance_percent")),
         }
         for component in study.components
         if not (study.pooled and component.name == "interaction")
@@ -56,15 +55,11 @@ def study_record(study: GaugeStudy) -> dict[str, Any]:
         "sha256": readings.sha256 or None,
         "parts": list(readings.parts),
         "operators": list(readings.operators),
-        "trials": readings.trials,
-        "step_um": None if readings.step is None else readings.step * UM,
-        "alpha": study.alpha,
-        "interaction_pooled": study.pooled,
-        "tolerance_um": None if study.tolerance is None else study.tolerance * UM,
+        **named_record(readings, "trials", "step_um"),
+        **named_record(study, alpha="alpha", interaction_pooled="pooled", tolerance_um="tolerance"),
         "anova": anova_rows(study),
         "components": component_rows(study),
-        "grr_of_study_percent": _percent(study.grr.of_study),
-        "grr_of_tolerance_percent": _percent(study.grr.of_tolerance),
+        **named_record(study.grr, grr_of_study_percent="of_study", grr_of_tolerance_percent="of_tolerance"),
         "categories": study.categories,
         "category_factor": CATEGORY,
         "judged": study.judged,
@@ -124,7 +119,3 @@ def result_sentence(study: GaugeStudy, say: Wording) -> str:
     )
     judged = say(f"gauge_study.{study.judged}")
     return say(f"gauge_study.{key}", grr=say.percent(share), judged=judged, categories=categories)
-
-
-def _percent(fraction: float | None) -> float | None:
-    return None if fraction is None else fraction * PERCENT

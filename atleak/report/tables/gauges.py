@@ -15,7 +15,7 @@ from atleak.diagnosis.gauge_card import USUAL_FAST_IDLE, CardRow
 from atleak.diagnosis.gauge_check import CheckedReading, PressureCheck
 from atleak.diagnosis.gauge_patterns import Pattern
 from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, tap_name
-from atleak.report.json.conditions import finite, scaled, unit_rule_record
+from atleak.report.json.conditions import finite, interval_ends, named_record, of_land, scaled, unit_rule_record
 from atleak.report.tables.names import land_words
 from atleak.report.tables.table import VERDICT, Column, Table
 
@@ -30,11 +30,9 @@ def gauge_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
         return None
     deciding = check.deciding
     return {
-        "file": check.table.file,
-        "sha256": check.table.sha256,
-        "sheet": check.table.sheet,
+        **named_record(check.table, "file", "sha256", "sheet"),
         "verdict": check.verdict,
-        "decision": deciding.decision if deciding else None,
+        **named_record(deciding, "decision"),
         "decided_by": deciding.rule.where if deciding and deciding.rule.verdict.flagged else None,
         "taps": list(check.table.taps),
         "readings": [_reading(diagnosis, each) for each in check.readings],
@@ -51,29 +49,18 @@ def _reading(diagnosis: Diagnosis, checked: CheckedReading) -> dict[str, Any]:
         "label": checked.label,
         "repeat": reading.repeat,
         "gear": checked.gear,
-        "pressure_kpa": reading.pressure * KPA,
-        "temperature_c": reading.temperature,
-        "engine_rpm": scaled(reading.engine_speed, RPM),
-        "permissible_low_kpa": scaled(permissible.low if permissible else None, KPA),
-        "permissible_high_kpa": scaled(permissible.high if permissible else None, KPA),
-        "permissible_source": permissible.source if permissible else None,
-        "stands": checked.stands,
-        "over_permissible_kpa": scaled(checked.over, KPA),
-        "expected_kpa": scaled(checked.expected, KPA),
-        "expected_low_kpa": scaled(now.low if now else None, KPA),
-        "expected_high_kpa": scaled(now.high if now else None, KPA),
-        "expected_new_kpa": scaled(new.value if new else None, KPA),
-        "expected_new_low_kpa": scaled(new.low if new else None, KPA),
-        "expected_new_high_kpa": scaled(new.high if new else None, KPA),
+        **named_record(reading, "pressure_kpa", "temperature_c", engine_rpm="engine_speed"),
+        **named_record(permissible, permissible_low_kpa="low", permissible_high_kpa="high"),
+        **named_record(permissible, permissible_source="source"),
+        **named_record(checked, "stands", over_permissible_kpa="over", expected_kpa="expected"),
+        **named_record(now, expected_low_kpa="low", expected_high_kpa="high"),
+        **named_record(new, expected_new_kpa="value", expected_new_low_kpa="low", expected_new_high_kpa="high"),
         "stands_to_expected": checked.stands_to_expected,
-        "line_kpa": None if line else scaled(checked.line, KPA),
-        "below_line_kpa": None if line else scaled(checked.below_line, KPA),
+        **named_record(None if line else checked, "line_kpa", "below_line_kpa"),
         "loss_kpa": scaled(checked.loss, KPA),
-        "loss_low_kpa": scaled(checked.loss_interval[0] if checked.loss_interval else None, KPA),
-        "loss_high_kpa": scaled(checked.loss_interval[1] if checked.loss_interval else None, KPA),
-        "not_judged": checked.unjudged,
-        "verdict": checked.verdict,
-        "decision": deciding.decision if deciding else None,
+        **interval_ends("loss_{}_kpa", checked.loss_interval, KPA),
+        **named_record(checked, not_judged="unjudged", verdict="verdict"),
+        **named_record(deciding, "decision"),
         "probability_over_limit": finite(deciding.probability_over_limit) if deciding else None,
         "rules": [unit_rule_record(diagnosis, each.rule) for each in checked.decisions],
         "place": reading.place.parts,
@@ -88,7 +75,7 @@ def _pattern(pattern: Pattern, controller: Controller) -> dict[str, Any]:
         "source": say.get("pattern_sources", pattern.source),
         "cells": [_cell(cell) for cell in pattern.cells],
         "lands": [
-            {"component": key[0], "land": key[1], "share_percent": share * PERCENT}
+            {**of_land(key), "share_percent": share * PERCENT}
             for (what, *which), share in pattern.causes.items()
             if what == "land"
             for key in which

@@ -8,7 +8,7 @@ from atleak.analysis.learning.learned_clearances import Learned, LearnedLand
 from atleak.analysis.learning.learned_words import learned_messages, summary, why_left_out
 from atleak.common.units import UM
 from atleak.common.wording import Wording
-from atleak.report.json.conditions import message_record
+from atleak.report.json.conditions import message_record, named_record
 from atleak.report.tables.names import land_number
 from atleak.report.tables.table import Column, Table, span
 from atleak.version import __version__
@@ -61,36 +61,20 @@ def learned_units(learned: Learned, say: Wording) -> Table:
 
 def learned_record(learned: Learned) -> dict[str, Any]:
     """Return all of it under stable keys: lengths in µm, nothing rounded, unknown as None."""
-    controller = learned.controller
     return {
         "format": _FORMAT,
         "atleak": __version__,
-        "controller": {"id": controller.id, "name": controller.name, "sha256": controller.sha256},
+        "controller": named_record(learned.controller, "id", "name", "sha256"),
         "summary": summary(learned),
-        "spread_um": _um(learned.spread),
-        "measurement_um": _um(learned.measurement),
+        **named_record(learned, "spread_um", "measurement_um"),
         "units": [
-            {
-                "file": unit.file,
-                "sha256": unit.sha256,
-                "lands": unit.lands,
-                "of_used_unit": unit.of_used_unit,
-                "shift_um": unit.shift * UM,
-                "left_out": unit.left_out,
-            }
+            named_record(unit, "file", "sha256", "lands", "of_used_unit", "shift_um", "left_out")
             for unit in learned.units
         ],
         "lands": [_land_record(land) for land in learned.lands],
-        "lands_not_learned": [{"component": land.component, "land": land.land} for land in learned.unlearned],
+        "lands_not_learned": [named_record(land, "component", "land") for land in learned.unlearned],
         "outliers": [
-            {
-                "file": pair.file,
-                "component": pair.component,
-                "land": pair.land,
-                "clearance_um": pair.clearance * UM,
-                "expected_um": pair.expected * UM,
-                "wider": pair.wider,
-            }
+            named_record(pair, "file", "component", "land", "clearance_um", "expected_um", "wider")
             for pair in learned.left_out
         ],
         "messages": [message_record(message) for message in learned_messages(learned)],
@@ -99,21 +83,10 @@ def learned_record(learned: Learned) -> dict[str, Any]:
 
 def _land_record(land: LearnedLand) -> dict[str, Any]:
     return {
-        "component": land.land.component,
-        "land": land.land.land,
-        "mounting_clearance_um": land.clearance * UM,
-        "uncertainty_um": land.uncertainty * UM,
-        "uncertainty_by_units_um": land.uncertainty_by_units * UM,
-        "mounting_tolerance_um": land.tolerance * UM,
-        "tolerance_from": land.tolerance_from,
-        "spread_um": _um(land.spread),
-        "measurement_um": land.measurement * UM,
-        "calibration_um": land.calibration * UM,
-        "learned_from_units": land.units,
-        "unworn_ends": land.unworn_ends,
+        **named_record(land.land, "component", "land"),
+        **named_record(land, mounting_clearance_um="clearance", uncertainty_um="uncertainty"),
+        **named_record(land, "uncertainty_by_units_um", mounting_tolerance_um="tolerance"),
+        **named_record(land, "tolerance_from", "spread_um", "measurement_um", "calibration_um"),
+        **named_record(land, learned_from_units="units", unworn_ends="unworn_ends"),
         "mounting_clearance_um_so_far": [end * UM for end in land.land.mounting_ends],
     }
-
-
-def _um(length: float | None) -> float | None:
-    return None if length is None else length * UM

@@ -25,7 +25,7 @@ from atleak.common.wording import Wording, isolated
 from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.operation import LINE
-from atleak.report.json.conditions import OF_REPAIR, kit_components, named_record, of_land, scaled
+from atleak.report.json.conditions import OF_REPAIR, kit_components, named_record, of_land
 from atleak.report.tables.lands import CONDITION_WIDTH
 from atleak.report.tables.names import components_words, land_number
 from atleak.report.tables.sentences import consequence_words, land_in_words, replace_at, rule_reached
@@ -287,8 +287,8 @@ def option_record(option: Option, key: LandKey) -> dict[str, Any]:
         "nominal_diameter_mm": land.nominal_diameter * MM,
         "clearance_after_um": option.states[key].radial_clearance * UM,
         "mounting_clearance_low_um": None if repair.keeps_clearance else land.mounting_range[0] * UM,
-        "mounting_clearance_um": None if repair.keeps_clearance else land.mounting_high * UM,
-        "mounting_tolerance_um": None if repair.keeps_clearance else scaled(land.mounting_tolerance, UM),
+        **named_record(None if repair.keeps_clearance else land, mounting_clearance_um="mounting_high"),
+        **named_record(None if repair.keeps_clearance else land, "mounting_tolerance_um"),
         "mends": option.mends(key),
         **named_record(repair, "evidence", "source"),
     }

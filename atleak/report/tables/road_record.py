@@ -6,7 +6,7 @@ from typing import Any
 
 from atleak.catalogue.circuits import SECTIONS
 from atleak.catalogue.limits import RuleKind
-from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, UM
+from atleak.common.units import DM3_MIN, KPA, PERCENT, UM
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.road import NO_LEAKAGE, RoadFindings
@@ -15,7 +15,7 @@ from atleak.engine.extremes import Extremes
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.engine.road_pressure import Departure
 from atleak.measurements.events import Event
-from atleak.report.json.conditions import logged_record, message_record
+from atleak.report.json.conditions import logged_record, message_record, named_record, of_land, scaled
 from atleak.report.tables.road_test import instant_record
 from atleak.report.tables.road_words import check_text, checks_of, event_remark
 
@@ -32,10 +32,7 @@ def road_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
     messages = why if road is None else road.messages
     low, high = log.temperatures or (None, None)
     return {
-        "file": test.file,
-        "sha256": test.sha256,
-        "rows": test.rows,
-        "duration_s": test.duration,
+        **named_record(test, "file", "sha256", "rows", "duration_s"),
         "gears": list(road.gears if road is not None else log.gears),
         "time_in_gears_s": {str(gear): time for gear, time in log.gears.items()},
         "temperature_low_c": low,
@@ -71,39 +68,27 @@ def warm_up_record(diagnosis: Diagnosis) -> dict[str, Any] | None:
         ("pump_slip", "_times", told.slip, 1.0),
     ):
         for end, value in zip(("", "_low", "_high"), amount or (None,) * 3, strict=True):
-            amounts[f"{name}{end}{unit}"] = _scaled(None if bound and end != "_high" else value, times)
+            amounts[f"{name}{end}{unit}"] = scaled(None if bound and end != "_high" else value, times)
     return {
         "found": told.found,
         "required": "commanded" if told.by_command else "permissible",
         "temperature_low_c": cold,
         "temperature_high_c": hot,
-        "at": None
-        if at is None
-        else {
-            "gear": at.like.gear,
-            "state": at.like.state,
-            "temperature_c": at.temperature,
-            "engine_rpm": at.engine_speed * RPM,
-            "measured_kpa": at.pressure * KPA,
-            "required_kpa": at.required * KPA,
+        "at": at
+        and {
+            **named_record(at.like, "gear", "state"),
+            **named_record(at, "temperature_c", engine_rpm="engine_speed"),
+            **named_record(at, measured_kpa="pressure", required_kpa="required"),
         },
         **amounts,
-        "lands": [{"component": land.component, "land": land.land} for land in told.lands],
-        "told_apart": told.told_apart,
-        "left_dm3_min": _scaled(told.left, DM3_MIN),
+        "lands": [of_land(land.key) for land in told.lands],
+        **named_record(told, "told_apart", "left_dm3_min"),
         "assumed": {
-            "displacement_percent": u.volumetric_efficiency * PERCENT,
-            "slip_percent": u.slip_coefficient * PERCENT,
-            "viscosity_percent": u.viscosity * PERCENT,
-            "main_pressure_percent": u.main_pressure * PERCENT,
-            "temperature_k": u.gauged_temperature,
+            **named_record(u, displacement_percent="volumetric_efficiency", slip_percent="slip_coefficient"),
+            **named_record(u, "viscosity_percent", "main_pressure_percent", temperature_k="gauged_temperature"),
             "consumers": [each.id for each in diagnosis.controller.consumers if not each.after_line],
         },
     }
-
-
-def _scaled(value: float | None, times: float) -> float | None:
-    return None if value is None else value * times
 
 
 def _leakage(road: RoadLeakage | None, uncertainty: UnitUncertainty | None, *, measured: bool) -> dict[str, Any]:
@@ -117,7 +102,7 @@ def _leakage(road: RoadLeakage | None, uncertainty: UnitUncertainty | None, *, m
         "circuits": _circuits(road),
         **_extremes(road.extremes, uncertainty),
         "start": None if start is None else {"samples": start.samples, **_extremes(start, uncertainty)},
-        "sustained_over_s": road.extremes.window,
+        **named_record(road.extremes, sustained_over_s="window"),
         "lower_bound": road.lower_bound,
     }
 
@@ -128,11 +113,8 @@ def _circuits(road: RoadLeakage) -> list[dict[str, Any]]:
         {
             "id": name,
             "name": each.circuit.name,
-            "lowest_kpa": each.lowest * KPA,
-            "p_g_there_kpa": each.main_pressure * KPA,
-            "at_s": each.time,
-            "mean_kpa": each.mean * KPA,
-            "samples": each.samples,
+            **named_record(each, "lowest_kpa", p_g_there_kpa="main_pressure", at_s="time"),
+            **named_record(each, "mean_kpa", "samples"),
         }
         for name, each in road.circuit_ranges.items()
     ]
@@ -152,25 +134,19 @@ def _permissible(log: RoadFindings) -> dict[str, Any] | None:
     below = lowest is not None and permitted.below > 0.0
     return {
         "verdict": None if decided is None else decided.rule.verdict,
-        "judged_s": permitted.judged,
-        "below_s": permitted.below,
+        **named_record(permitted, "judged_s", "below_s"),
         "worst_below_kpa": lowest.outside * KPA if below and lowest else 0.0,
         "worst_below_percent": lowest.fraction * PERCENT if below and lowest else 0.0,
-        "at_s": None if lowest is None else lowest.at,
+        **named_record(lowest, "at_s"),
         "lowest": _departure(lowest),
         "above_s": permitted.above,
         "highest": _departure(permitted.highest),
         "places": [
             {
-                "gear": place.gear,
-                "state": place.state,
-                "judged_s": place.judged,
-                "below_s": place.below,
-                "above_s": place.above,
+                **named_record(place, "gear", "state", "judged_s", "below_s", "above_s"),
                 "lowest": _departure(place.worst),
                 "by_temperature": [
-                    {"temperature_c": each.temperature, "pressure_kpa": each.pressure * KPA, "seconds": each.seconds}
-                    for each in place.by_temperature
+                    named_record(each, "temperature_c", "pressure_kpa", "seconds") for each in place.by_temperature
                 ],
             }
             for place in permitted.places
@@ -184,16 +160,9 @@ def _departure(departure: Departure | None) -> dict[str, Any] | None:
     if departure is None:
         return None
     return {
-        "gear": departure.gear,
-        "state": departure.state,
-        "at_s": departure.at,
-        "start_s": departure.start,
-        "end_s": departure.stop,
-        "pressure_kpa": departure.pressure * KPA,
-        "limit_kpa": departure.limit * KPA,
-        "outside_kpa": departure.outside * KPA,
-        "outside_percent": departure.fraction * PERCENT,
-        "source": departure.source,
+        **named_record(departure, "gear", "state", "at_s", "start_s", end_s="stop"),
+        **named_record(departure, "pressure_kpa", "limit_kpa", "outside_kpa"),
+        **named_record(departure, outside_percent="fraction", source="source"),
     }
 
 
@@ -203,12 +172,8 @@ def _slip(log: RoadFindings) -> dict[str, float | None] | None:
     if slip is None:
         return None
     return {
-        "low_rpm": slip.low * RPM,
-        "median_rpm": slip.median * RPM,
-        "high_rpm": slip.high * RPM,
-        "locked_s": slip.locked_seconds,
-        "lock_up_commanded_s": slip.commanded_seconds,
-        "lock_up_commanded_median_rpm": None if slip.commanded_median is None else slip.commanded_median * RPM,
+        **named_record(slip, "low_rpm", "median_rpm", "high_rpm", locked_s="locked_seconds"),
+        **named_record(slip, lock_up_commanded_s="commanded_seconds", lock_up_commanded_median_rpm="commanded_median"),
     }
 
 
@@ -219,13 +184,8 @@ def _commanded(log: RoadFindings) -> dict[str, Any] | None:
         return None
     return {
         "verdict": None if decided is None else decided.rule.verdict,
-        "difference_kpa": compared.difference * KPA,
-        "at_s": compared.at,
-        "start_s": compared.start,
-        "end_s": compared.stop,
-        "actual_kpa": compared.actual * KPA,
-        "commanded_kpa": compared.commanded * KPA,
-        "compared_s": compared.compared,
+        **named_record(compared, "difference_kpa", "at_s", "start_s", end_s="stop"),
+        **named_record(compared, "actual_kpa", "commanded_kpa", "compared_s"),
         **_decision(decided),
     }
 
@@ -238,10 +198,8 @@ def _decision(decided: RuleDecision | None) -> dict[str, Any]:
     return {
         f"limit_{rule.kind.suffix}": decided.limit * rule.kind.factor,
         f"standard_uncertainty_{rule.kind.suffix}": decided.standard_uncertainty * rule.kind.factor,
-        "decision": decided.decision,
-        "probability_over_limit": decided.probability_over_limit,
-        "origin": rule.origin,
-        "limit_source": rule.source,
+        **named_record(decided, "decision", "probability_over_limit"),
+        **named_record(rule, "origin", limit_source="source"),
     }
 
 
@@ -249,23 +207,16 @@ def event_record(event: Event) -> dict[str, Any]:
     """Return an event; of a minimum-acceleration test also how it was driven."""
     test = event.test
     return {
-        "kind": event.kind,
-        "start_s": event.start,
-        "end_s": event.stop,
-        "duration_s": event.duration,
-        "from_gear": event.from_gear,
-        "to_gear": event.to_gear,
-        "source": event.source,
+        **named_record(event, "kind", "start_s", end_s="stop"),
+        **named_record(event, "duration_s", "from_gear", "to_gear", "source"),
         "note": event_remark(event, wording("en")) or None,
         "test": test
         and {
             "fault": test.fault,
             "gears": list(test.gears),
             "gears_not_reached": list(test.missing),
-            "highest_engine_rpm": test.highest_speed * RPM,
-            "highest_at_s": test.highest_at,
-            "limit_rpm": test.speed_limit * RPM,
-            "over_by_rpm": test.over_by * RPM,
+            **named_record(test, highest_engine_rpm="highest_speed", highest_at_s="highest_at"),
+            **named_record(test, limit_rpm="speed_limit", over_by_rpm="over_by"),
         },
     }
 

@@ -26,6 +26,7 @@ from atleak.engine.road_pressure import Departure, PlaceFinding, RoadPressure
 from atleak.measurements.events import Event
 from atleak.measurements.road_test import RoadTest, thinned
 from atleak.readers.logs.understood import workshop_unit
+from atleak.report.json.conditions import interval_ends, named_record
 from atleak.report.tables.road_words import event_remark
 from atleak.report.tables.table import Column, Table
 
@@ -229,17 +230,11 @@ def instant_record(instant: Instant, uncertainty: UnitUncertainty | None) -> dic
     Without readings nothing was measured and no interval is known.
     """
     interval = uncertainty.instants.get(instant) if uncertainty else None
-    leakage = interval.leakage_interval if interval else (None, None)
-    share = (interval.share_interval if interval else None) or (None, None)
     return {
-        "time_s": instant.time,
-        "leakage_dm3_min": instant.leakage * DM3_MIN,
-        "leakage_low_dm3_min": _scaled(leakage[0], DM3_MIN),
-        "leakage_high_dm3_min": _scaled(leakage[1], DM3_MIN),
-        "pump_capacity_dm3_min": _scaled(instant.pump_capacity, DM3_MIN),
-        "share_percent": _scaled(instant.share, PERCENT),
-        "share_low_percent": _scaled(share[0], PERCENT),
-        "share_high_percent": _scaled(share[1], PERCENT),
+        **named_record(instant, "time_s", "leakage_dm3_min"),
+        **interval_ends("leakage_{}_dm3_min", interval.leakage_interval if interval else None, DM3_MIN),
+        **named_record(instant, "pump_capacity_dm3_min", "share_percent"),
+        **interval_ends("share_{}_percent", interval.share_interval if interval else None, PERCENT),
     }
 
 
@@ -258,10 +253,6 @@ def instant_table(road: RoadLeakage, uncertainty: UnitUncertainty | None, say: W
     )
     rows = [{"instant": row.label(say), **instant_record(row.instant, uncertainty)} for row in road_instants(road)]
     return Table("instants", columns, rows, say).filled
-
-
-def _scaled(value: float | None, factor: float) -> float | None:
-    return None if value is None or not math.isfinite(value) else value * factor
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from atleak.common.wording import Wording
 from atleak.engine.extremes import Instant
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.measurements.road_test import RoadTest
-from atleak.report.json.conditions import message_record
+from atleak.report.json.conditions import message_record, named_record
 from atleak.report.json.diagnosis import FORMAT
 from atleak.report.tables.table import Column, Table
 from atleak.version import __version__
@@ -147,18 +147,11 @@ def variants_record(results: Sequence[VariantResult], controller: Controller, ro
         "atleak": __version__,
         "profile": {"name": profile.name, **profile.options} if profile else None,
         "controller": {
-            "id": controller.id,
-            "name": controller.name,
-            "sha256": controller.sha256,
+            **named_record(controller, "id", "name", "sha256"),
             "representative": bool(controller.representative),
             "representative_note": controller.representative or None,
         },
-        "road_test": {
-            "file": road_test.file,
-            "sha256": road_test.sha256,
-            "rows": road_test.rows,
-            "duration_s": road_test.duration,
-        },
+        "road_test": named_record(road_test, "file", "sha256", "rows", "duration_s"),
         "variants": [_variant(result) for result in results],
         "messages": [message_record(message) for message in _unique(results)],
     }
@@ -167,9 +160,7 @@ def variants_record(results: Sequence[VariantResult], controller: Controller, ro
 def _variant(result: VariantResult) -> dict[str, Any]:
     variant = result.variant
     return {
-        "variant": variant.name,
-        "temperature_c": variant.temperature,
-        "wear_percent": variant.wear * PERCENT,
+        **named_record(variant, variant="name", temperature_c="temperature", wear_percent="wear"),
         "kinematic_viscosity_mm2_s": variant.kinematic_viscosity / 1e-6,
         "density_g_cm3": variant.density * G_CM3,
         "kinematic_viscosity_used_mm2_s": result.kinematic_viscosity / 1e-6,
@@ -185,17 +176,15 @@ def _variant(result: VariantResult) -> dict[str, Any]:
 
 
 def _run(run: RoadLeakage) -> dict[str, Any]:
-    pump = run.max_leakage.pump_capacity
+    most = run.max_leakage
     return {
-        "max_leakage_dm3_min": run.max_leakage.leakage * DM3_MIN,
-        "max_leakage_time_s": run.max_leakage.time,
+        **named_record(most, max_leakage_dm3_min="leakage", max_leakage_time_s="time"),
         "gear_at_max_leakage": gear_at_most_leakage(run),
-        "pump_capacity_at_max_leakage_dm3_min": None if pump is None else pump * DM3_MIN,
-        "share_at_max_leakage_percent": _share(run.max_leakage),
-        "min_leakage_dm3_min": run.min_leakage.leakage * DM3_MIN,
-        "min_leakage_time_s": run.min_leakage.time,
-        "max_share_percent": _share(run.max_share),
-        "max_share_time_s": run.max_share.time if run.max_share else None,
+        **named_record(
+            most, pump_capacity_at_max_leakage_dm3_min="pump_capacity", share_at_max_leakage_percent="share"
+        ),
+        **named_record(run.min_leakage, min_leakage_dm3_min="leakage", min_leakage_time_s="time"),
+        **named_record(run.max_share, max_share_percent="share", max_share_time_s="time"),
     }
 
 

@@ -16,7 +16,7 @@ from atleak.diagnosis.uncertainty.draws import Interval
 from atleak.diagnosis.vacuum import LandShare, VacuumChange, VacuumFinding
 from atleak.diagnosis.vacuum_card import GROWN, PassMark, pass_marks
 from atleak.measurements.vacuum import VacuumStand
-from atleak.report.json.conditions import interval_ends, of_land, scaled
+from atleak.report.json.conditions import interval_ends, named_record, of_land
 from atleak.report.tables.names import component_words, land_number, land_words
 from atleak.report.tables.table import VERDICT, Column, Section, SectionPart, Table, Text, span
 
@@ -28,40 +28,33 @@ def vacuum_records(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 
 def _record(finding: VacuumFinding) -> dict[str, Any]:
     reading, change = finding.reading, finding.change
-    low, high = finding.interval
     return {
-        "circuit": reading.circuit,
-        "target": reading.target,
+        **named_record(reading, "circuit", "target"),
         "lands": [of_land(land.key) for land in finding.lands],
-        "reading_kpa": reading.vacuum * KPA,
-        "orifice_mm": None if reading.orifice is None else reading.orifice * MM,
+        **named_record(reading, reading_kpa="vacuum", orifice_mm="orifice"),
         "flow_area_mm2": finding.stand.area * MM**2,
         "flow_area_known": finding.stand.known,
         "repaired": reading.repaired,
         "clearance_um": finding.clearance * UM,
-        "low_um": low * UM,
-        "high_um": high * UM,
+        **interval_ends("{}_um", finding.interval, UM),
         "bound": "lower" if finding.open else "upper" if finding.tight else None,
-        "new_clearance_um": finding.new_clearance * UM,
-        "leakage_dm3_min": scaled(finding.leakage, DM3_MIN),
+        **named_record(finding, "new_clearance_um", "leakage_dm3_min"),
         **interval_ends("leakage_{}_dm3_min", finding.leakage_interval, DM3_MIN),
         "verdict": finding.verdict,
         "alone_worn": [
-            {**of_land(share.land.key), "low_um": share.low * UM, "high_um": share.high * UM} for share in finding.each
+            {**of_land(share.land.key), **named_record(share, "low_um", "high_um")} for share in finding.each
         ],
-        "change": None if change is None else _change_record(change),
+        "change": change and _change_record(change),
         "place": reading.place.parts,
     }
 
 
 def _change_record(change: VacuumChange) -> dict[str, Any]:
-    low, high = change.interval
     return {
-        "before_kpa": change.before.vacuum * KPA,
-        "after_kpa": change.after.vacuum * KPA,
+        **named_record(change.before, before_kpa="vacuum"),
+        **named_record(change.after, after_kpa="vacuum"),
         "change_um": change.change * UM,
-        "low_um": low * UM,
-        "high_um": high * UM,
+        **interval_ends("{}_um", change.interval, UM),
         "significant": change.significant,
     }
 
