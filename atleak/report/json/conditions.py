@@ -47,7 +47,7 @@ _FACTORS: dict[str, float | None] = {  # from SI, by the end of a key; None: as 
 
 
 def named_record(item: Any, *keys: str, **others: str) -> dict[str, Any]:
-    """Return attributes of an item by their names, a quantity by its name and unit: ``loss_kpa`` is ``loss`` [Pa] in kPa.
+    """Return attributes of an item by their names, a quantity by name and unit: ``loss_kpa`` is ``loss`` [Pa] in kPa.
 
     ``others`` are keys of attributes with another name. All of it is None where there is no item.
     """
