@@ -54,11 +54,6 @@ class Change:
 def clearance_change(before: LandUncertainty, after: LandUncertainty) -> Change | None:
     """Return by how much the radial clearance of a land changed [m]; None where one side did not measure it.
 
-    Parameters
-    ----------
-    before, after
-        the uncertainty of the land at each visit.
-
     Notes
     -----
     The change is significant where it is more than 1.96 times its standard uncertainty, the root of both variances: of
@@ -83,8 +78,6 @@ def change_between(before: float, after: float, interval: Interval | None) -> Ch
 
     Parameters
     ----------
-    before, after
-        the values.
     interval
         the 95 % interval of the change, as `atleak.diagnosis.uncertainty.paired.changes` draws it; None where nothing
         was measured.

@@ -140,8 +140,6 @@ def run_variants(controller: Controller, road_test: RoadTest, *, profile: Profil
 
     Parameters
     ----------
-    controller
-        the source study's or a workshop's own.
     road_test
         main pressure is needed; converter pressure and gear are taken from the controller's first operating point
         where the log has none, and a message says so. The log's temperature is not used: a variant has its own.

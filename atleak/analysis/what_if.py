@@ -79,8 +79,6 @@ def worn(states: Sequence[LandClearance], factor: Any, further: Any) -> tuple[Cl
 
     Parameters
     ----------
-    states
-        the lands as measured.
     factor
         on the growth of each: 0 is as new, 1 as measured. What makes a worn gap uneven is part of its wear: deviations
         from its mean clearance follow the factor too. A land without growth stays as it is.

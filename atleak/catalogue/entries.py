@@ -231,19 +231,12 @@ def id_from_name(name: str) -> str:
 
 
 def write_own(kind: str, name: str, text: str, *, over: str = "") -> Path:
-    """Write a file into the user's own catalogue, whole or not at all.
+    """Write a file into the user's own catalogue, whole or not at all; return its path.
 
     Parameters
     ----------
-    kind, name
-        one of `KINDS`, and the id.
     over
         the SHA-256 of the file that may be replaced: another one that is there by now stays.
-
-    Returns
-    -------
-    Path
-        the file.
 
     Raises
     ------
@@ -304,13 +297,6 @@ def _move(path: Path, to: Path) -> None:
 
 def listed_entries(kind: str, load: Callable[[str], _Loaded]) -> ListedEntry[_Loaded]:
     """Load every entry of a kind by id; an own file that cannot be used hinders none of the others.
-
-    Parameters
-    ----------
-    kind
-        one of `KINDS`.
-    load
-        loads an entry by its id.
 
     Raises
     ------

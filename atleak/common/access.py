@@ -189,8 +189,6 @@ def answered_names(address: str, addresses: Collection[str], named: Collection[s
     ----------
     address
         that is served; an address of every interface serves all of them.
-    addresses
-        of this machine.
     named
         further names, such as that of a proxy.
 

@@ -276,12 +276,6 @@ def unknown(
         what is wrong, as a person reads it: ``Sentence("no such profile")``.
     value
         the name that was given; None where there is none.
-    known
-        the names that would have been valid.
-    kind
-        the class of the error.
-    place
-        where in the user's material the name stands.
     otherwise
         what else is accepted besides these names.
 

@@ -64,17 +64,6 @@ def validated(
 ) -> Model:
     """Check what a file holds against its model.
 
-    Parameters
-    ----------
-    model
-        what the file must hold.
-    data
-        the file's tables, as a TOML or JSON reader gives them.
-    file
-        the file's name, for the message.
-    kind
-        the class of the error.
-
     Raises
     ------
     InputError

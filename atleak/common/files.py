@@ -98,8 +98,6 @@ def replace_file(target: str | Path, content: bytes, *, mode: int | None = None)
     ----------
     target
         where the file is to stand, in a folder that is there.
-    content
-        all of the file.
     mode
         permissions of the file; unless given, those of the file that it replaces, else those of any new file.
 

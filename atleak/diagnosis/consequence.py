@@ -122,7 +122,7 @@ def consequences(
     diagnosis: Diagnosis,
     responsible: Collection[LandKey] = (),
 ) -> Mapping[LandKey, Consequence]:
-    """Return the consequence of every land's wear, in the controller's order.
+    """Return the consequence of every land's wear, in the controller's order; unknown of a unit that cannot be right.
 
     A pump past its limits is repaired first and counts as new. By the next service every land with a line has worn as
     that says, and lands with a consequence now are mended.
@@ -131,11 +131,6 @@ def consequences(
     ----------
     responsible
         lands found responsible for a pressure that gauges or a log measured past its limit.
-
-    Returns
-    -------
-    Mapping
-        by component and land. Where the description of the unit cannot be right, nothing is known.
     """
     if diagnosis.impossible:
         return {land.key: Consequence.UNKNOWN for land in diagnosis.lands}

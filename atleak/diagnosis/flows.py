@@ -75,10 +75,6 @@ def find_flows(table: FlowTable | None, model: LeakageModel, assumptions: Assump
 
     Parameters
     ----------
-    table
-        of flows that were caught.
-    model
-        the unit, with the clearances as measured or else new.
     assumptions
         how far a consumer's flow, and one that was caught, may be from the value stated.
     """

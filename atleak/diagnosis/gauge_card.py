@@ -52,12 +52,7 @@ class Expected:
         return self.now is not self.new
 
     def stands(self, pressure: float) -> StandsToExpected:
-        """Return how a gauge's reading stands to what it would show.
-
-        Parameters
-        ----------
-        pressure
-            the reading [Pa].
+        """Return how a gauge's reading [Pa] stands to what it would show.
 
         Returns
         -------
@@ -141,10 +136,7 @@ class GaugeCard:
     def rows(self, fast_idle: float = USUAL_FAST_IDLE) -> Iterator[CardRow]:
         """Yield what can be read: the line in all ranges, a circuit where it is applied; no stall in park and neutral.
 
-        Parameters
-        ----------
-        fast_idle
-            speed of the engine then [1/s].
+        ``fast_idle`` is the speed of the engine then [1/s].
         """
         controller = self.model.controller
         for tap in taps_of(controller):

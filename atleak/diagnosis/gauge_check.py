@@ -168,17 +168,7 @@ class PressureCheck:
 
 
 def check_pressures(shown: AllEvidence, limits: Limits, guard_factor: float) -> PressureCheck:
-    """Judge every reading of a table.
-
-    Parameters
-    ----------
-    shown
-        the gauge readings with all else that tells of the unit.
-    limits
-        whose limits below the permissible pressure, and of circuits, are applied.
-    guard_factor
-        k of the guard band of every limit.
-    """
+    """Judge every reading of a table."""
     table, checker = shown.table, _Checker(shown, limits, guard_factor)
     taps, order = taps_of(shown.controller), ranges_of(shown.controller)
     taken = sorted(

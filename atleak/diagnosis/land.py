@@ -226,12 +226,8 @@ def replace_mileage(
 
     Parameters
     ----------
-    rules
-        of the land, judged.
     mileage
         of the vehicle [km]; None where it is not known.
-    uncertainty
-        of the land; None where it was not measured.
     """
     rule = next((rule for rule in rules if rule.kind is RuleKind.WEAR), None)
     if rule is None or uncertainty is None:

@@ -91,11 +91,6 @@ def common_shift(lands: Sequence[LandSources]) -> CommonShift | None:
     is uncertain of it and what the instruments' certificates leave to all pairs in common. A shift that opens the
     pairs is none where a pair's own uncertainty could hide the spread of wear, or where the pairs have rather grown by
     one and the same fraction. Lands of whose mounting clearance only a range is known say nothing.
-
-    Parameters
-    ----------
-    lands
-        the sources of the uncertainty of every land.
     """
     measured = [land for land in lands if land.state.status == "measured"]
     pairs = [land for land in measured if len(set(land.state.land.mounting_range)) == 1]

@@ -143,7 +143,7 @@ class Split:
 
 
 def split(path: Path, made: Made, excess: Mapping[LandKey, np.ndarray]) -> Split:
-    """Split what a tap has lost among the parts of its path.
+    """Split what a tap has lost among the parts of its path, in rows that add up to it.
 
     Parameters
     ----------
@@ -153,11 +153,6 @@ def split(path: Path, made: Made, excess: Mapping[LandKey, np.ndarray]) -> Split
         what the tap holds [Pa], and what the pump has to deliver [m³/s], with some parts made new.
     excess
         what each land leaks more than when new, at the pressures that are held [m³/s]; shape (draws,).
-
-    Returns
-    -------
-    Split
-        rows that add up to what is lost.
     """
     parts = tuple(path.parts)
     sets = [frozenset(each for at, each in enumerate(parts) if number >> at & 1) for number in range(1 << len(parts))]

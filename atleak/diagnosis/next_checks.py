@@ -36,14 +36,10 @@ def next_checks(
 
     Parameters
     ----------
-    findings
-        what the log says by itself.
     commanded_limit
         from which difference on [Pa] actual and commanded pressure disagree; None where no limit is set.
     gauged
         whether main pressure was gauged on the standing vehicle: then nothing asks for that again.
-    warm_up
-        what the log tells of leakage.
     """
     permitted = findings.permitted
     low = permitted is not None and permitted.below > 0.0

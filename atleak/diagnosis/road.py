@@ -80,12 +80,8 @@ def road_findings(
 
     Parameters
     ----------
-    controller
-        the valve body, with its gears and what it permits of main pressure.
     road_test
         any log: what it lacks is left out.
-    limits
-        by which main pressure is judged.
     assumptions, guard_factor
         how uncertain the gauge is, and the guard band of every limit.
     """
@@ -176,8 +172,6 @@ def diagnosed_road(
 
     Parameters
     ----------
-    model
-        the engine with the unit's clearances.
     condition
         which stands for what the log does not hold.
     limits, assumptions, guard_factor

@@ -184,16 +184,6 @@ def with_vacuum(
     ----------
     states
         as diameters tell them.
-    readings
-        the measuring sheet of those; None without one.
-    controller
-        with the lands.
-    vacuum
-        the vacuum test.
-    instruments
-        that measured diameters.
-    assumptions
-        what else is uncertain.
 
     Raises
     ------
@@ -273,16 +263,10 @@ def vacuum_findings(
 
     Parameters
     ----------
-    vacuum
-        the vacuum test.
     unit
         as measured and new; at hot idle, or at its stated condition without one, the flow is computed.
     limits
         whose wear limits judge the common clearance beside that when new.
-    assumptions
-        what is uncertain.
-    guard_factor
-        k of the guard band k·u around every limit.
 
     Raises
     ------
@@ -430,17 +414,7 @@ def _change(
 def vacuum_messages(
     findings: Iterable[VacuumFinding], stand: VacuumStand, assumptions: Assumptions = DEFAULTS
 ) -> Iterator[Message]:
-    """Yield what is to be said of a vacuum test beside its numbers.
-
-    Parameters
-    ----------
-    findings
-        all of the test.
-    stand
-        that was read.
-    assumptions
-        by which they were computed.
-    """
+    """Yield what is to be said of a vacuum test beside its numbers."""
     findings = tuple(findings)
     assumed = [each.reading for each in findings if not each.stand.known]
     if assumed:
@@ -501,8 +475,6 @@ def repaired_messages(findings: Iterable[VacuumFinding], *, shown_before: bool) 
 
     Parameters
     ----------
-    findings
-        all of the test.
     shown_before
         whether gauges, a log or a jug tell of the unit too.
     """

@@ -36,7 +36,6 @@ def pass_marks(
     controller: Controller,
     stand: VacuumStand | None = None,
     *,
-    orifices: Sequence[float] | None = None,
     by_land: bool = False,
     assumptions: Assumptions = DEFAULTS,
 ) -> tuple[PassMark, ...]:
@@ -44,14 +43,8 @@ def pass_marks(
 
     Parameters
     ----------
-    controller
-        with circuits and lands.
     stand
         that reads; that of the trade, 25 in-Hg, unless given.
-    orifices
-        diameters of those that the stand can be fitted with [m], of which each circuit gets the one that tells new
-        lands from grown ones best; those it was calibrated with unless given, or else `ORIFICES`. None counts for a
-        stand that states its C_d A.
     by_land
         of every land alone instead.
     assumptions
@@ -60,12 +53,14 @@ def pass_marks(
     Returns
     -------
     tuple of PassMark
-        in the file's order, without those whose lands are all sealed by rings.
+        in the file's order, without those whose lands are all sealed by rings. Of the orifices with which the stand was
+        calibrated, else of `ORIFICES`, each gets the one that tells new lands from grown ones best; none counts for a
+        stand that states its C_d A.
     """
     stand = stand or VacuumStand()
     table = VacuumTable("", "", None, stand, ())
     fitted = tuple(dict.fromkeys(each.fitted for each in stand.calibrations))
-    choices: Sequence[float | None] = orifices or fitted or ORIFICES
+    choices: Sequence[float | None] = fitted or ORIFICES
     if stand.flow_area is not None:
         choices = (None,)
     marks = []

@@ -27,15 +27,6 @@ class StandFlow:
 def flow_of_reading(table: VacuumTable, reading: VacuumReading, assumptions: Assumptions = DEFAULTS) -> StandFlow:
     """Return C_d A of the stand as it was fitted for a reading.
 
-    Parameters
-    ----------
-    table
-        with the stand.
-    reading
-        one of its readings.
-    assumptions
-        as for `stand_flow`.
-
     Raises
     ------
     InputError
@@ -78,12 +69,8 @@ def stand_flow(table: VacuumTable, orifice: float | None, assumptions: Assumptio
 
     Parameters
     ----------
-    table
-        with the stand.
     orifice
         its own that was fitted [m]; None where that is not stated.
-    assumptions
-        C_d and how uncertain that and a reading are.
     """
     stand, coefficient = table.stand, assumptions.discharge_coefficient
     made = table.calibrations_of(orifice)

@@ -236,11 +236,6 @@ class _Permitted:
 def standing_states(road_test: RoadTest, gear: np.ndarray) -> dict[StandingState, np.ndarray]:
     """Return at which samples the engine idles, the converter stalls and the car drives; none of it where unknown.
 
-    Parameters
-    ----------
-    gear
-        engaged at every sample.
-
     Notes
     -----
     Only a logged speed behind the gears shows that the car stands: where it rolls, the engine as slow as at idle, it
@@ -310,8 +305,6 @@ def temperature_classes(road: RoadLeakage, limits: Steps, unworn: LeakageModel |
     ----------
     road
         the leakage over the log; one without a logged temperature has no classes.
-    limits
-        of the unit's share of the pump's flow (`Limits.total_share`).
     unworn
         the same unit as it may have been when new (`model_unworn`), over which growth is judged; None for one that was
         not measured, whose share is in no band.

@@ -54,13 +54,6 @@ class TableKind(StrEnum):
 def table_kind(data: bytes, controller: Controller) -> TableKind:
     """Return what a workbook or a text holds.
 
-    Parameters
-    ----------
-    data
-        the file's bytes.
-    controller
-        whose component names a measuring sheet may use.
-
     Returns
     -------
     Table
@@ -133,8 +126,6 @@ def kind_of(file: SourceFile, controller: Controller) -> FileKind:
     ----------
     file
         as it was handed over. Nothing of it is checked here.
-    controller
-        of the job: a measuring sheet may use the names of its components.
 
     Raises
     ------

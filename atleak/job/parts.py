@@ -180,10 +180,6 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
 
     Parameters
     ----------
-    diagnosis
-        the result.
-    job
-        what the workshop wrote down.
     case
         the files and choices that the result follows from, the log's columns as `with_log_choices` gives them; none for
         a unit that nobody measured or drove.

@@ -113,10 +113,6 @@ def write_job_file(diagnosis: Diagnosis, job: Job | None = None, case: Case | No
 
     Parameters
     ----------
-    diagnosis
-        the result.
-    job
-        what the workshop wrote down.
     case
         the files and choices that the result follows from; none for a unit that nobody measured or drove.
 

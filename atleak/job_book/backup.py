@@ -171,17 +171,12 @@ _A_BACKUP = Sentence("a file that `atleak jobs backup` has written")
 
 
 def backup(book: Book, path: str | Path) -> int:
-    """Write all of a book as one file, as it is at one moment; others may go on saving meanwhile.
+    """Write all of a book as one file, as it is at one moment, while others may save; return how many jobs it holds.
 
     Parameters
     ----------
     path
         of the file; an earlier one is replaced by the whole new one, or stays as it is.
-
-    Returns
-    -------
-    int
-        how many jobs the backup holds.
 
     Raises
     ------
@@ -209,23 +204,14 @@ def backup(book: Book, path: str | Path) -> int:
 
 
 def restore(path: str | Path, book: Book, *, force: bool = False, damaged: bool = False) -> int:
-    """Fill a book with all that a backup holds, or leave it as it is.
+    """Fill a book with all that a backup holds, or leave it as it is; return how many jobs it holds then.
 
     Parameters
     ----------
-    path
-        of the backup.
-    book
-        on either database.
     force
         whether a book that holds jobs loses them.
     damaged
         whether a backup with damaged jobs is taken as it is.
-
-    Returns
-    -------
-    int
-        how many jobs the book holds now.
 
     Raises
     ------

@@ -108,8 +108,6 @@ def compare_jobs(before: JobFile, after: JobFile, diagnoses: tuple[Diagnosis, Di
 
     Parameters
     ----------
-    before, after
-        the earlier and the later job.
     diagnoses
         of both, where they are known already; else both are diagnosed anew.
 

@@ -257,8 +257,6 @@ def erase(book: Book, ids: Sequence[str], *, delete: bool = False) -> list[Erase
 
     Parameters
     ----------
-    ids
-        of the jobs.
     delete
         whether a job that this version cannot open or judge goes as a whole.
 

@@ -67,11 +67,6 @@ def new_sheets(book: Book, controller: str) -> tuple[NewSheet, ...]:
     A unit is new up to `NEW_UNTIL`. What a job's record calls done is new where the unit's next sheet was measured no
     later than that after it. Archived jobs and the shipped sample do not count.
 
-    Parameters
-    ----------
-    controller
-        id of the valve body.
-
     Raises
     ------
     BookError

@@ -128,11 +128,6 @@ def latest_jobs(controller: str) -> sa.Subquery:
 def across_units(book: Book, controller: str) -> AcrossUnits:
     """Return how wide the lands of all units of one valve body are, and what was flagged and replaced in them.
 
-    Parameters
-    ----------
-    controller
-        id of the valve body.
-
     Raises
     ------
     BookError
@@ -272,8 +267,6 @@ def visits_of_unit(book: Book, unit: int, loader: Reader | None = None) -> tuple
     ----------
     unit
         as `JobRow.unit` names it; jobs of units that were merged into it are among them.
-    loader
-        reads the files of the jobs; unless given, each is read anew.
 
     Raises
     ------

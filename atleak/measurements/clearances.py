@@ -268,12 +268,8 @@ def with_leak(state: LandClearance, uncertainty: float, leak: LeakClearance) -> 
 
     Parameters
     ----------
-    state
-        as its diameters tell it.
     uncertainty
         standard uncertainty of that clearance [m].
-    leak
-        of the vacuum test.
 
     Returns
     -------

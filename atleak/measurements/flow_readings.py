@@ -47,19 +47,12 @@ class FlowTable:
 
 
 def consumer_of(controller: Controller, what: str) -> Consumer | None:
-    """Return the consumer whose flow was caught; None where the valve body's file does not describe it.
+    """Return the consumer whose flow was caught; None where the file describes none, or several could be meant.
 
     Parameters
     ----------
-    controller
-        whose consumers count.
     what
         of a `FlowReading`: for `COOLER` the only consumer whose id or name speaks of a cooler.
-
-    Returns
-    -------
-    Consumer or None
-        None also where several could be meant.
     """
     named = [each for each in controller.consumers if each.id == what]
     if not named and what == COOLER:

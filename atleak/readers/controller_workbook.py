@@ -92,14 +92,8 @@ def form_page(sheet: Sheet, declared: Declared, units: Units, into: Description)
 
     Parameters
     ----------
-    sheet
-        as it stands in the workbook.
-    declared
-        as it is declared.
     units
         in which its numbers are written, unless it is the head, which says so itself.
-    into
-        takes what is wrong.
     """
     top = _heading_row(sheet, [FIELD, VALUE])
     if top is None:

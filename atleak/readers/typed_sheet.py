@@ -213,10 +213,6 @@ def judge(
 
     Parameters
     ----------
-    typed
-        the entries.
-    controller
-        whose lands were measured, with what is fitted to them.
     temperature
         of gauge and parts [°C], where the job states it.
     instruments
@@ -338,12 +334,8 @@ def written_sheet(typed: Typed, counting: Collection[PlanCell], controller: Cont
 
     Parameters
     ----------
-    typed
-        all entries.
     counting
         the cells of which the readings count.
-    controller
-        whose lands they are of.
     """
     if not typed.entries:
         return None
@@ -404,12 +396,8 @@ def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed |
 
     Parameters
     ----------
-    content
-        of the file.
     sheet
         what `read_readings` reads of that same file.
-    controller
-        whose lands it names.
 
     Raises
     ------

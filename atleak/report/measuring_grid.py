@@ -72,15 +72,6 @@ class Grid:
 def grid_record(grid: Grid, say: Wording, *, dark: bool = False) -> dict[str, Any]:
     """Return what a grid shows as plain values.
 
-    Parameters
-    ----------
-    grid
-        the cells and what they hold.
-    say
-        the reader's words and units.
-    dark
-        whether the drawings are for a dark ground.
-
     Returns
     -------
     dict

@@ -28,14 +28,8 @@ def draw(
 
     Parameters
     ----------
-    name
-        of the place, for its key.
     take
         called with the files that are new; again with the same ones where it was broken off.
-    types
-        endings that are taken; any unless given.
-    several
-        whether more than one file can be dropped at a time.
     """
     taken: set[str] = st.session_state.setdefault(f"{KEY}-taken", set())
     held = st.file_uploader(label, types, accept_multiple_files=several, key=f"{KEY}-{name}", help=help)

@@ -31,8 +31,6 @@ def learn_form(data: Mapping[str, Any], *, key: str = "learn") -> dict[str, Any]
     ----------
     data
         the tables of the valve body's file, without a fault.
-    key
-        beginning of the keys of the widgets.
 
     Returns
     -------

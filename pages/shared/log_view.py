@@ -67,12 +67,8 @@ def in_full(diagnosis: Diagnosis, file: SourceFile, log: Understood) -> None:
 
     Parameters
     ----------
-    diagnosis
-        of the job.
     file
         the job's log, or one that waits for an answer and is not in the job yet.
-    log
-        what was understood of it.
     """
     say, own = reader.say(), diagnosis.log if file == session().good.road_test else None
     with fields.fold(say("road_test.in_full"), key=f"log-in-full-{session().generation}") as place:

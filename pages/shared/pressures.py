@@ -20,13 +20,7 @@ _COLUMN = 135  # pixels of the drawing of flows, at which its words can be read
 
 
 def section(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
-    """Show the pressures of a diagnosis: every condition in a table, one of them in full when it is asked for.
-
-    Parameters
-    ----------
-    repaired
-        the totals with the repairs made that were decided; none where nothing was.
-    """
+    """Show the pressures of a diagnosis: every condition in a table, one of them in full when it is asked for."""
     say = reader.say()
     every = [pressures_at(diagnosis, each, repaired) for each in diagnosis.presented]
     show.section(conditions_section(diagnosis, every, say), "pressures")

@@ -88,15 +88,7 @@ class FilesOfVisitors:
 
 
 def guards(names: Iterable[str], may_send: Callable[[str], bool]) -> list[Middleware]:
-    """Return what every request passes before it reaches the dashboard.
-
-    Parameters
-    ----------
-    names
-        under which the dashboard answers.
-    may_send
-        tells of a session, by its id, whether it may send files.
-    """
+    """Return what every request passes before it reaches the dashboard."""
     hosts = [bracketed(name) for name in names]
     return [
         Middleware(TrustedHostMiddleware, allowed_hosts=hosts, www_redirect=False),

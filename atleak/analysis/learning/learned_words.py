@@ -40,8 +40,6 @@ def with_learned(data: Mapping[str, Any], learned: Learned, day: dt.date) -> dic
     ----------
     data
         the tables of the file of ``learned.controller``, as `atleak.catalogue.entries.read_tables` gives them.
-    learned
-        what the sheets tell.
     day
         of learning, for the note.
     """

@@ -271,18 +271,10 @@ class OfferedRepair:
 
 
 class OfferedRepairs:
-    """Every repair that is offered of a diagnosed unit: for flagged lands first, in the order of what each brings.
+    """Every repair that is offered of a diagnosed unit: for flagged lands first, in the order of what each brings."""
 
-    Parameters
-    ----------
-    diagnosis
-        the unit.
-    prices
-        what repairs cost; as the valve body's file states it unless given.
-    """
-
-    def __init__(self, diagnosis: Diagnosis, prices: Prices | None = None) -> None:
-        self.diagnosis, self.prices = diagnosis, prices or Prices()
+    def __init__(self, diagnosis: Diagnosis) -> None:
+        self.diagnosis, self.prices = diagnosis, Prices()
         lands = [land for land in diagnosis.lands if land.state.judged]
         self.moves = Moves(Options(diagnosis), lands, self.prices)
         self.unit: RepairableUnit = self.moves.unit()

@@ -93,8 +93,6 @@ def sheet_columns(
 
     Parameters
     ----------
-    model
-        of the table.
     at
         the keys that lead to it from the table of the sheet.
     without, last

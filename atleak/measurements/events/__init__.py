@@ -36,10 +36,6 @@ def events(road_test: RoadTest, limits: Thresholds = USUAL, gears: Sequence[int]
 
     Parameters
     ----------
-    road_test
-        the log.
-    limits
-        thresholds of the events.
     gears
         those of the valve body: a minimum-acceleration test goes through all of them.
     """

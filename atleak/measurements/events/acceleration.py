@@ -29,17 +29,12 @@ class Climb:
 
 
 def minimum_acceleration(road_test: RoadTest, limits: Thresholds = USUAL, gears: Sequence[int] = ()) -> list[Event]:
-    """Return the minimum-acceleration tests, each with how it was driven.
+    """Return the minimum-acceleration tests, each with how it was driven: broken off below the highest of ``gears``.
 
     A test begins with the last sample at rest and ends where the car slows down or the recording breaks off. One that
     was driven too fast or broken off is named only where it is the one acceleration of its stretch and most of what was
     driven there: elsewhere it is a drive like any other. An acceleration that stays below 30 km/h, or in first gear,
     does not count; nor does what follows an engine speed above the limit.
-
-    Parameters
-    ----------
-    gears
-        those of the valve body; with them a test that does not reach the highest is broken off.
     """
     engine, vehicle = road_test.values("engine_speed"), road_test.values("vehicle_speed")
     time, gear = road_test.time, road_test.values("gear")

@@ -163,20 +163,7 @@ class ConverterSlip:
 
 
 def converter_slip(road_test: RoadTest, limits: Thresholds = USUAL) -> ConverterSlip | None:
-    """Return the slip of the converter; None where engine or turbine speed are not logged, or the car never drives.
-
-    Parameters
-    ----------
-    road_test
-        with engine and turbine speed.
-    limits
-        by which standing, driving and lock-up are told.
-
-    Returns
-    -------
-    ConverterSlip or None
-        engine speed minus turbine speed [1/s].
-    """
+    """Return the slip of the converter [1/s]; None without engine or turbine speed, or where the car never drives."""
     engine, turbine = road_test.values("engine_speed"), road_test.values("turbine_speed")
     if engine is None or turbine is None:
         return None
@@ -199,23 +186,11 @@ def converter_slip(road_test: RoadTest, limits: Thresholds = USUAL) -> Converter
 
 
 def gear_shifts(road_test: RoadTest, limits: Thresholds = USUAL) -> list[Event]:
-    """Return shifts between forward gears.
+    """Return shifts between forward gears in their order; none where neither gear nor ratio is logged.
 
     They follow from the ratio of turbine to output speed where both are logged, since a logged gear may lag by half a
     second; else from the gear channel. Two gears with reverse between them, or with neutral or an unknown gear for
     longer than `Thresholds.shift_pause`, are no shift.
-
-    Parameters
-    ----------
-    road_test
-        with a gear, or with turbine and output speed.
-    limits
-        `Thresholds.shift_pause` and how a ratio counts.
-
-    Returns
-    -------
-    list
-        an `Event` for each shift, in order; empty where neither gear nor ratio is logged.
     """
     channel = road_test.channel("gear")
     ratio = speed_ratio(road_test, ("turbine_speed",))
@@ -320,18 +295,10 @@ def ratio_levels(ratio: np.ndarray) -> list[float]:
 def with_derived_gear(road_test: RoadTest) -> RoadTest:
     """Return the road test with a gear derived from the speed ratio, marked ``derived``; unchanged where one is logged.
 
+    A warning says how many ratios were found; without any the test is the same.
+
     The levels found in the log are numbered from the highest ratio as first gear. Between gears, and with a slipping
     converter, the gear is unknown.
-
-    Parameters
-    ----------
-    road_test
-        with speeds whose ratio tells the gear.
-
-    Returns
-    -------
-    RoadTest
-        with a warning that says how many ratios were found; the same where none was.
     """
     ratio = None if road_test.channel("gear") is not None else speed_ratio(road_test)
     levels = np.array([] if ratio is None else ratio_levels(ratio))

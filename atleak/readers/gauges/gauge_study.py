@@ -142,12 +142,8 @@ def crossed(table: StudyTable, stated: Unit | None, sha256: str) -> tuple[StudyR
 
     Parameters
     ----------
-    table
-        with the columns of a sheet.
     stated
         the unit of all readings, where it was asked for; else that of their heading, else mm.
-    sha256
-        of the file.
     """
     cells = _Cells()
     for row in range(table.row + 1, len(table.sheet.rows)):

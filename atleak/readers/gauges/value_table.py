@@ -179,14 +179,8 @@ class ValueTable:
 
         Parameters
         ----------
-        rows
-            where a problem is noted.
-        row, kind
-            the row, and what its column holds.
         asked
             the number in its usual unit, with its limits.
-        of
-            the kind of quantity.
         usual
             unit where none is stated: None refuses such a value.
         unit_beside

@@ -206,16 +206,6 @@ def describe(understood: Understood) -> dict[str, Any]:
     """Return the ``import-log --json`` form: values in rpm, °C, kPa, km/h and s; ``unit`` is the file's own.
 
     While the log lacks an answer, ``rows`` and ``duration_s`` are None and ``needs`` says what is missing.
-
-    Parameters
-    ----------
-    understood
-        as `understand` returns it.
-
-    Returns
-    -------
-    dict
-        as ``atleak schema import-log`` describes it.
     """
     test = understood.road_test
     result: dict[str, Any] = {
@@ -261,18 +251,7 @@ def _time_column(understood: Understood, test: RoadTest) -> dict[str, Any]:
 
 
 def tidy_csv(test: RoadTest) -> str:
-    """Return a road test as a plain table: one row a stamp, workshop units in the names, blank without sample.
-
-    Parameters
-    ----------
-    test
-        any road test.
-
-    Returns
-    -------
-    str
-        text with commas, a heading for time [s] and for each channel.
-    """
+    """Return a road test as a plain table: one row a stamp, workshop units in the names, blank without sample."""
     columns = {"time [s]": test.time}
     for quantity, channel in test.channels.items():
         shown, values = workshop_unit(quantity, channel), test.values(quantity)

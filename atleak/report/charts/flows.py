@@ -161,14 +161,9 @@ def _of_flow(flow: Flow, verdicts: dict[FlowPlace, Verdict]) -> Verdict | None:
 def _together(
     flows: Sequence[Flow], verdicts: dict[FlowPlace, Verdict], lands: int
 ) -> tuple[list[Flow], dict[FlowPlace, int]]:
-    """Let lands that are not drawn by themselves stand together, by the sections between which they leak.
+    """Let lands that are not drawn by themselves stand together, by the sections between which they leak; count them.
 
     All that leak to the sump alone are one place.
-
-    Returns
-    -------
-    tuple
-        the flows, and how many lands stand at each place that several share.
     """
     through: dict[FlowPlace, float] = defaultdict(float)
     ends: dict[FlowPlace, set[tuple[int, FlowPlace]]] = defaultdict(set)
@@ -305,15 +300,7 @@ class _Box:
 
 
 def flow_svg(diagram: FlowDiagram, title: str, say: Wording | None = None) -> str:
-    """Draw a flow diagram.
-
-    Parameters
-    ----------
-    title
-        read by a screen reader.
-    say
-        decimal sign and words; English unless given.
-    """
+    """Draw a flow diagram, in English unless told; a screen reader reads its title."""
     say = say or wording("en")
     columns: dict[int, list[_Box]] = defaultdict(list)
     through = [sum(each.flow for each in diagram.places if each.column == at) for at in range(diagram.columns)]

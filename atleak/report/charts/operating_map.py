@@ -47,8 +47,6 @@ def operating_map(test: RoadTest, road: RoadLeakage | None, speed: Scale, temper
 
     Parameters
     ----------
-    road
-        the leakage over the log, if there is one with a share.
     speed, temperature
         unit and function from SI in which the reader has them.
     """

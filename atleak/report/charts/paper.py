@@ -41,15 +41,7 @@ _BOLD = 1.1  # how much wider bold letters are than plain ones, at most
 
 
 def drawn_on_paper(chart: Chart, say: Wording, *, scale: float = 1.0) -> str:
-    """Return a chart as SVG.
-
-    Parameters
-    ----------
-    chart
-        rows, plots above one another, or several small charts whose axes are the same.
-    scale
-        of the height of plots above one another, for paper with little room.
-    """
+    """Return a chart as SVG; ``scale`` is that of the height of plots above one another, where there is little room."""
     if isinstance(chart, RowChart):
         return _rows(chart, say)
     return _fields(chart, say, scale) if isinstance(chart, ClassChart) else _small_charts(chart, say)

@@ -34,14 +34,10 @@ def road_chart(series: RoadSeries, marks: Sequence[_Mark], bands: Sequence[tuple
 
     Parameters
     ----------
-    series
-        the thinned road test.
     marks
         (time [s], leakage [dm³/min], share [%]) of the instants to number, in their order.
     bands
         (name, share [%]) at which each band begins.
-    say
-        words and decimal sign.
     """
     columns, unit = series.columns, say.unit("flow")
     leakage, share = say.convert(columns["leakage_dm3_min"], "flow"), columns.get("share_percent")

@@ -312,15 +312,7 @@ _HOW_TO = (
 
 
 def _write_instructions(page: Worksheet, styles: Styles) -> None:
-    """Write the sheet.
-
-    Parameters
-    ----------
-    page
-        of a workbook that is being written.
-    styles
-        its formats.
-    """
+    """Write the sheet."""
     page.set_column(0, 0, 18)
     page.set_column(1, 1, 100)
     page.write_string(0, 0, INSTRUCTIONS, styles["title"])

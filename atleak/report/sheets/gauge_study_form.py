@@ -29,8 +29,6 @@ def write_study_form(parts: int = 10, operators: int = 3, trials: int = 3, say: 
     ----------
     parts, operators, trials
         how many of each, 2 to 60.
-    say
-        the reader's words; English unless given.
 
     Raises
     ------

@@ -188,25 +188,9 @@ class ComponentRows:
 def draw_spools(
     sheet: Worksheet, controller: Controller, blocks: Iterable[ComponentRows], width: int, say: Wording
 ) -> list[ComponentRows]:
-    """Draw every component's spool below its name, where its rows leave room for it.
+    """Draw every component's spool below its name in a column of so many characters, where its rows leave room for it.
 
-    Parameters
-    ----------
-    sheet
-        of a workbook that is being written.
-    controller
-        whose spools are drawn.
-    blocks
-        where its components stand.
-    width
-        of the column of names, in characters.
-    say
-        the reader's words.
-
-    Returns
-    -------
-    list
-        of the blocks that have a drawing, so that their names stand on top.
+    Return the blocks that have a drawing, so that their names stand on top.
     """
     room = (7 * width + 5) * _PIXEL - 2 * _EDGE
     placed: list[tuple[ComponentRows, float, Drawing]] = []

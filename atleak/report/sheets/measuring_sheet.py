@@ -75,10 +75,6 @@ def _write_instructions(tab: Tab, controller: Controller, far: float, *, quick: 
 
     Parameters
     ----------
-    tab
-        on which nothing is written yet.
-    controller
-        whose representative values are named as such.
     far
         how far from the nominal diameter a cell is coloured [µm].
     quick

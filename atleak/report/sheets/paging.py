@@ -197,17 +197,7 @@ class PagedTable:
         self.row_height = Paging(self.widths).row_height
 
     def write(self, above: Iterable[Sentence], last: int, frozen: int) -> None:
-        """Write title and what to do as wide as the table, where no page cuts them off, and the headings.
-
-        Parameters
-        ----------
-        above
-            the title, and what to do.
-        last
-            row of the table.
-        frozen
-            columns that stay on the screen.
-        """
+        """Write title and what to do as wide as the table, where no page cuts them off, and the headings."""
         sheet, formats = self._tab.sheet, self._tab.formats
         Paging(self.widths).set_up(sheet)
         for row, text in enumerate(map(self._tab.say.sentence, above)):

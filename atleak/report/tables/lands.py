@@ -105,13 +105,7 @@ def elsewhere(circuits: Iterable[str | None]) -> Sentence:
 
 
 def condition_matrix(diagnosis: Diagnosis, projections: Sequence[Projection] | None = None) -> tuple[MatrixRow, ...]:
-    """Return every land at every condition, lands in the controller's order.
-
-    Parameters
-    ----------
-    projections
-        those of the diagnosis that are wanted, in their order; all of them, the stated one first, unless given.
-    """
+    """Return every land at every condition, or at those given in their order; lands in the controller's order."""
     at = diagnosis.projections if projections is None else projections
     return tuple(MatrixRow.of(land, diagnosis, at) for land in diagnosis.lands)
 
@@ -159,10 +153,7 @@ def pair_table(
 ) -> Table:
     """Return lands as a table with all that is said of each; a medium leaves out what it has no room for.
 
-    Parameters
-    ----------
-    at
-        the conditions whose shares are wanted; those that every report must show unless given.
+    Shares are those ``at`` some conditions, unless given those that every report must show.
     """
 
     def share_at(projection: Projection, land: LandDiagnosis) -> Judged:

@@ -101,8 +101,6 @@ def log_curves(test: RoadTest, road: RoadLeakage | None, scales: Scales, say: Wo
 
     Parameters
     ----------
-    road
-        the leakage over the log, if there is one.
     scales
         quantity → unit's name and the function from SI to that unit.
     file
@@ -129,12 +127,7 @@ def log_curves(test: RoadTest, road: RoadLeakage | None, scales: Scales, say: Wo
 
 
 def value_rows(curves: Sequence[Curve], ends: tuple[float, float], say: Wording) -> list[dict[str, str]]:
-    """Return one row for every curve that has a value: its least, mean, largest, and the last value at each end.
-
-    Parameters
-    ----------
-    ends
-        the cursors [s].
+    """Return one row for every curve that has a value: its least, mean, largest, and the last value at each cursor [s].
 
     Notes
     -----

@@ -164,17 +164,7 @@ class _Words:
 def vacuum_card_tables(
     controller: Controller, stand: VacuumStand, assumptions: Assumptions, say: Wording
 ) -> tuple[Table, Table]:
-    """Return what a stand should show of each circuit, or component, and of each land alone.
-
-    Parameters
-    ----------
-    controller
-        with the lands.
-    stand
-        that will be read, with its calibrations.
-    assumptions
-        the stand's C_d, the gauge's error and where spools may lie.
-    """
+    """Return what a stand should show of each circuit, or component, and of each land alone."""
 
     def name(mark: PassMark) -> str:
         lands = mark.lands
