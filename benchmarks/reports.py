@@ -104,8 +104,9 @@ def job_of_60() -> tuple[Diagnosis, Job]:
 def bare_typst(diagnosis: Diagnosis, job: Job, folder: Path) -> Callable[[], bytes]:
     """Return a run that compiles the same pages with everything but typst's own work done beforehand."""
     say = wording("en")
-    pictures = pdf.write_pictures(job, folder)
-    data = pdf.report_data(diagnosis, job, say, find_paper("a4"), pdf.chosen_sections(None), pictures)
+    pictures = compiling.write_pictures(job, folder)
+    head = compiling.common_data(say("title.report"), say("title.subject"), job, find_paper("a4"), say, pictures)
+    data = head | pdf.report_data(diagnosis, job, say, pdf.chosen_sections(None), pictures)
     for path in compiling.TEMPLATES.glob("*.typ"):
         shutil.copy(path, folder)
     inputs = {"data": json.dumps(data, ensure_ascii=False)}

@@ -5,11 +5,10 @@ PDF/A-2a and PDF/UA-1 where the fonts allow, as every report of atleak; the same
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import Any
 
-from atleak.common.style import DEFAULT_PAPER, HEADING, find_paper
+from atleak.common.style import DEFAULT_PAPER, HEADING
 from atleak.common.wording import wording
 from atleak.fleet.summary_sections import Depth, FleetSections
 from atleak.fleet.summary_words import FleetWords
@@ -18,8 +17,7 @@ from atleak.measurements.job_card import Job
 from atleak.report.charts.drawing import shortened
 from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.pdf.blocks import joined, section_blocks
-from atleak.report.pdf.typesetting import common_data, compile_pdf
-from atleak.report.pictures import write_pictures
+from atleak.report.pdf.typesetting import write_page
 from atleak.report.printed_fonts import OwnFont
 from atleak.report.tables.table import Picture
 
@@ -47,14 +45,8 @@ def write_summary_pdf(
     ----------
     summary
         the fleet in numbers; nothing is computed from it.
-    language
-        one of `atleak.common.wording.languages`.
-    paper
-        one of `atleak.common.style.PAPERS`.
-    units
-        one of `atleak.common.units.SYSTEMS`.
-    font
-        for characters that the bundled fonts lack.
+    language, paper, units, font
+        as `atleak.report.pdf.write_pdf` takes them.
     letterhead
         a job record whose workshop stands at the head, with its logo; nothing else of it is printed.
 
@@ -68,7 +60,7 @@ def write_summary_pdf(
     The first `DETAILED` valve bodies have sections of their own, the more of them the shorter; all are in the table of
     verdicts, and in the workbook.
     """
-    say, size = wording(language, units), find_paper(paper)
+    say = wording(language, units)
     words = FleetWords(summary, say)
     several = max(min(len(summary.bodies), DETAILED), 1)
     sections = FleetSections(words, DEPTHS[several])
@@ -79,17 +71,14 @@ def write_summary_pdf(
 
     head = Job() if letterhead is None else letterhead.letterhead
     title, name = say("fleet_summary.title"), Path(summary.folder).name
-    with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
-        pictures = write_pictures(head, Path(folder))
-        data: dict[str, Any] = {
-            **common_data(title, say("fleet_summary.subject"), head, size, say, pictures),
-            "name": joined((title, name), " · "),
-            "running": shortened(name, 60),
-            "subtitle": say("fleet_summary.subtitle", folder=summary.folder),
-            "headline": words.headline(),
-            "findings": " ".join(words.findings()),
-            "facts": sections.facts()[1:],  # the folder stands in the subtitle
-            "ground": HEADING,
-            "sections": [section_blocks(section, draw, say) for section in sections.all()],
-        }
-        return compile_pdf("fleet", Path(folder), data, None, say, font)
+    data: dict[str, Any] = {
+        "name": joined((title, name), " · "),
+        "running": shortened(name, 60),
+        "subtitle": say("fleet_summary.subtitle", folder=summary.folder),
+        "headline": words.headline(),
+        "findings": " ".join(words.findings()),
+        "facts": sections.facts()[1:],  # the folder stands in the subtitle
+        "ground": HEADING,
+        "sections": [section_blocks(section, draw, say) for section in sections.all()],
+    }
+    return write_page("fleet", (title, say("fleet_summary.subject")), head, paper, say, lambda _: data, font=font)

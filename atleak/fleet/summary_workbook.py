@@ -269,12 +269,8 @@ def write_summary_workbook(
     ----------
     summary
         the fleet in numbers; nothing is computed from it that it does not hold.
-    language
-        one of `atleak.common.wording.languages`.
-    units
-        one of `atleak.common.units.SYSTEMS`.
-    paper
-        one of `atleak.common.style.PAPERS`, for printing.
+    language, units, paper
+        as `atleak.report.xlsx.write_workbook` takes them.
 
     Raises
     ------

@@ -5,14 +5,13 @@ The same job gives the same bytes: the only date in the file is that of the job.
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterable
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 from atleak.common.errors import Message
 from atleak.common.sentences import Sentence
-from atleak.common.style import DEFAULT_PAPER, Paper, find_paper
+from atleak.common.style import DEFAULT_PAPER
 from atleak.common.wording import Wording, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
@@ -21,8 +20,7 @@ from atleak.report.pdf.body import Body, chosen_sections
 from atleak.report.pdf.customer import CustomerPage
 from atleak.report.pdf.front import Front
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.report.pdf.typesetting import common_data, compile_pdf, named_characters, unprintable
-from atleak.report.pictures import write_pictures
+from atleak.report.pdf.typesetting import named_characters, unprintable, write_page
 from atleak.report.printed_fonts import OwnFont
 from atleak.report.tables.road_test import road_series
 
@@ -69,13 +67,11 @@ def write_pdf(
     Where a text holds characters that no font has (an emoji, say), the file is a plain PDF and says so on top of its
     first page; `missing_characters` tells it beforehand.
     """
-    job, say = job or Job(), wording(language, units)
+    filled, say = job or Job(), wording(language, units)
     chosen = chosen_sections(sections, without_sheet=diagnosis.without_sheet)
-    size = find_paper(paper)
-    with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
-        pictures = write_pictures(job, Path(folder))
-        data = report_data(diagnosis, job, say, size, chosen, pictures)
-        return compile_pdf("report", Path(folder), data, job.date, say, font)
+    words = say("title.report"), say("title.subject")
+    data = partial(report_data, diagnosis, filled, say, chosen)
+    return write_page("report", words, filled, paper, say, data, date=filled.date, font=font)
 
 
 def missing_characters(jobs: Iterable[Job], font: OwnFont | None = None) -> list[Message]:
@@ -91,14 +87,14 @@ def missing_characters(jobs: Iterable[Job], font: OwnFont | None = None) -> list
 
 
 def report_data(
-    diagnosis: Diagnosis, job: Job, say: Wording, paper: Paper, chosen: tuple[str, ...], pictures: dict[str, str]
+    diagnosis: Diagnosis, job: Job, say: Wording, chosen: tuple[str, ...], pictures: dict[str, str]
 ) -> dict[str, Any]:
+    """Return what the template of the report places beside `common_data`."""
     computed = diagnosis.road if diagnosis.judged and "road_test" in chosen else None  # else it is that of a new unit
     series = None if computed is None else road_series(computed, _ROAD_POINTS)
     names = PrintedNames(diagnosis, job, say)
     front = Front(names)
     return {
-        **common_data(say("title.report"), say("title.subject"), job, paper, say, pictures),
         "end": Annex(names).end(),
         "customer": CustomerPage(names, signed="signatures" in chosen).data(),
         "facts": front.facts(),

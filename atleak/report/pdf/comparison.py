@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from functools import partial
 from operator import attrgetter
-from pathlib import Path
 from typing import Any
 
 from atleak.analysis.changes import SIDES, Comparison, LandComparison
 from atleak.analysis.record_doubts import components_of
-from atleak.common.style import DEFAULT_PAPER, find_paper
+from atleak.common.style import DEFAULT_PAPER
 from atleak.common.units import KPA, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, isolated, wording
@@ -21,8 +19,7 @@ from atleak.diagnosis.land import LandDiagnosis
 from atleak.measurements.job_card import Job, RepairDecision
 from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.pdf.blocks import joined, section_blocks, signatures
-from atleak.report.pdf.typesetting import common_data, compile_pdf
-from atleak.report.pictures import write_pictures
+from atleak.report.pdf.typesetting import write_page
 from atleak.report.printed_fonts import OwnFont
 from atleak.report.tables.comparison import (
     differing_sentence,
@@ -59,14 +56,8 @@ def write_comparison_pdf(
         of the two jobs.
     before, after
         their records: whose car it is, and which repairs are noted as done.
-    language
-        one of `atleak.common.wording.languages`.
-    paper
-        one of `atleak.common.style.PAPERS`.
-    units
-        one of `atleak.common.units.SYSTEMS`.
-    font
-        for characters that the bundled fonts lack.
+    language, paper, units, font
+        as `atleak.report.pdf.write_pdf` takes them.
 
     Raises
     ------
@@ -78,19 +69,19 @@ def write_comparison_pdf(
     Tagged and archival as the report is (`atleak.report.pdf.write_pdf`). One page: as many of the flagged pairs are
     listed as fit, the worst before first.
     """
-    say, size = wording(language, units), find_paper(paper)
+    say = wording(language, units)
     page = _Page(comparison, before, after, say)
-    with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
-        letterhead = after if not after.workshop.empty else before
-        pictures = write_pictures(letterhead.letterhead, Path(folder))
-        data = {
-            **common_data(say("comparison.title"), say("comparison.subject"), letterhead, size, say, pictures),
-            "facts": page.facts(),
-            "sides": page.sides(),
-            "lengths": len(page.lengths),
-            "sections": [*page.sections()],
-        }
-        return compile_pdf("comparison", Path(folder), data, after.date, say, font)
+    head = after if not after.workshop.empty else before
+    data = {
+        "facts": page.facts(),
+        "sides": page.sides(),
+        "lengths": len(page.lengths),
+        "sections": [*page.sections()],
+    }
+    words = say("comparison.title"), say("comparison.subject")
+    return write_page(
+        "comparison", words, head, paper, say, lambda _: data, pictured=head.letterhead, date=after.date, font=font
+    )
 
 
 class _Page:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-from atleak.common.style import DEFAULT_PAPER, find_paper
+from atleak.common.style import DEFAULT_PAPER
 from atleak.common.wording import Wording, begun, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.vacuum_card import GROWN
@@ -16,8 +14,7 @@ from atleak.measurements.job_card import Job
 from atleak.measurements.vacuum import VacuumStand
 from atleak.report.pdf.blocks import printed
 from atleak.report.pdf.printed_names import PrintedNames
-from atleak.report.pdf.typesetting import common_data, compile_pdf
-from atleak.report.pictures import write_pictures
+from atleak.report.pdf.typesetting import write_page
 from atleak.report.printed_fonts import OwnFont
 from atleak.report.tables.gauges import card_notes, card_table
 from atleak.report.tables.sentences import fluid_in_state
@@ -42,14 +39,8 @@ def write_gauge_card(
         of the unit; without a measuring sheet the card says what gauges show when it is new.
     job
         what the workshop wrote down: whose vehicle it is stands at the head, and the workshop.
-    language
-        one of `atleak.common.wording.languages`.
-    paper
-        one of `atleak.common.style.PAPERS`.
-    units
-        one of `atleak.common.units.SYSTEMS`.
-    font
-        for characters that the bundled fonts lack.
+    language, paper, units, font
+        as `atleak.report.pdf.write_pdf` takes them.
 
     Raises
     ------
@@ -120,25 +111,25 @@ def _card(
     facts: Sequence[Sequence[str]] = (),
 ) -> bytes:
     """Return the bytes of a card: tables with room for what is read; words are its title, subject and what to do."""
-    job, size = job or Job(), find_paper(paper)
+    job = job or Job()
     title, subject, what = words
     known = {"number": job.number, "vehicle": PrintedNames(diagnosis, job, say).vehicle, "vin": job.vehicle.vin}
-    with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
-        pictures = write_pictures(job.letterhead, Path(folder))
-        data: dict[str, Any] = {
-            **common_data(title, subject, job, size, say, pictures),
-            "facts": [
-                [say("facts.controller"), say.name(diagnosis.controller.name)],
-                *facts,
-                *([say(f"facts.{key}"), value] for key, value in known.items() if value),
-            ],
-            "fields": [
-                say("facts.date"),
-                *(say(f"facts.{key}") for key, value in known.items() if key != "vin" and not value),
-                *fields,
-            ],
-            "what": what,
-            "tables": [[table.title, printed(table)] for table in tables],
-            "notes": [*notes],
-        }
-        return compile_pdf("gauge_card", Path(folder), data, job.date, say, font)
+    data: dict[str, Any] = {
+        "facts": [
+            [say("facts.controller"), say.name(diagnosis.controller.name)],
+            *facts,
+            *([say(f"facts.{key}"), value] for key, value in known.items() if value),
+        ],
+        "fields": [
+            say("facts.date"),
+            *(say(f"facts.{key}") for key, value in known.items() if key != "vin" and not value),
+            *fields,
+        ],
+        "what": what,
+        "tables": [[table.title, printed(table)] for table in tables],
+        "notes": [*notes],
+    }
+    letterhead, head = job.letterhead, (title, subject)
+    return write_page(
+        "gauge_card", head, job, paper, say, lambda _: data, pictured=letterhead, date=job.date, font=font
+    )

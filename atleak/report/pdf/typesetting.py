@@ -9,8 +9,9 @@ import datetime as dt
 import io
 import json
 import shutil
+import tempfile
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
@@ -20,12 +21,13 @@ import typst
 from PIL import Image, ImageColor
 
 from atleak.common.seals import KEYWORD
-from atleak.common.style import LOOKS, PAPER_INKS, SHEET_OF_PAPER, Paper
+from atleak.common.style import LOOKS, PAPER_INKS, SHEET_OF_PAPER, Paper, find_paper
 from atleak.common.verdicts import VERDICTS, Verdict
 from atleak.common.wording import Wording
 from atleak.measurements.job_card import Job, clean_text
 from atleak.report.charts.drawing import shortened
 from atleak.report.pdf.blocks import joined
+from atleak.report.pictures import write_pictures
 from atleak.report.printed_fonts import BOX_FONT, FONTS, OWN_FONT, OwnFont, box_font, characters_of
 from atleak.version import __version__
 
@@ -144,8 +146,17 @@ def _look(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def compile_pdf(
-    template: str, folder: Path, data: dict[str, Any], date: dt.date | None, say: Wording, own: OwnFont | None = None
+def write_page(
+    template: str,
+    words: tuple[str, str],
+    job: Job,
+    paper: str,
+    say: Wording,
+    data: Callable[[dict[str, str]], Mapping[str, Any]],
+    *,
+    pictured: Job | None = None,
+    date: dt.date | None = None,
+    font: OwnFont | None = None,
 ) -> bytes:
     """Return the bytes of a PDF.
 
@@ -153,15 +164,27 @@ def compile_pdf(
     ----------
     template
         name of one of the package's templates, without its ending.
-    folder
-        an empty one but for the pictures that the data name; it is written into.
+    words
+        title and subject.
+    job
+        whose workshop, number and vehicle stand at the head; with its pictures, unless another record is ``pictured``.
     data
-        what the template places.
+        what the template places beside `common_data`, given the files of the pictures by their names.
     date
         of the file; a fixed one where none is given.
-    own
-        a font for characters that the package's own ones lack; without such characters it changes nothing.
+    font
+        for characters that the package's own ones lack; without such characters it changes nothing.
     """
+    size = find_paper(paper)
+    with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
+        pictures = write_pictures(pictured or job, Path(folder))
+        placed = {**common_data(*words, job, size, say, pictures), **data(pictures)}
+        return _compiled(template, Path(folder), placed, date, say, font)
+
+
+def _compiled(
+    template: str, folder: Path, data: dict[str, Any], date: dt.date | None, say: Wording, own: OwnFont | None
+) -> bytes:
     for path in TEMPLATES.glob("*.typ"):
         shutil.copy(path, folder)
     data = _cleaned(data)

@@ -16,7 +16,6 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, RuleKind
-from atleak.common.style import find_paper
 from atleak.common.translations import languages
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import begun, signed, wording
@@ -566,7 +565,7 @@ def test_the_summary_says_so_too_and_its_verdict_follows_the_rules(
 
 def printed(found: Diagnosis, language: str = "en") -> dict[str, Any]:
     """What the template is given of the section on pressures."""
-    return report_data(found, Job(), wording(language), find_paper("a4"), ("pressures",), {})
+    return report_data(found, Job(), wording(language), ("pressures",), {})
 
 
 @pytest.mark.parametrize("language", languages())
