@@ -177,16 +177,5 @@ checked_instrument, instruments = INSTRUMENTS.checked, INSTRUMENTS.usable
 
 
 def load_instrument(id_or_path: str | Path) -> Instrument:
-    """Load an instrument from its file.
-
-    Parameters
-    ----------
-    id_or_path
-        the id of one that is shipped or in the workshop's own catalogue, or the path of a file.
-
-    Raises
-    ------
-    CatalogueError
-        if the file is missing or wrong; the message names file, table, key and value, and lists every other fault.
-    """
+    """Load an instrument by its id or the path of its file; a `CatalogueError` lists all that is wrong with it."""
     return INSTRUMENTS.load(id_or_path)

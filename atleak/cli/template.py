@@ -7,15 +7,7 @@ from typing import Any
 
 from atleak.cli.job_options import add_job_options, chosen_job, input_files
 from atleak.cli.parser import add_command
-from atleak.cli.shared import (
-    Outputs,
-    add_force,
-    add_print,
-    chosen_controller,
-    doubt_option,
-    print_font,
-    print_options,
-)
+from atleak.cli.shared import Outputs, add_force, add_print, chosen_controller, doubt_option, print_font, print_options
 from atleak.common.errors import InputError
 from atleak.common.sentences import Sentence
 from atleak.common.translations import languages

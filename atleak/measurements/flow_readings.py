@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from atleak.catalogue.circuits import Consumer
 from atleak.catalogue.controller import Controller
 from atleak.common.errors import Message, Place
+from atleak.measurements.gauge_readings import FileOfReadings
 
 COOLER = "cooler"  # what flows through the cooler, whatever the valve body's file calls that consumer
 
@@ -22,28 +23,11 @@ class FlowReading:
 
 
 @dataclass(frozen=True)
-class FlowTable:
-    """All flows of one table.
+class FlowTable(FileOfReadings):
+    """All flows of one table."""
 
-    Attributes
-    ----------
-    file
-        its name.
-    sha256
-        of its bytes.
-    sheet
-        the workbook's sheet; None for text files.
-    readings
-        in the table's order.
-    messages
-        what was assumed.
-    """
-
-    file: str
-    sha256: str
-    sheet: str | None
-    readings: tuple[FlowReading, ...]
-    messages: tuple[Message, ...] = ()
+    readings: tuple[FlowReading, ...]  # in the table's order
+    messages: tuple[Message, ...] = ()  # what was assumed
 
 
 def consumer_of(controller: Controller, what: str) -> Consumer | None:

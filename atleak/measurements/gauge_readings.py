@@ -74,8 +74,8 @@ class GaugeReading:
 
 
 @dataclass(frozen=True)
-class PressureTable:
-    """All gauge readings of one table; a cell that is not among them was not measured.
+class FileOfReadings:
+    """The file that holds some readings.
 
     Attributes
     ----------
@@ -85,6 +85,19 @@ class PressureTable:
         of its bytes.
     sheet
         the workbook's sheet; None for text files.
+    """
+
+    file: str
+    sha256: str
+    sheet: str | None
+
+
+@dataclass(frozen=True)
+class PressureTable(FileOfReadings):
+    """All gauge readings of one table; a cell that is not among them was not measured.
+
+    Attributes
+    ----------
     units
         in which the pressures were written.
     readings
@@ -93,9 +106,6 @@ class PressureTable:
         what was assumed.
     """
 
-    file: str
-    sha256: str
-    sheet: str | None
     units: tuple[str, ...]
     readings: tuple[GaugeReading, ...]
     messages: tuple[Message, ...] = ()

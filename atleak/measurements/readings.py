@@ -15,7 +15,7 @@ from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import Message, Place, ReadingsError, unknown
 from atleak.common.sentences import Sentence
-from atleak.measurements.gauge_readings import PressureTable
+from atleak.measurements.gauge_readings import FileOfReadings, PressureTable
 
 LENGTHS_MEASURED, REPAIR_FITTED = "contact_length_measured", "repair_fitted"  # codes of the messages that say so
 NOMINAL_HEADING = Sentence("Nominal\ndiameter")  # of the printed form, a unit behind it: it marks a sheet made from it
@@ -147,17 +147,11 @@ class Reading:
 
 
 @dataclass(frozen=True)
-class Readings:
+class Readings(FileOfReadings):
     """All readings of one measuring sheet.
 
     Attributes
     ----------
-    file
-        its name.
-    sha256
-        of its bytes.
-    sheet
-        the workbook's sheet; None for text files.
     unit
         of the diameters as written: ``mm``, or several joined by ``", "``.
     unit_assumed
@@ -188,9 +182,6 @@ class Readings:
         of those columns' table.
     """
 
-    file: str
-    sha256: str
-    sheet: str | None
     unit: str
     unit_assumed: bool
     layout: Literal["table", "tidy", "columns"]

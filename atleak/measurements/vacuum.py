@@ -10,6 +10,7 @@ from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import Message, Place
 from atleak.common.units import IN_HG
 from atleak.equations.vacuum import STANDARD_ATMOSPHERE
+from atleak.measurements.gauge_readings import FileOfReadings
 
 USUAL_SUPPLY = 25.0 / IN_HG  # [Pa] below ambient: to which stands of the trade are set when closed
 
@@ -66,31 +67,12 @@ class LeakClearance:
 
 
 @dataclass(frozen=True)
-class VacuumTable:
-    """All readings of one vacuum test.
+class VacuumTable(FileOfReadings):
+    """All readings of one vacuum test."""
 
-    Attributes
-    ----------
-    file
-        its name.
-    sha256
-        of its bytes.
-    sheet
-        the workbook's sheet; None for text files.
-    stand
-        that was read.
-    readings
-        in the table's order.
-    messages
-        what was assumed.
-    """
-
-    file: str
-    sha256: str
-    sheet: str | None
-    stand: VacuumStand
-    readings: tuple[VacuumReading, ...]
-    messages: tuple[Message, ...] = ()
+    stand: VacuumStand  # that was read
+    readings: tuple[VacuumReading, ...]  # in the table's order
+    messages: tuple[Message, ...] = ()  # what was assumed
 
     @property
     def by_lands(self) -> tuple[tuple[VacuumReading, ...], ...]:

@@ -19,16 +19,7 @@ from atleak.job.case import SourceFile
 from atleak.job.result import Step, job_steps
 from pages.shared import book, choices, drop_zone, dropped, fields, reader, show
 from pages.shared.cases import PageCase, diagnosis_of, own_faults
-from pages.shared.state import (
-    FILES,
-    choose,
-    current_diagnosis,
-    job,
-    new_job,
-    session,
-    take_away,
-    take_sample,
-)
+from pages.shared.state import FILES, choose, current_diagnosis, job, new_job, session, take_away, take_sample
 
 PAGES = Path(__file__).resolve().parents[1]
 _STEPS = {path.stem.partition("_")[2].lower(): path for path in PAGES.glob("[1-9]_*.py")}

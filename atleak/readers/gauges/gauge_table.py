@@ -18,12 +18,7 @@ from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_tables import SelectorRange
-from atleak.catalogue.written_numbers import (
-    ENGINE_SPEED,
-    TEMPERATURE,
-    AskedNumber,
-    read_number,
-)
+from atleak.catalogue.written_numbers import ENGINE_SPEED, TEMPERATURE, AskedNumber, read_number
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import InputError, Message, Place, PressureTableError, one_of
 from atleak.common.file_faults import faults_together
@@ -43,14 +38,7 @@ from atleak.readers.gauges.gauge_headings import (
     is_blank_heading,
     likeness,
 )
-from atleak.readers.gauges.value_table import (
-    Faults,
-    in_si,
-    is_number,
-    not_typed_as_number,
-    split_cell,
-    written_in_cell,
-)
+from atleak.readers.gauges.value_table import Faults, in_si, is_number, not_typed_as_number, split_cell, written_in_cell
 
 HIGHEST = 6.0e6  # [Pa] that a gauge in a transmission can show: choice of this project
 _ASIDE_SHOWN = 6

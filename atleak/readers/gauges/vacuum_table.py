@@ -379,13 +379,10 @@ def read_vacuum_table(source: str | Path | bytes, controller: Controller, *, nam
 
     Parameters
     ----------
-    source
-        path of a file, or its bytes: ``.xlsx`` (also xls, ods), or text with columns separated by comma, semicolon or
-        tab.
+    source, name
+        as `atleak.read_pressure_table` takes them.
     controller
         whose circuits and lands the rows name.
-    name
-        what to call the file in messages; the path's own name by default.
 
     Returns
     -------

@@ -16,14 +16,7 @@ from atleak.readers.logs.columns import Ambiguous
 from atleak.readers.logs.importer import LogColumn, log_columns, understand
 from atleak.readers.logs.parquet_log import head_of_parquet
 from atleak.readers.logs.understood import FORMATS, Understood, describe, tidy_csv
-from atleak.readers.remembered_columns import (
-    NOT_LOGGED,
-    default_path,
-    forget_columns,
-    recall,
-    remember,
-    signature,
-)
+from atleak.readers.remembered_columns import NOT_LOGGED, default_path, forget_columns, recall, remember, signature
 
 __all__ = [
     "FORMATS", "NOT_LOGGED", "Ambiguous", "LogColumn", "Understood", "default_path", "describe", "forget_columns",

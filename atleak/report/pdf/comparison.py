@@ -21,13 +21,7 @@ from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.pdf.blocks import joined, section_blocks, signatures
 from atleak.report.pdf.typesetting import write_page
 from atleak.report.printed_fonts import OwnFont
-from atleak.report.tables.comparison import (
-    differing_sentence,
-    how_sure,
-    total_picture,
-    visit_caveats,
-    with_uncertainty,
-)
+from atleak.report.tables.comparison import differing_sentence, how_sure, total_picture, visit_caveats, with_uncertainty
 from atleak.report.tables.first_sentence import measured_sentence
 from atleak.report.tables.names import is_whole_body
 from atleak.report.tables.table import VERDICT, Column, Picture, Points, Section, SectionPart, Table, Text, span

@@ -130,42 +130,19 @@ def _of_fluid(fluid: Fluid, model: str) -> Iterable[NamedQuantity]:
         yield _constant(names.D341_SHIFT, shift, UnitOf("viscosity"), ASTM_D341_SHIFT, "ASTM D341")
         zero = Sentence("temperature of {zero:g} {zero.unit} above absolute zero", zero=_ZERO)
         yield _constant(names.ABSOLUTE, zero, UnitOf("above_absolute_zero"), -ABSOLUTE_ZERO, "ISO 80000-5")
-        at, density = fluid.density_at
-        yield _constant(
-            names.DENSITY_AT,
-            Sentence("temperature at which the density is stated"),
-            TEMPERATURE,
-            at,
-            Name(fluid.source),
-        )
-        yield _constant(
-            names.DENSITY_NAME,
-            Sentence("density at that temperature"),
-            UnitOf("density"),
-            density * G_CM3,
-            Name(fluid.source),
-        )
-        slope = Sentence("change of the density with temperature")
-        yield _constant(
-            names.DENSITY_SLOPE_NAME,
-            slope,
-            UnitOf("density_per_kelvin"),
-            fluid.density_slope * G_CM3,
-            Name(fluid.source),
-        )
+        (at, density), sheet = fluid.density_at, Name(fluid.source)
+        stated, there = Sentence("temperature at which the density is stated"), Sentence("density at that temperature")
+        yield _constant(names.DENSITY_AT, stated, TEMPERATURE, at, sheet)
+        yield _constant(names.DENSITY_NAME, there, UnitOf("density"), density * G_CM3, sheet)
+        slope, per_kelvin = Sentence("change of the density with temperature"), UnitOf("density_per_kelvin")
+        yield _constant(names.DENSITY_SLOPE_NAME, slope, per_kelvin, fluid.density_slope * G_CM3, sheet)
     elif model == "regression":
+        viscosity = Sentence("kinematic viscosity of the study's regression at {zero:g} {zero.unit}", zero=_ZERO)
+        density_at_zero = Sentence("density of the study's regression at {zero:g} {zero.unit}", zero=_ZERO)
         labels = (
-            (
-                Sentence("kinematic viscosity of the study's regression at {zero:g} {zero.unit}", zero=_ZERO),
-                UnitOf("viscosity"),
-                STUDY_VISCOSITY[0],
-            ),
+            (viscosity, UnitOf("viscosity"), STUDY_VISCOSITY[0]),
             (Sentence("its exponent with temperature"), UnitOf("per_kelvin"), STUDY_VISCOSITY[1]),
-            (
-                Sentence("density of the study's regression at {zero:g} {zero.unit}", zero=_ZERO),
-                UnitOf("density"),
-                STUDY_DENSITY[0] * G_CM3,
-            ),
+            (density_at_zero, UnitOf("density"), STUDY_DENSITY[0] * G_CM3),
             (Sentence("its change with temperature"), UnitOf("density_per_kelvin"), STUDY_DENSITY[1] * G_CM3),
         )
         for name, (label, unit, value) in zip(names.STUDY_NAMES, labels, strict=True):
@@ -219,14 +196,8 @@ def _of_leak(number: int, leak: Leak) -> Iterable[NamedQuantity]:
     yield _constant(of_leak(number, "flow"), flow, FLOW, leak.flow * DM3_MIN, Name(leak.source))
     yield _constant(of_leak(number, "drop"), at, PRESSURE, leak.pressure_drop * KPA, Name(leak.source))
     if leak.viscosity is not None:
-        viscosity = Sentence("leak {name}: dynamic viscosity at that flow", **of)
-        yield _constant(
-            of_leak(number, "viscosity"),
-            viscosity,
-            UnitOf("dynamic_viscosity"),
-            leak.viscosity * MPA_S,
-            Name(leak.source),
-        )
+        viscosity, unit = Sentence("leak {name}: dynamic viscosity at that flow", **of), UnitOf("dynamic_viscosity")
+        yield _constant(of_leak(number, "viscosity"), viscosity, unit, leak.viscosity * MPA_S, Name(leak.source))
     else:
         density = Sentence("leak {name}: density at that flow", **of)
         yield _constant(of_leak(number, "density"), density, UnitOf("density"), leak.density * G_CM3, Name(leak.source))

@@ -22,14 +22,7 @@ from atleak.report.tables.estimate import EstimateWords, open_words
 from atleak.report.tables.first_sentence import first_sentence
 from atleak.report.tables.lands import MatrixRow, condition_matrix
 from atleak.report.tables.names import spools_taken
-from atleak.report.tables.repairs import (
-    no_help,
-    option_table,
-    plan_ends,
-    pump_brings,
-    step_consequence,
-    step_in_words,
-)
+from atleak.report.tables.repairs import no_help, option_table, plan_ends, pump_brings, step_consequence, step_in_words
 from atleak.report.tables.sentences import (
     caveat_marks,
     caveats,

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from xlsxwriter.worksheet import Worksheet
 
@@ -519,30 +519,16 @@ class _Budget:
         known = INFINITE if math.isinf(nu) else nu
         bold = {"bold": True}
         squares, factor = f"SQRT(SUMSQ({contributions}))", f"NORMSINV((1+{names.COVERAGE_NAME})/2)"
-        whole: dict[Sentence, tuple[str, Any, str, dict[str, Any], str | None]] = {
-            Sentence("combined standard uncertainty u(c_r) [{unit}]", unit=CLEARANCE): (
-                "nu",
-                u * UM,
-                squares,
-                bold,
-                "clearance",
-            ),
-            Sentence("effective degrees of freedom (JCGM 100, G.4.1)"): (
-                "degrees",
-                known,
-                degrees,
-                {"align": "right"},
-                None,
-            ),
-            Sentence("coverage factor k, of a normal distribution"): ("nu", k, factor, {}, None),
-            Sentence("expanded uncertainty U = k · u(c_r) [{unit}]", unit=CLEARANCE): (
-                "nu",
-                k * u * UM,
-                f"{cells[2]}*{cells[0]}",
-                bold,
-                "clearance",
-            ),
-        }
+        expanded = f"{cells[2]}*{cells[0]}"
+        whole = {
+            Sentence("combined standard uncertainty u(c_r) [{unit}]", unit=CLEARANCE):
+                LiveCell("nu", u * UM, squares, bold, "clearance"),
+            Sentence("effective degrees of freedom (JCGM 100, G.4.1)"):
+                LiveCell("degrees", known, degrees, {"align": "right"}),
+            Sentence("coverage factor k, of a normal distribution"): LiveCell("nu", k, factor),
+            Sentence("expanded uncertainty U = k · u(c_r) [{unit}]", unit=CLEARANCE):
+                LiveCell("nu", k * u * UM, expanded, bold, "clearance"),
+        }  # fmt: skip
         for at, (label, content) in enumerate(whole.items(), start=row):
             self.book.put(self.sheet, at, 0, label, self.book.bold)
-            write_cell(self.book, self.sheet, at, _CU, LiveCell(*content))
+            write_cell(self.book, self.sheet, at, _CU, content)
