@@ -1,7 +1,7 @@
 """Compare two diagnoses of one unit: before and after a repair, or two visits.
 
-`compare` is the one function to call; the other names are the types of its result. It says of lands, totals, pressures
-and logs what changed beyond its uncertainty.
+`compare` is the one function to call; `atleak.analysis.changes` has the types of its result. It says of lands, totals,
+pressures and logs what changed beyond its uncertainty.
 """
 
 from __future__ import annotations
@@ -17,9 +17,7 @@ from atleak.analysis.changes import (
     Comparison,
     ConditionComparison,
     DifferingChoice,
-    EventPair,
     LandComparison,
-    LogComparison,
     Side,
     change_between,
     clearance_change,
@@ -36,18 +34,6 @@ from atleak.diagnosis.messages import LANDS_LISTED
 from atleak.diagnosis.uncertainty.assess import COVERAGE
 from atleak.diagnosis.uncertainty.paired import ChangeSpread, PairedVisit, changes
 from atleak.engine.projection import Projection
-
-__all__ = [
-    "Change",
-    "CircuitComparison",
-    "Comparison",
-    "ConditionComparison",
-    "DifferingChoice",
-    "EventPair",
-    "LandComparison",
-    "LogComparison",
-    "compare",
-]
 
 _JUDGED_ONLY: dict[Side, Sentence] = {
     "before": Sentence("Judged before only, as the job after has no such operating point: {conditions}"),

@@ -30,21 +30,6 @@ from atleak.engine.operation import LINE, Operation, spread_over
 from atleak.engine.projection import Projection, model_unworn, project, project_unworn, stated_condition
 from atleak.measurements.clearances import LandClearance
 
-__all__ = [
-    "Axis",
-    "Border",
-    "Map",
-    "StudyTrial",
-    "Tried",
-    "WhatIf",
-    "is_the_study_s",
-    "like_the_study",
-    "map_over",
-    "temperatures_to_try",
-    "tried",
-    "wears_to_try",
-]
-
 STUDY_CONTROLLER = "four_speed_2023"  # the valve body of the source study
 COUNT = 31  # of temperatures, and of wears: choice of this project, what lies between is drawn as straight lines
 _LOWEST, _HIGHEST = 20.0, 140.0  # [°C] between which ATF works: choice of this project

@@ -165,8 +165,6 @@ def _log_problems(log: Any, sha256: str | None) -> Iterator[Sentence]:
             yield Sentence("its table of channels has {rows} rows in place of {wanted}", rows=rows, wanted=wanted)
 
 
-__all__ = ["Fault", "backup", "restore", "verify"]
-
 _A_BACKUP = Sentence("a file that `atleak jobs backup` has written")
 
 

@@ -279,15 +279,3 @@ def _parquet(data: bytes, file: str) -> tuple[None, _Rows]:
 
 def _plain(value: Cell) -> Cell:
     return "" if value is None or value != value else value  # NaN, as pandas writes an empty cell
-
-
-__all__ = [
-    "MEASURED",
-    "TableColumn",
-    "TableRow",
-    "UnitTable",
-    "column_meant",
-    "is_unit_table",
-    "nearest_heading",
-    "read_unit_table",
-]

@@ -12,18 +12,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from atleak.analysis.repair.choice import Basis, Choice, Gain, OfferedRepair, OfferedRepairs, choose, gain_of, ticked
-from atleak.analysis.repair.options import (
-    Cost,
-    Move,
-    MoveKey,
-    Option,
-    Options,
-    Prices,
-    StatedPrice,
-    cost_of,
-    pump_option,
-)
+from atleak.analysis.repair.choice import Choice, choose
+from atleak.analysis.repair.options import Cost, Move, Option, Options, Prices, cost_of, pump_option
 from atleak.analysis.repair.totals import RepairableUnit, RepairedAt, Total
 from atleak.catalogue.repairs import LandKey
 from atleak.common.verdicts import Band, Verdict
@@ -32,31 +22,6 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis, PumpDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.engine.projection import Projection
-
-__all__ = [
-    "Basis",
-    "Choice",
-    "Cost",
-    "Gain",
-    "Move",
-    "MoveKey",
-    "OfferedRepair",
-    "OfferedRepairs",
-    "Option",
-    "Prices",
-    "PumpStep",
-    "Remainder",
-    "RepairPlan",
-    "RepairStep",
-    "RepairedAt",
-    "StatedPrice",
-    "Total",
-    "choose",
-    "gain_of",
-    "in_order",
-    "plan_repairs",
-    "ticked",
-]
 
 
 @dataclass(frozen=True, kw_only=True)

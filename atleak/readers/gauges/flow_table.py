@@ -100,8 +100,6 @@ _NOT_UNDERSTOOD = {  # what is said of an empty cell, and of one that names noth
     "what": (Sentence("nothing says what flowed in this row"), Sentence("no such consumer of this unit")),
 }
 
-__all__ = ["flow_finder", "read_flow_table"]
-
 
 def flow_finder(controller: Controller) -> ValueFinder:
     """Return what finds tables of flows."""

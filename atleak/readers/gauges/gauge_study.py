@@ -304,8 +304,6 @@ def _apart(table: StudyTable, values: np.ndarray) -> Iterator[Message]:
         yield Message("warning", "repeats_apart", text, Place(table.sheet.file, table.sheet.name))
 
 
-__all__ = ["read_study"]
-
 _WANTED = Sentence("a workbook (.xlsx) or text (.csv) of repeated readings")
 _HEADINGS = Sentence(
     "a row of headings with part, operator, trial and reading, or part and operator beside a column for each trial; "

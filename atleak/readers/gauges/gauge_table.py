@@ -311,8 +311,6 @@ class _Reader:
         return self.sheet.place(row, column, heading.text if heading is not None else "")
 
 
-__all__ = ["PressureTabs", "find_tabs", "likeness_of", "read_pressure_table"]
-
 _WANTED = Sentence("a table of gauge readings as .xlsx workbook or .csv text")
 _HEADINGS = Sentence(
     "headings for the range (P R N D 3 2 1), the engine (slow idle, fast idle, stall) and the pressure with its unit, "

@@ -365,9 +365,6 @@ def _without_sign(cell: Cell) -> Cell:
     return cell.strip().lstrip("-−– ") if isinstance(cell, str) else cell
 
 
-__all__ = ["read_vacuum_table", "vacuum_finder"]
-
-
 def vacuum_finder(controller: Controller) -> ValueFinder:
     """Return what finds tables of vacuum tests."""
     return _Targets(controller).finder

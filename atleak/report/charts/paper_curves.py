@@ -176,6 +176,3 @@ def _crossing(axes: Axes, data: PumpOverSpeed, say: Wording) -> None:
     left = 1.1 * width_of(said, SIZE) + 4.0 < speed / end * (_RIGHT - 60.0)
     off, side = ((-4.0, 9.0), "right") if left else ((4.0, 9.0), "left")
     axis_words(axes, (speed, taken), said, off, ha=side, fontsize=SIZE, fontweight="bold")
-
-
-__all__ = ["pump_chart", "road_chart"]

@@ -42,7 +42,6 @@ from atleak.report.sheets.measuring_columns import (
     runs_of_cells,
 )
 from atleak.report.sheets.measuring_head import (
-    FIELDS,
     INSTRUMENT_ROWS,
     JOB,
     MEASURING_HEADER,
@@ -104,17 +103,6 @@ def _write_instructions(tab: Tab, controller: Controller, far: float, *, quick: 
         sheet.set_row(row, row_height(zip((title, said), _WIDTHS, strict=True)))
         sheet.set_row(row + 1, _BETWEEN)
 
-
-__all__ = [
-    "FIELDS",
-    "MEASURING_INSTRUCTIONS",
-    "PUMP_SIDE",
-    "PUMP_TIP",
-    "SHEET",
-    "UNWORN_END",
-    "write_readings",
-    "write_template",
-]
 
 _HEADINGS_ROW = 54.0  # [pt]
 _CHOICES = 255  # characters that a spreadsheet program takes as the choices of a cell
