@@ -465,78 +465,45 @@ def _one_table(own: PressureTable | None, readings: Readings | None) -> Pressure
 
 
 class Reader:
-    """Read every file of a job anew; the dashboard has one that keeps what it has read."""
+    """Read every file of a job anew; the dashboard has one that keeps what it has read.
+
+    Each raises what the function raises that it calls: a `CatalogueError`, a `ReadingsError` …
+    """
 
     def entry(self, slot: Slot, choice: CaseChoice | None) -> Any:
-        """Load a controller, fluid, limit set or instrument by id, path or bytes; nothing where nothing is chosen.
-
-        Raises
-        ------
-        CatalogueError
-            naming file, table, key and value.
-        """
+        """Load a controller, fluid, limit set or instrument by id, path or bytes; nothing where nothing is chosen."""
         if choice is None:
             return None
         return load_source(slot.load, choice) if isinstance(choice, SourceFile) else slot.load(choice)
 
     def readings(self, case: Case, controller: Controller) -> Readings:
-        """Read the job's measuring sheet.
-
-        Raises
-        ------
-        ReadingsError
-            as `read_readings`.
-        """
+        """Read the job's measuring sheet."""
         sheet = case.readings
         assert sheet is not None
         remembered = default_path() if case.remember else None
         return read_readings(sheet.given, controller, name=sheet.name, remembered=remembered, **case.sheet_choices)
 
     def log(self, case: Case) -> Understood:
-        """Read the job's log as far as it is understood, open questions included.
-
-        Raises
-        ------
-        RoadTestError
-            for a file that is no log.
-        """
+        """Read the job's log as far as it is understood, open questions included."""
         log = case.road_test
         assert log is not None
         remembered = default_path() if case.remember else None
         return understand(log.given, name=log.name, remembered=remembered, **case.log_choices)
 
     def pressures(self, case: Case, controller: Controller) -> PressureTable:
-        """Read the job's gauge readings from a file of their own.
-
-        Raises
-        ------
-        PressureTableError
-            as `read_pressure_table`.
-        """
+        """Read the job's gauge readings from a file of their own."""
         file = case.pressures
         assert file is not None
         return read_pressure_table(file.given, controller, name=file.name)
 
     def vacuum(self, case: Case, controller: Controller) -> VacuumTable:
-        """Read the job's vacuum test.
-
-        Raises
-        ------
-        VacuumTableError
-            as `read_vacuum_table`.
-        """
+        """Read the job's vacuum test."""
         file = case.vacuum
         assert file is not None
         return read_vacuum_table(file.given, controller, name=file.name)
 
     def flows(self, case: Case, controller: Controller) -> FlowTable:
-        """Read the flows that were caught in the job.
-
-        Raises
-        ------
-        FlowTableError
-            as `read_flow_table`.
-        """
+        """Read the flows that were caught in the job."""
         file = case.flows
         assert file is not None
         return read_flow_table(file.given, controller, name=file.name)
