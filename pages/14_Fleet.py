@@ -25,7 +25,7 @@ try:
         st.subheader(say("fleet.one_body"), anchor="fleet-body")
         fleet.draw_body(words, fleet.choose_body(words))
     st.subheader(say("fleet_summary.section_errors"), anchor="fleet-errors")
-    show.section(fleet.sections(words).errors(), "fleet")
+    show.section(fleet.sections(words).section("errors"), "fleet")
     st.subheader(say("take_along.title"), anchor="fleet-files")
     fleet.draw_files(words)
 except AtleakError as error:

@@ -17,6 +17,7 @@ _ROWS = 12  # most rows of valve bodies in a table
 _RATES = tuple(f"past_{level}" for level in FLAGGED)
 _UNIT_NAME = 48  # letters
 _ALL = 1_000_000
+_OF_A_BODY = ("pairs", "deciders", "wear", "temperatures", "conditions", "comparison")  # sections of each
 _OVER_TEMPERATURE = ("temperature", "hours", "share", "share_max", "pressure", "pressure_min")
 
 
@@ -50,24 +51,22 @@ class FleetSections:
     def all(self) -> list[Section]:
         """Return all of them, without those that have nothing to say."""
         several, bodies = len(self.summary.bodies) > 1, self.summary.bodies[: self.depth.bodies]
-        sections = [self.verdicts(), self.know()]
+        sections = [self.section("verdicts"), self.know()]
         for body in bodies:
             if several:
                 sections.append(self.intro(body))
-            sections += self.of_body(body)
+            sections += [self.section(name, body) for name in _OF_A_BODY]
         if several:
             sections.append(self._section("units_and_files", (), level=1))
-        sections += [self.worst(), self.errors()]
+        sections += [self.section("worst"), self.section("errors")]
         if self.depth.terms:
             sections.append(self.rests_on(level=1 if several else 2))
         return [section for section in sections if section.parts or section.level == 1]
 
-    def of_body(self, body: ValveBody) -> list[Section]:
-        """Return the sections on one valve body."""
-        return [
-            *(self.pairs(body), self.deciders(body), self.wear(body)),
-            *(self.temperatures(body), self.conditions(body), self.comparison(body)),
-        ]
+    def section(self, name: str, *body: ValveBody) -> Section:
+        """Return a section by its name: of the whole, or one of `_OF_A_BODY` of a valve body."""
+        parts: Iterator[SectionPart] = getattr(self, f"_{name}")(*body)
+        return self._section(name, parts)
 
     def _section(self, name: str, parts: Iterator[SectionPart] | Sequence[SectionPart], level: int = 2) -> Section:
         return Section(name, self.say(f"fleet_summary.section_{name}"), tuple(parts), level)
@@ -103,11 +102,8 @@ class FleetSections:
         texts = [Text(each) for each in (self.words.headline(), findings) if each]
         return Section("head", self.say("fleet_summary.title"), (*texts, Facts(self.facts())))
 
-    def verdicts(self) -> Section:
-        """Say how many units have which verdict, of all valve bodies and of each."""
-        return self._section("verdicts", self._verdicts())
-
     def _verdicts(self) -> Iterator[SectionPart]:
+        """Say how many units have which verdict, of all valve bodies and of each."""
         say, summary = self.say, self.summary
         if not summary.counts.units:
             yield Text(say("fleet_summary.no_units"))
@@ -164,13 +160,12 @@ class FleetSections:
         parts = Text(" ".join(sentences)), *_listed(self.words.messages(body.messages))
         return Section("body", self._name(body), parts, level=1)
 
-    def pairs(self, body: ValveBody) -> Section:
-        """Say which pairs are flagged and to be replaced most often."""
-        return self._section("pairs", self._pairs(body) if body.counts.judged else ())
-
     def _pairs(self, body: ValveBody) -> Iterator[SectionPart]:
+        """Say which pairs are flagged and to be replaced most often."""
         say, depth = self.say, self.depth
         flagged = [pair for pair in body.pairs if pair.flagged.count or pair.deciding.count]
+        if not body.counts.judged:
+            return
         if not flagged:
             yield Text(say("fleet_summary.no_pair_flagged"))
             return
@@ -193,21 +188,16 @@ class FleetSections:
         note = say("fleet_summary.note_pairs", judged=judged)
         yield from self._notes(note, more_pairs=len(flagged) - depth.pairs)
 
-    def deciders(self, body: ValveBody) -> Section:
-        """Say what decided the verdicts of flagged units."""
-        return self._section("deciders", self._deciders(body) if self.depth.deciders else ())
-
     def _deciders(self, body: ValveBody) -> Iterator[SectionPart]:
-        if body.deciders:
+        """Say what decided the verdicts of flagged units."""
+        if body.deciders and self.depth.deciders:
             yield self.tables.deciders([body]).only("decided_by", "decided").first(self.depth.deciders)
             yield from self._notes(self.say("fleet_summary.note_deciders"))
 
-    def wear(self, body: ValveBody) -> Section:
-        """Say how the wear of the leading lands grows with mileage."""
-        known = any(land.latest_percent for land in body.wear)
-        return self._section("wear", self._wear(body) if known else ())
-
     def _wear(self, body: ValveBody) -> Iterator[SectionPart]:
+        """Say how the wear of the leading lands grows with mileage."""
+        if not any(land.latest_percent for land in body.wear):
+            return
         say, lands = self.say, [land for land in by_trouble(body) if land.classes][: self.depth.wear]
         if not lands:
             yield Text(say("fleet_summary.no_mileage"))
@@ -227,11 +217,8 @@ class FleetSections:
         if without or repaired:
             yield Text(say("fleet_summary.note_wear", without=without, repaired=repaired), small=True)
 
-    def temperatures(self, body: ValveBody) -> Section:
-        """Say what the logs tell over temperature."""
-        return self._section("temperatures", self._temperatures(body))
-
     def _temperatures(self, body: ValveBody) -> Iterator[SectionPart]:
+        """Say what the logs tell over temperature."""
         say, classes = self.say, body.temperatures
         if not any(each.units for each in classes):
             yield Text(say("fleet_summary.no_logs"))
@@ -249,11 +236,10 @@ class FleetSections:
             self.tables.temperatures([body]).only(*_OVER_TEMPERATURE).filled,
         )
 
-    def conditions(self, body: ValveBody) -> Section:
-        """Say what is at the stated conditions."""
-        return self._section("conditions", self._conditions(body) if body.conditions else ())
-
     def _conditions(self, body: ValveBody) -> Iterator[SectionPart]:
+        """Say what is at the stated conditions."""
+        if not body.conditions:
+            return
         yield self.tables.conditions([body]).only("condition", "share.units", "share", "held", "required", "red")
         yield from self._notes(
             self.say("fleet_summary.note_conditions"), note_partly=max(at.partly for at in body.conditions)
@@ -261,12 +247,11 @@ class FleetSections:
 
     # --- groups
 
-    def comparison(self, body: ValveBody) -> Section:
-        """Say what differs between the groups, and what cannot be told."""
-        return self._section("comparison", self._comparison(body) if self.summary.by is not None else ())
-
     def _comparison(self, body: ValveBody) -> Iterator[SectionPart]:
+        """Say what differs between the groups, and what cannot be told."""
         comparison, say, by = body.comparison, self.say, self.words.heading()
+        if self.summary.by is None:
+            return
         if comparison is None:
             yield Text(say("fleet_summary.one_group", by=by))
             return
@@ -336,11 +321,8 @@ class FleetSections:
 
     # --- units and files
 
-    def worst(self) -> Section:
-        """List the flagged units, the worst first."""
-        return self._section("worst", self._worst())
-
     def _worst(self) -> Iterator[SectionPart]:
+        """List the flagged units, the worst first."""
         say, summary = self.say, self.summary
         listed = [unit for unit in summary.worst if unit.verdict.flagged][: self.depth.units]
         if not listed:
@@ -353,11 +335,8 @@ class FleetSections:
         flagged = sum(summary.counts.verdicts[verdict] for verdict in FLAGGED)
         yield from self._notes(self.say("fleet_summary.note_worst"), more_units=flagged - len(listed))
 
-    def errors(self) -> Section:
-        """Say which files have no result, and why."""
-        return self._section("errors", self._errors())
-
     def _errors(self) -> Iterator[SectionPart]:
+        """Say which files have no result, and why."""
         say, errors = self.say, self.summary.errors
         if not errors:
             yield Text(say("fleet_summary.no_errors"))

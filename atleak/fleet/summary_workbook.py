@@ -305,7 +305,7 @@ class _Writer:
     def _overview(self, sheet: Worksheet, charts: WorkbookCharts) -> None:
         """Write what leads: the sections without their charts, but for the one of the verdicts."""
         sections = FleetSections(self.words, _OVERVIEW)
-        verdicts, know, *_ = sections.verdicts(), sections.know()
+        verdicts, know = sections.section("verdicts"), sections.know()
         page = SummaryPage(self.book, sheet, _COLUMNS)
         head = sections.head()
         row = page.section(0, replace(head, parts=head.parts[:-1]))
@@ -316,7 +316,7 @@ class _Writer:
             row += charts.add_verdicts(sheet, row)
         for body in self.summary.bodies:
             row = page.across(row, self.words.body(body.controller), bold=True, font_size=13)
-            for section in (sections.pairs(body), sections.comparison(body)):
+            for section in (sections.section("pairs", body), sections.section("comparison", body)):
                 row = page.section(row, section) if section.parts else row
         row = page.section(row, know) if know.parts else row
         page.across(row, self.say("fleet_summary.more_on_sheets"))

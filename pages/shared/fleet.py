@@ -149,7 +149,7 @@ def draw_whole(words: FleetWords) -> None:
     """Show how many units have which verdict, over all valve bodies and of each."""
     say, summary = words.say, words.summary
     st.markdown(f"**{show.plain(words.headline())}** {show.plain(' '.join(words.findings()))}")
-    show.section(sections(words).verdicts(), "fleet")
+    show.section(sections(words).section("verdicts"), "fleet")
     show.messages(summary.messages, say("about.fleet"), opened=True)
     st.caption(show.plain(say("fleet.made_by", count=summary.visits, version=summary.atleak)))
 
@@ -164,17 +164,17 @@ def draw_body(words: FleetWords, body: ValveBody) -> None:
     say, of = words.say, sections(words)
     show.section(of.intro(body), "fleet")
     _heading("fleet-pairs")
-    show.section(of.pairs(body), "fleet")
-    show.section(of.deciders(body), "fleet")
+    show.section(of.section("pairs", body), "fleet")
+    show.section(of.section("deciders", body), "fleet")
     _heading("fleet-wear")
-    show.section(of.wear(_with_land(words, body)), "fleet")
+    show.section(of.section("wear", _with_land(words, body)), "fleet")
     _heading("fleet-temperatures")
-    show.section(of.temperatures(body), "fleet")
-    show.section(of.conditions(body), "fleet")
+    show.section(of.section("temperatures", body), "fleet")
+    show.section(of.section("conditions", body), "fleet")
     _heading("fleet-groups")
     if words.summary.by is None:
         st.write(say("fleet.choose_by" if words.summary.headings else "fleet.no_headings"))
-    show.section(of.comparison(body), "fleet")
+    show.section(of.section("comparison", body), "fleet")
 
 
 def _heading(anchor: str) -> None:
