@@ -159,11 +159,6 @@ def _missing_logs(found: Comparison) -> Iterator[Message]:
 def compare(before: Diagnosis, after: Diagnosis) -> Comparison:
     """Put two diagnoses of one unit side by side.
 
-    Parameters
-    ----------
-    before, after
-        the earlier and the later one, of the same valve body.
-
     Returns
     -------
     Comparison

@@ -283,16 +283,10 @@ def instrument_tables(
 
     Parameters
     ----------
-    study
-        of readings in metres.
     of
         the instrument that was studied, with the calibration of its certificate.
-    id, name
-        of the new entry.
     resolution
         the step between two possible readings [m].
-    date
-        of the study.
     """
     operator, interaction = study.of("operator").variance, study.of("interaction").variance
     common = of.common**2 + operator

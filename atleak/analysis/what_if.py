@@ -216,13 +216,6 @@ class Tried:
 def tried(diagnosis: Diagnosis, settings: WhatIf) -> Tried:
     """Compute what a unit would do at other settings; the diagnosis stays as it is.
 
-    Parameters
-    ----------
-    diagnosis
-        of the job.
-    settings
-        what of it is tried otherwise.
-
     Returns
     -------
     Tried
@@ -388,10 +381,6 @@ def map_over(diagnosis: Diagnosis, settings: WhatIf, temperatures: ArrayLike, we
 
     Parameters
     ----------
-    diagnosis
-        of the unit.
-    settings
-        what is tried besides.
     temperatures
         [°C], shape (temperatures,); where one is outside the fluid's data nothing is known.
     wears

@@ -85,11 +85,6 @@ class Pressure:
         ----------
         pressures
             [Pa] by section and circuit, numbers or arrays.
-
-        Returns
-        -------
-        float or numpy.ndarray
-            [Pa]; a constant stays a number.
         """
         return self.constant if self.section is None else self.coefficient * pressures[self.section]
 

@@ -224,11 +224,6 @@ class Steps:
         reached
             probability [-] that the true value has reached each level, in their order; by the value alone unless given.
 
-        Returns
-        -------
-        tuple
-            the level, and its limit.
-
         Examples
         --------
         >>> steps = Steps(((Verdict.WATCH, 10.0), (Verdict.REPLACE, 50.0)), LimitOrigin.PUBLISHED, "")

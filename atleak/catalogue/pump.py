@@ -115,11 +115,6 @@ class Pump:
             of the line [Pa], a number or an array.
         dynamic_viscosity
             of the fluid [Pa·s], likewise.
-
-        Returns
-        -------
-        float or numpy.ndarray
-            [m³/s].
         """
         assert self.slip_coefficient is not None
         flow = equations.slip_flow(self.displacement, self.slip_coefficient, pressure, dynamic_viscosity)

@@ -203,13 +203,6 @@ def _fraction(spelling: str) -> Unit | None:
 def unit(name: str, kind: str) -> Unit:
     """Return a unit.
 
-    Parameters
-    ----------
-    name
-        as people write it.
-    kind
-        of quantity: ``length``, ``pressure`` …
-
     Raises
     ------
     InputError

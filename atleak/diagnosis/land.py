@@ -95,11 +95,6 @@ class WearLine:
             of the vehicle [km].
         coverage
             probability [-] of the interval.
-
-        Returns
-        -------
-        tuple
-            its ends [m].
         """
         reach = _deviate(coverage) * self.uncertainty_at(mileage)
         return self.at(mileage) - reach, self.at(mileage) + reach

@@ -160,14 +160,10 @@ def unit_rules(
 
     Parameters
     ----------
-    states
-        the clearance of every land.
     projections
         leakage at every condition that is judged, the stated one first.
     unworn
         leakage of the same unit as it may have been when new, at the same conditions and with the same fluid.
-    limits
-        the set that is applied.
     points
         those of the valve body's file: at another, which no new unit can hold, no pressure is judged; None: at all.
     """

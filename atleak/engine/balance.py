@@ -76,8 +76,6 @@ def balance(network: Circuits, sections: Mapping[str, Any], after: Balance | Non
 
     Parameters
     ----------
-    network
-        the circuits with their branches.
     sections
         pressures of the sections [Pa], numbers or arrays.
     after

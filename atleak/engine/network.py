@@ -157,10 +157,6 @@ def network(
 
     Parameters
     ----------
-    controller
-        whose circuits, leaks and feeds they are.
-    point
-        with the gear.
     gaps
         those of that gear, each with its restriction and whether it counts as drawn from the pump.
     kinematic_viscosity, density

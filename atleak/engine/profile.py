@@ -113,11 +113,6 @@ def find_profile(name: str, settings: dict[str, str] | None = None) -> Profile:
     settings
         options as text, which replace the profile's own: ``{"eccentricity": "0.5"}``.
 
-    Returns
-    -------
-    Profile
-        with those options.
-
     Raises
     ------
     InputError

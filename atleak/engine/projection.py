@@ -129,13 +129,6 @@ class Projection:
 def project(model: LeakageModel, condition: OperatingPoint) -> Projection:
     """Compute leakage, pump flow and share at one condition.
 
-    Parameters
-    ----------
-    model
-        the unit.
-    condition
-        the operating point.
-
     Returns
     -------
     Projection
@@ -289,8 +282,6 @@ def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[La
 
     Parameters
     ----------
-    clearances
-        as `atleak.clearances` gives them.
     increment
         as a fraction of each clearance.
     """
@@ -301,15 +292,7 @@ def with_wear(clearances: Iterable[LandClearance], increment: float) -> tuple[La
 
 
 def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int]]) -> tuple[LandClearance, ...]:
-    """Return the same unit with some lands brought back to the clearance of new pairs, the same all around.
-
-    Parameters
-    ----------
-    clearances
-        as `atleak.clearances` gives them.
-    lands
-        component and number of each.
-    """
+    """Return the same unit with some lands brought back to the clearance of new pairs, the same all around."""
     chosen = set(lands)
     return tuple(
         with_even_clearance(state, state.land.new_clearance) if state.land.key in chosen else state
@@ -318,15 +301,7 @@ def repaired(clearances: Iterable[LandClearance], lands: Iterable[tuple[str, int
 
 
 def model_new(states: Iterable[LandClearance], model: LeakageModel) -> LeakageModel:
-    """Return the model of the same unit with every land as new pairs are, and its pump as new.
-
-    Parameters
-    ----------
-    states
-        clearances as measured.
-    model
-        with those clearances.
-    """
+    """Return the model of the same unit with every land as new pairs are, and its pump as new."""
     states = tuple(states)
     clearances = repaired(states, [state.land.key for state in states])
     return replace(model, controller=model.controller.with_new_pump, clearances=clearances)
@@ -337,13 +312,6 @@ def model_unworn(states: Iterable[LandClearance], model: LeakageModel) -> Leakag
 
     This is what growth is judged against: where only a range or a type's value is known of new pairs, a reading within
     it is no wear. Where each pair's own clearance is known, it is the unit of `model_new`.
-
-    Parameters
-    ----------
-    states
-        clearances as measured.
-    model
-        with those clearances.
     """
     clearances = (
         with_even_clearance(

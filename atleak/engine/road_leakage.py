@@ -326,8 +326,6 @@ def evaluate_road_test(model: LeakageModel, road_test: RoadTest, assumed: Operat
 
     Parameters
     ----------
-    model
-        controller with its clearances, fluid and profile.
     road_test
         needs main pressure; without engine speed there is no pump capacity and no share.
     assumed
@@ -454,8 +452,6 @@ def with_assumed_pressure(controller: Controller, road_test: RoadTest) -> RoadTe
 
     Parameters
     ----------
-    controller
-        whose operating points state the pressures.
     road_test
         returned as it is where it holds a main pressure, with a message that nothing was assumed.
     """

@@ -92,8 +92,6 @@ def leakage_series(
 
     Parameters
     ----------
-    model
-        controller, clearances, fluid and profile.
     main_pressure, converter_pressure
         [Pa], shape (samples,) or scalar; NaN gives NaN.
     temperature

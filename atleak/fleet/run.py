@@ -78,10 +78,6 @@ def run_fleet(
     ----------
     units
         each made when its turn comes.
-    results
-        opened for writing.
-    client
-        as `atleak.fleet.cluster.connected` gives it.
     time_limit
         [s] for one unit, after which its worker is ended; the unit is tried once more. None: no limit.
     retry_errors

@@ -324,13 +324,6 @@ class KeptUnit:
 def kept_unit(results: Results, sha256: str) -> KeptUnit:
     """Read the rows of a unit.
 
-    Parameters
-    ----------
-    results
-        open for reading.
-    sha256
-        the hash of all that its result rests on.
-
     Raises
     ------
     FleetError

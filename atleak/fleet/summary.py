@@ -46,8 +46,6 @@ def summed_up(
 
     Parameters
     ----------
-    results
-        open for reading.
     by
         heading of a label, or ``group``, whose values are compared.
     controller

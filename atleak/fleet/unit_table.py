@@ -426,8 +426,6 @@ def travelling_choice(slot: str, chosen: CaseChoice | None, folder: Path) -> Cas
 
     Parameters
     ----------
-    slot
-        name of the choice in `Case`.
     chosen
         an id, or the path of a file; None stays so.
     folder

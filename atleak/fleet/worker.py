@@ -72,12 +72,6 @@ def rows_of_result(
 
     Parameters
     ----------
-    unit
-        what it is called, and its hash.
-    diagnosis
-        its result.
-    job
-        what the workshop wrote down of it.
     seconds
         that its evaluation took so far [s].
     tries

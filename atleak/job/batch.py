@@ -47,8 +47,6 @@ def report_paths(sources: Sequence[Path], folder: Path, formats: Iterable[str] =
     ----------
     sources
         job files; two of one name are numbered.
-    folder
-        where the reports go.
     formats
         any of `REPORT_KINDS`.
 

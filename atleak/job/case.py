@@ -288,11 +288,6 @@ class Case:
     def condition(self, controller: Controller) -> OperatingPoint:
         """Return the stated condition.
 
-        Parameters
-        ----------
-        controller
-            the valve body of this job.
-
         Returns
         -------
         OperatingPoint
@@ -311,13 +306,6 @@ class Case:
 
     def with_condition(self, condition: OperatingPoint, controller: Controller) -> Case:
         """Return this job at a condition, kept as what differs from the controller's own, or else as a whole.
-
-        Parameters
-        ----------
-        condition
-            to be stated.
-        controller
-            the valve body of this job.
 
         Returns
         -------
@@ -397,11 +385,6 @@ class Case:
         """Return every land as this job's sheet measured it, with what makes it uncertain; none without a sheet.
 
         It is what `diagnose` rests on, without its draws: a unit's history asks for nothing more of an earlier visit.
-
-        Parameters
-        ----------
-        loader
-            reads the files; unless given, each is read anew.
 
         Returns
         -------

@@ -304,10 +304,6 @@ class JobFile:
             the content of its files, by slot, or where it lies.
         pictures
             the content of its pictures, by the names in the record.
-        result
-            the result as it was kept.
-        name
-            what the job is called in messages.
         of_book
             what the book that it comes from knew of it.
 

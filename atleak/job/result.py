@@ -123,15 +123,7 @@ def _words(verdict: str | None, decision: str | None) -> Sentence:
 
 
 def result_record(diagnosis: Diagnosis, job: Job | None = None) -> dict[str, Any]:
-    """Return the record of a diagnosis, in the form ``atleak diagnose --json`` writes.
-
-    Parameters
-    ----------
-    diagnosis
-        the result.
-    job
-        what the workshop wrote down; none where nobody did.
-    """
+    """Return the record of a diagnosis, in the form ``atleak diagnose --json`` writes."""
     record = diagnosis_record(diagnosis)
     of_job = None
     if job is not None:
@@ -143,11 +135,6 @@ def result_sha256(record: Mapping[str, Any]) -> str:
     """Return the SHA-256 of a result, as hexadecimal digits: the same for the same result, whosever job it is.
 
     It is that of the JSON in UTF-8 with keys in the order of their signs, without spaces and line ends.
-
-    Parameters
-    ----------
-    record
-        as `diagnosis_record` makes it.
     """
     text = json.dumps(record, ensure_ascii=False, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode("utf-8", errors="backslashreplace")).hexdigest()

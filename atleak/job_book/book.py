@@ -290,11 +290,6 @@ class Book:
     def load(self, id: str) -> StoredJob:
         """Return a job of the book, as it was saved.
 
-        Parameters
-        ----------
-        id
-            of the job, as `save` and `rows` give it.
-
         Returns
         -------
         StoredJob
@@ -389,11 +384,6 @@ class Book:
         ----------
         query
             what to look for; unless given, all jobs that are not archived.
-
-        Returns
-        -------
-        int
-            number of jobs.
 
         Raises
         ------

@@ -333,8 +333,6 @@ class Job(Record):
         ----------
         name
             of the file that was handed over; what no file may be called becomes ``_``.
-        content
-            its bytes.
 
         Returns
         -------
@@ -357,11 +355,6 @@ class Job(Record):
 
     def with_logo(self, name: str, content: bytes) -> Job:
         """Return the same record with the workshop's logo.
-
-        Parameters
-        ----------
-        name, content
-            of the file that was handed over, as of `with_photo`.
 
         Returns
         -------

@@ -56,11 +56,6 @@ class OwnLands:
     def with_fitted(self, controller: Controller) -> Controller:
         """Return the controller with the nominal diameters and mounting clearances of the repairs that are fitted.
 
-        Parameters
-        ----------
-        controller
-            as its file describes it.
-
         Returns
         -------
         Controller

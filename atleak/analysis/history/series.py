@@ -58,8 +58,6 @@ class Visit:
             of the vehicle [km]; as the diagnosis has it unless given.
         repaired
             the lands that were repaired at this visit, after they were measured.
-        name
-            of the job, for people.
         """
         lands = diagnosis.uncertainty.lands if diagnosis.uncertainty is not None else ()
         return cls(

@@ -208,8 +208,6 @@ def totals_over_mileage(history: WearHistory, diagnosis: Diagnosis) -> TotalsOve
 
     Parameters
     ----------
-    history
-        of the unit.
     diagnosis
         of its last visit: its fluid, pressures, pump and limits are taken as they are.
 

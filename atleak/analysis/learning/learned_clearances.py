@@ -213,8 +213,6 @@ def learn(
 
     Parameters
     ----------
-    controller
-        the valve body that the sheets are of.
     sheets
         one for each unit, as from `atleak.readers.sheets.measuring_sheet.read_readings`.
     instruments

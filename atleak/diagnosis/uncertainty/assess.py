@@ -70,10 +70,6 @@ def assess(
 
     Parameters
     ----------
-    model
-        the leakage model with the clearances as measured.
-    states
-        the clearance of every land, as the model has them.
     projections
         the conditions that are judged, the stated one first.
     rules
@@ -95,10 +91,6 @@ def assess(
         digits. Unless given, `DRAWS`, or `DRAWS_OF_CIRCUITS` where pressures of circuits are solved.
     cache
         what was carried through before, with the same of everything but ``projections`` and ``instants``.
-
-    Returns
-    -------
-    UnitUncertainty
 
     Raises
     ------

@@ -138,11 +138,6 @@ def fitted_side(land: LandSources) -> FittedSide | None:
 
     Every amount up to all that is worn, every side and each of `EXPONENTS` is alike likely but for how well it
     agrees with the differences between the directions, beside a two-lobe form as it was when new.
-
-    Parameters
-    ----------
-    land
-        with its directions; what they tell is kept with it.
     """
     return kept_with(land, "fitted_side", "", partial(_fitted, land), most=1)
 

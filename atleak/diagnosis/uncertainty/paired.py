@@ -56,8 +56,6 @@ def changes(
     ----------
     before, after
         the two visits; their projections belong together one by one, at the same stated conditions.
-    assumptions
-        all that is uncertain besides the readings, the same for both.
     coverage
         probability of every interval; as much is left out below as above.
     draws, seed

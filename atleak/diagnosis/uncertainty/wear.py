@@ -69,11 +69,6 @@ class UnitWear:
 
         No less is said than of a pair that was as wide as the range allows.
 
-        Parameters
-        ----------
-        steps
-            limits of wear, as `Limits.wear` has them.
-
         Returns
         -------
         Mapping

@@ -319,11 +319,8 @@ def read_study(
 
     Parameters
     ----------
-    source
-        path of a file, or its bytes: ``.xlsx`` (also xls, ods), or text with columns separated by comma, semicolon or
-        tab.
-    name
-        what to call the file in messages; the path's own name by default.
+    source, name
+        as `atleak.read_pressure_table` takes them.
     sheet
         the sheet to read; the one sheet with readings by default.
     length_unit

@@ -88,17 +88,8 @@ def share_map(over: Map, job: MapPlace, tried: MapPlace, say: Wording) -> Figure
 
     Parameters
     ----------
-    over
-        the unit over temperature and wear, as `map_over` computes it.
     job, tried
         temperature [°C] and wear of the job and of what is tried, marked on the map.
-    say
-        the reader's words and units.
-
-    Returns
-    -------
-    Figure
-        the share in %.
     """
     values = np.where(np.isfinite(over.share), over.share, np.nan) * PERCENT
     figure = Figure()
@@ -112,19 +103,10 @@ def pressure_map(over: Map, name: str, job: MapPlace, tried: MapPlace, say: Word
 
     Parameters
     ----------
-    over
-        the unit over temperature and wear, as `map_over` computes it.
     name
         ``p_g`` or the id of a circuit that is applied.
     job, tried
         temperature [°C] and wear of the job and of what is tried, marked on the map.
-    say
-        the reader's words and units.
-
-    Returns
-    -------
-    Figure
-        the pressure in the reader's unit.
     """
     values = say.convert(over.pressures[name] * KPA, "pressure")
     figure = Figure()

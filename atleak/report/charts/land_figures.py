@@ -39,8 +39,6 @@ def leakage_ranking(diagnosis: Diagnosis, say: Wording | None = None, *, lands: 
 
     Parameters
     ----------
-    say
-        the words of a language; English unless given.
     lands
         how many of the largest are drawn.
     """
@@ -180,8 +178,6 @@ def land_wear(diagnosis: Diagnosis, lands: Sequence[LandDiagnosis] | None = None
 
     Parameters
     ----------
-    diagnosis
-        of the unit.
     lands
         some of its lands; all unless given.
 
@@ -270,8 +266,6 @@ def leakages(unit: UnitUncertainty, at: OperatingPoint, say: Wording, lands: int
 
     Parameters
     ----------
-    at
-        the stated condition.
     lands
         how many of the largest are drawn.
     """
@@ -301,10 +295,6 @@ def budget(land: LandUncertainty, say: Wording, sources: int = 12) -> Figure:
 
     Parameters
     ----------
-    land
-        with its budgets.
-    say
-        the reader's words.
     sources
         how many are drawn at most: the largest.
 

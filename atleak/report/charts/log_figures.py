@@ -239,15 +239,6 @@ def road_leakage(road: RoadLeakage, limits: Limits, say: Wording) -> Figure:
     """Draw leakage, pump flow and share with the edges of its bands over a log, one above the other.
 
     Without a logged engine speed there is no pump flow and no share, and only leakage is drawn.
-
-    Parameters
-    ----------
-    road
-        leakage over the log.
-    limits
-        whose bands of the total share are drawn.
-    say
-        the words of a language.
     """
     series = road_series(road, _LEAKAGE_POINTS)
     with_share = "share_percent" in series.columns

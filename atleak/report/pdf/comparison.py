@@ -46,8 +46,6 @@ def write_comparison_pdf(
 
     Parameters
     ----------
-    comparison
-        of the two jobs.
     before, after
         their records: whose car it is, and which repairs are noted as done.
     language, paper, units, font

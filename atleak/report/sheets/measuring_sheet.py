@@ -124,8 +124,6 @@ def write_template(
 
     Parameters
     ----------
-    controller
-        whose lands are to be measured.
     plan
         of a quick pass, `atleak.diagnosis.evidence.quick_pass`: its readings alone, in its order.
     fields
