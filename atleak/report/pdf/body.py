@@ -29,6 +29,7 @@ from atleak.measurements.job_card import RepairDecision, Scratch
 from atleak.report.charts.chart import LayerOf, RowChart, layers_of
 from atleak.report.charts.drawing import controller_svg, shortened
 from atleak.report.charts.paper import drawn_on_paper as printed_chart
+from atleak.report.json.conditions import named_record
 from atleak.report.json.diagnosis import head_record
 from atleak.report.pdf.annex import Annex, Budget
 from atleak.report.pdf.blocks import (
@@ -497,11 +498,9 @@ class Body(PrintedPart):
         diagnosis, record = self.diagnosis, head_record(self.diagnosis)
         files: dict[str, dict[str, Any]] = {"readings": record["readings"]}
         if diagnosis.log is not None:
-            test = diagnosis.log.road_test
-            files["road_test"] = {"file": test.file, "sha256": test.sha256}
+            files["road_test"] = named_record(diagnosis.log.road_test, "file", "sha256")
         if diagnosis.pressures is not None:
-            table = diagnosis.pressures.table
-            files["pressure_table"] = {"file": table.file, "sha256": table.sha256}
+            files["pressure_table"] = named_record(diagnosis.pressures.table, "file", "sha256")
         files |= {name: record[name] for name in ("controller", "fluid", "limits")}
         yield listed(
             say,

@@ -8,6 +8,7 @@ from atleak.analysis.assumed import AssumedValue, Ending, assumed_values
 from atleak.common.units import PERCENT, SYSTEMS
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.report.json.conditions import named_record
 from atleak.report.tables.table import Column, Judged, Section, Table, Text
 
 _ORDER = ("verdict", "decision", "nothing", "cause", None)
@@ -81,9 +82,7 @@ def assumed_records(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     """Return the same for scripts, in the order of the files."""
     return [
         {
-            "what": each.what,
-            "stands_in": each.stands_in,
-            "count": each.count,
+            **named_record(each, "what", "stands_in", "count"),
             "value_low": each.values[0] if each.values else None,
             "value_high": each.values[1] if each.values else None,
             "unit": SYSTEMS["metric"][each.kind].name if each.kind else None,
@@ -97,7 +96,7 @@ def assumed_records(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 
 
 def _record(end: Ending) -> dict[str, Any]:
-    return {"verdict": end.verdict, "decision": end.decision, "probability_over_limit": end.probability}
+    return named_record(end, "verdict", "decision", probability_over_limit="probability")
 
 
 _SIGNS = {"eccentricity": "+", "fluid_state": "−"}  # of those that can be off one way alone

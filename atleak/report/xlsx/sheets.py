@@ -16,6 +16,7 @@ from atleak.common.units import DM3_MIN, PERCENT, UnitOf
 from atleak.common.verdicts import BANDS, VERDICTS, Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job, Record
+from atleak.report.json.conditions import named_record
 from atleak.report.tables.answer import answer_facts
 from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
 from atleak.report.tables.estimate import EstimateWords, open_words
@@ -354,12 +355,7 @@ class Sheets:
         entries = {name: record[name] for name in ("profile", "controller", "fluid", "limits", "readings")}
         if self.diagnosis.log is not None:
             test = self.diagnosis.log.road_test
-            entries["road_test"] = {
-                "file": test.file,
-                "sha256": test.sha256,
-                "rows": test.rows,
-                "duration_s": test.duration,
-            }
+            entries["road_test"] = named_record(test, "file", "sha256", "rows", "duration_s")
         for name, entry in entries.items():
             self.book.put(sheet, row, 0, self._field(name), self.book.heading)
             wanted = {key: value for key, value in entry.items() if isinstance(value, str | int | float | bool | list)}
