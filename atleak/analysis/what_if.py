@@ -189,10 +189,7 @@ class WhatIf:
             profile = profile.with_options(eccentricity=self.eccentricity)
         states = tuple(land.state for land in diagnosis.lands)
         return replace(
-            model,
-            clearances=worn(states, self.wear, self.growth),
-            fluid=self.fluid_of(diagnosis),
-            profile=profile,
+            model, clearances=worn(states, self.wear, self.growth), fluid=self.fluid_of(diagnosis), profile=profile
         )
 
 

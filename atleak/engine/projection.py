@@ -180,10 +180,7 @@ def _leak_flows(network: Network, balance: Balance) -> tuple[LeakFlow, ...]:
     leaks = (each for each in network.controller.leaks if network.point.gear in each.gears)
     return tuple(
         LeakFlow(
-            leak,
-            float(network.flow(branch, balance.pressures)),
-            leaks_both_ways(branch, network.solved),
-            branch.counts,
+            leak, float(network.flow(branch, balance.pressures)), leaks_both_ways(branch, network.solved), branch.counts
         )
         for leak, branch in zip(leaks, network.leaks, strict=True)
     )

@@ -98,11 +98,7 @@ def _line(words: EstimateWords, line: Line, record: Job) -> Job:
         currency = words.estimate.currency
         with places[0]:
             price = fields.number(
-                say("estimate_page.price"),
-                replace(PRICE, unit=currency),
-                line.price,
-                key=f"{own}-price",
-                optional=True,
+                say("estimate_page.price"), replace(PRICE, unit=currency), line.price, key=f"{own}-price", optional=True
             )
         with places[1]:
             hours = fields.number(say("estimate_page.work"), HOURS, line.hours, key=f"{own}-hours", optional=True)

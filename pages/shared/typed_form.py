@@ -90,10 +90,7 @@ class TypedForm:
             with place:
                 self._field(name, say(f"{self.words}.{name}"), shown or typed.unit, typed, last, faults)
         group = places[len(self.beside) + 1].selectbox(
-            say(self.at),
-            self.groups,
-            format_func=self.groups.__getitem__,
-            key=f"{self._key}-group",
+            say(self.at), self.groups, format_func=self.groups.__getitem__, key=f"{self._key}-group"
         )
         for row in self.rows(group):
             for place, (cell, label) in zip(st.columns(len(row)), row, strict=True):

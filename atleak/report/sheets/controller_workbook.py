@@ -288,10 +288,7 @@ _HOW_TO = (
         "Measured: on such a unit, by you. Published: in the source beside it. Representative: what such units "
         "commonly have, to be measured later. Empty: not stated; of the pump: published.",
     ),
-    (
-        "Gears",
-        "R is reverse, N and P are neutral, the others are numbers: R N 1 2 3, or 1-5, or all.",
-    ),
+    ("Gears", "R is reverse, N and P are neutral, the others are numbers: R N 1 2 3, or 1-5, or all."),
     (
         "Ids",
         "Components, circuits and operating points have short names of yours; other sheets offer them in their "

@@ -90,10 +90,7 @@ class RepairOptionRow:
 
     def use(self, say: Wording) -> str:
         """Say whether it is the one that is planned, and where it does not mend the land."""
-        said = [
-            say("plan.chosen") if self.chosen else "",
-            "" if self.mends else say("plan.mends_not"),
-        ]
+        said = [say("plan.chosen") if self.chosen else "", "" if self.mends else say("plan.mends_not")]
         return ", ".join(filter(None, said))
 
 
@@ -154,11 +151,7 @@ def order_table(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> Table:
         Column("pair", width=250, of=lambda step: step_in_words(diagnosis, step, say)),
         Column("verdict", VERDICT),
         Column("consequence", width=150, of=lambda step: step_consequence(diagnosis, step, say)),
-        Column(
-            "helps_at",
-            width=200,
-            of=helps,
-        ),
+        Column("helps_at", width=200, of=helps),
         Column("before", words_of="percent", of=partial(share, "before")),
         Column("after", words_of="percent", of=partial(share, "after")),
         Column("then", VERDICT, of=lambda step: step.at.after.band if step.helps else None),

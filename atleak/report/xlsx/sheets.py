@@ -248,10 +248,7 @@ class Sheets:
             self.book.colour_words(page.sheet, (first, 6), (row - 1, 6), BANDS)
             options = option_table(plan, self.say).parted
             row = page.printed(row, options) if options.rows else row
-        for sentence in (
-            *plan_ends(plan, self.say),
-            *open_words(self.diagnosis, self.job, self.say, closing=True),
-        ):
+        for sentence in (*plan_ends(plan, self.say), *open_words(self.diagnosis, self.job, self.say, closing=True)):
             row = page.across(row, sentence)
         return row
 
