@@ -28,6 +28,7 @@ from atleak.readers.gauges.flow_table import flow_finder
 from atleak.readers.gauges.vacuum_table import vacuum_finder
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.layout import find_tables
+from atleak.readers.sheets.mapping import looks_measured
 from atleak.readers.sheets.words import is_word
 
 _WORKBOOK = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
@@ -88,7 +89,8 @@ def table_kind(data: bytes, controller: Controller) -> TableKind:
     for kind, finder in of_rows.items():
         if any(finder.rows_of(sheet) for sheet in sheets if finder.find(sheet)):
             return kind
-    return TableKind.ROAD_TEST if any(sheet.rows for sheet in sheets) else TableKind.READINGS
+    measured = any(looks_measured(sheet, names) for sheet in sheets)  # under headings that nobody knows
+    return TableKind.ROAD_TEST if not measured and any(sheet.rows for sheet in sheets) else TableKind.READINGS
 
 
 class FileKind(StrEnum):

@@ -54,6 +54,7 @@ _LINES = re.compile(r"(\d+|[A-Z]{1,2})(?:\s*[-–]\s*(\d+|[A-Z]{1,2}))?")
 _PLACES: tuple[Role, ...] = ("plane", "land")
 _KEPT_ROWS = 300  # among which headings are looked for
 _DEPTH = 4  # rows that they may be spread over
+_LOOKED_AT = 60  # rows by which a sheet is told from a log
 _EXAMPLES = Sentence("a heading of the sheet; a letter such as C, or 'column 3'; or a value for all rows: =spool")
 
 
@@ -443,6 +444,34 @@ def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
             read = [column for index, text in enumerate(texts) if (column := read_heading(text, index)) is not None]
             return HeadedTable(sheet, row - 1, row - 1, read_together(read), texts)
     return table or HeadedTable(sheet, -1, -1, (), ())
+
+
+def looks_measured(sheet: Sheet, names: ControllerNames) -> bool:
+    """Return whether most rows name a component in one column and hold a diameter of it in another, whatever is headed.
+
+    A gear and a voltage look so as well: more than one plane is found, or a component by a word.
+    """
+    sizes, rows = Sizes(names.controller), [row for row in sheet.rows[:_LOOKED_AT] if any(True for _ in _exact(row))]
+    for index in range(sheet.width):
+        found: list[str] = []
+        near: set[tuple[str, str]] = set()
+        for row in rows:
+            component = (read_label(row[index] if index < len(row) else "", names) or {}).get("component", "")
+            planes = [plane for land in names.controller.lands_of(component) for plane in land.planes]
+            of = [
+                plane
+                for plane in planes
+                if any(sizes.near_plane(size, UNITS, component, plane) for size in _exact(row))
+            ]
+            near |= {(component, plane) for plane in of}
+            found += [component] if of else []
+        if 2 * len(found) > len(rows) and (len(near) > 1 or any(map(str.isalpha, found[0]))):
+            return True
+    return False
+
+
+def _exact(row: Sequence[Cell]) -> Iterator[float]:
+    return (value for cell in row if not is_whole(cell) for value in numbers_of(cell))
 
 
 def likely(table: HeadedTable, names: ControllerNames) -> dict[str, int]:

@@ -9,6 +9,7 @@ import openpyxl
 import pytest
 
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import KINDS, catalogue_files
 from atleak.common.errors import InputError
 from atleak.job.case import Case, SourceFile
@@ -53,6 +54,9 @@ def as_workbook(text: bytes) -> bytes:
         (b"condition;what;value\nhot_idle;cooler;3,8 l/min\n", FileKind.FLOWS),
         (as_workbook(b"condition;what;value;unit\nhot_idle;cooler;3,8;l/min\n"), FileKind.FLOWS),
         (b"temperature;20\nsupply;3\nvalve;reading\na;3\n", FileKind.READINGS),
+        ("零件;位置;甲;乙\naccumulator;1;17,998;18,041\n".encode(), FileKind.READINGS),
+        (as_workbook(b"X;Y;Z\naccumulator/1 bore;18.041;\ntcc_regulator/1 bore;11.031;\n"), FileKind.READINGS),
+        (b"X;Y;Z\naccumulator;17;2\naccumulator;25.5;3\n", FileKind.ROAD_TEST),
         (b"MDF     4.10", FileKind.ROAD_TEST),
         (b"PAR1\x15\x04", FileKind.ROAD_TEST),
         (b"", FileKind.ROAD_TEST),
@@ -112,3 +116,11 @@ def test_a_fault_of_atleak_is_not_taken_for_what_a_file_is(
     monkeypatch.setattr(broken, None)
     with pytest.raises(InputError, match=r"^own\.txt: atleak could not make sense of it: TypeError|AttributeError"):
         kind_of(SourceFile("own.txt", content), minimal)
+
+
+def test_a_gear_and_a_voltage_are_no_component_with_its_diameter() -> None:
+    study = load_controller("four_speed_2023")
+    log = b"a;b;c\n" + b"5;13,9;1\n" * 40
+    assert kind_of(SourceFile("own.txt", log), study) is FileKind.ROAD_TEST
+    sheet = b"N.;Sezione;Cursore\n5;1;13,999\n8;1;9,998\n8;2;11,997\n"
+    assert kind_of(SourceFile("own.txt", sheet), study) is FileKind.READINGS
