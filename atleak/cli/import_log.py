@@ -23,6 +23,7 @@ from atleak.cli.shared import (
 from atleak.common.errors import InputError, OutputError, Place
 from atleak.common.sentences import Sentence
 from atleak.readers.logs import default_path, describe, forget_columns, remember, tidy_csv, understand
+from atleak.readers.masked_file import masked_file
 from atleak.report.terminal import print_log
 
 
@@ -44,12 +45,22 @@ def add_parser(commands: Any, name: str) -> None:
     add_units(parser, None)
     add_json(parser)
     parser.add_argument("--csv", metavar="FILE|-", help="the log as a plain table in rpm, °C, kPa and km/h")
+    parser.add_argument(
+        "--report",
+        metavar="FILE|-",
+        help="nothing but the form of the log, or of a measuring sheet, as text: headings and layout without a value, "
+        "name or date, to be shown to whoever is asked why it is not read",
+    )
     add_force(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Read the log, write what was asked for and remember how its columns were chosen."""
     outputs, choices = Outputs(options, [options.road_test]), log_choices(options)
+    if options.report:
+        outputs.write(report=lambda: masked_file(options.road_test))
+        outputs.say_written()
+        return 0
     mapping, units = choices["mapping"], choices["units"]
     if options.forget:
         forget_columns(default_path(), understand(Path(options.road_test)).signature)

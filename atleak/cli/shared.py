@@ -345,6 +345,7 @@ _ASKED: dict[str, SealedKind] = {
     "pdf": "PDF",
     "job_file": "job file",
     "csv": "table",
+    "report": "table",
     "json": "record",
 }
 _BINARY = ("xlsx", "pdf", "job_file")  # options of which no terminal or pipe takes the file

@@ -141,6 +141,21 @@ def synonyms() -> _Table:
     return _Table(exact, **lexicon, with_unit=with_unit)
 
 
+@cache
+def _words_of_names() -> frozenset[str]:
+    names = (name for own in _said().values() for said in own.values() for name in said if isinstance(name, str))
+    return frozenset(word for name in names for word in words(name).split())
+
+
+def in_synonyms(word: str) -> bool:
+    """Return whether a single word stands in a name of any quantity.
+
+    >>> in_synonyms("Coolant"), in_synonyms("Getriebeöltemperatur"), in_synonyms("Kowalski")
+    (True, True, False)
+    """
+    return words(word) in _words_of_names()
+
+
 def _squash(text: str) -> str:
     return text.replace(" ", "")
 
