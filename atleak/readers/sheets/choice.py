@@ -19,7 +19,7 @@ from atleak.readers.sheets.layout import continued, find_tables, mapped_tables, 
 from atleak.readers.sheets.mapping import NOTHING_SAID, SheetMapping, likely_table, suggestion
 from atleak.readers.sheets.rows import SheetRows
 from atleak.readers.sheets.table import EXPECTED_SHEET, HeadedTable, best_header
-from atleak.readers.sheets.words import is_repeat_title, letters
+from atleak.readers.sheets.words import is_repeat_title
 
 
 @dataclass(eq=False)
@@ -236,18 +236,9 @@ def _incomplete(table: HeadedTable, names: ControllerNames) -> ReadingsError:
             what = Sentence("{first} nor for {second}", first=missing[0], second=missing[1])
         problem = Sentence("no heading for {what}", what=what)
     others = [column.name for column in table.of("specification")]
-    texts = map(table.heading, range(table.sheet.width))
-    beside = [text for text in texts if letters(text).any("deviation") and text not in others]
     means = [column.name for column in table.of("mean")]
     for headings, template in (
         (others, Sentence("{problem}: what a diameter should be, or was, is no measurement ({headings})")),
-        (
-            beside if others else [],
-            Sentence(
-                "{problem}. No deviations of diameters were understood under {headings}: beside a nominal one those "
-                "are that say no more than part, direction or repeat"
-            ),
-        ),
         (means, Sentence("{problem}. Means are no readings ({headings})")),
         (
             _of_size(table, Sizes(names.controller)),

@@ -179,11 +179,6 @@ def _unsure(table: HeadedTable, values: Sequence[HeadedColumn]) -> Iterator[Read
     if not unsure:
         return
     place = table.sheet.place(table.last, unsure[0].index, unsure[0].heading)
-    if unsure[0].index in table.sheet.derived:
-        problem = Sentence("nothing says in which unit the deviations are")
-        expected = Sentence("the unit in the heading, such as 'Deviation [µm]'")
-        yield ReadingsError(problem, place=place, value=unsure[0].name, expected=expected)
-        return
     names = tuple(repr(column.name) for column in unsure)
     problem = Sentence("columns {names} are headed by numbers alone: lands, directions or repeats?", names=names)
     yield ReadingsError(problem, place=place, expected=Sentence("headings such as 'land 1', '0°' or 'diameter 1'"))

@@ -1,24 +1,22 @@
 """The tables of a sheet: where each begins and ends, what its title says, and whether it holds readings at all.
 
-What is laid out unusually becomes usual: a sheet whose headings run down its first column is turned, and a table of
-nominal diameters and deviations from them gets their sums as diameters.
+A sheet whose headings run down its first column is turned.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise, zip_longest
 from typing import Any
 
-from atleak.common.errors import Message, ReadingsError
+from atleak.common.errors import ReadingsError
 from atleak.common.sentences import Sentence, all_of
 from atleak.readers.cells.extent import MOST_TABLES
 from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.cells.workbook_marks import Marks
-from atleak.readers.sheets.column_headings import HeadedColumn, Role, read_heading, unit_of_heading
-from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames, Sizes, numbers_of
+from atleak.readers.sheets.column_headings import HeadedColumn, Role
+from atleak.readers.sheets.controller_names import ControllerNames, Sizes, numbers_of
 from atleak.readers.sheets.mapping import SheetMapping
 from atleak.readers.sheets.table import HeadedTable, find_headers, read_together
 from atleak.readers.sheets.words import (
@@ -26,111 +24,10 @@ from atleak.readers.sheets.words import (
     letters,
     number_of,
     part_in,
-    part_of,
     plain,
     repeat_of,
-    stated_number,
     summary_of,
 )
-
-_IN_BRACKETS = re.compile(r"\[[^\[\]]*\]|\([^()]*\)")
-_WORD = re.compile(r"[^\W\d_]+")
-_DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
-
-
-def with_deviations(table: HeadedTable) -> HeadedTable:
-    """Return a table with diameters behind its last column, if it has none but nominal ones and deviations from them.
-
-    The columns whose numbers went into them are ``used``, and ``messages`` say so.
-    """
-    pairs = [] if table.values else list(_pairs(table))
-    if not pairs:
-        return table
-    columns = [(_as_diameter(table, deviation, nominal), deviation.index) for nominal, deviation in pairs]
-
-    def sums(row: int) -> Iterator[Cell]:
-        for nominal, deviation in pairs:
-            yield _sum(table, row, nominal, deviation) if row > table.last else ""
-
-    used = frozenset(column.index for pair in pairs for column in pair)
-    messages = tuple(_sum_message(table, *pair) for pair in pairs)
-    return replace(table.with_columns(columns, sums, used), used=used, messages=messages)
-
-
-def _pairs(table: HeadedTable) -> Iterator[tuple[HeadedColumn, HeadedColumn]]:
-    """Yield each deviation behind a nominal diameter that it may be from: of its part, where headings say one."""
-    sizes = [column for column in table.of("specification") if not _is_permitted(column)]
-    for deviation in filter(_is_deviation, table.of("quantity")):
-        part = part_in(deviation.heading)
-        for nominal in sizes:
-            of = part_in(nominal.heading)
-            if (part is not None and of == part) or (len(sizes) < 2 and None in (part, of)):
-                yield nominal, deviation
-
-
-def _is_deviation(column: HeadedColumn) -> bool:
-    words = letters(_without_brackets(column))
-    beside = words.but("deviation", "beside_deviation", "diameter", "of_reading", "direction", "repeat")
-    return words.any("deviation") and all(map(part_of, beside))  # no standard and no permitted deviation
-
-
-def _without_brackets(column: HeadedColumn) -> str:
-    """Return a heading without its unit, and without what brackets hold of which nothing is known: "[0.01 mm]"."""
-    text, unit = unit_of_heading(column.heading)
-    if unit is not None:
-        return text
-    return _IN_BRACKETS.sub(lambda held: held[0] if any(map(part_of, letters(held[0]))) else " ", text)
-
-
-def _as_diameter(table: HeadedTable, deviation: HeadedColumn, nominal: HeadedColumn) -> HeadedColumn:
-    """Return the column of the diameters that deviations make: what their heading says besides is theirs."""
-    text = _WORD.sub(
-        lambda word: "diameter" if letters(word[0]).any("deviation") else word[0], _without_brackets(deviation)
-    )
-    read = read_heading(text)
-    if read is None or read.role != "diameter":
-        read = HeadedColumn(0, "", "diameter")
-    return replace(
-        read,
-        heading=deviation.heading,
-        unit=MILLIMETRE,
-        part=read.part or part_in(nominal.heading),
-        tentative=False,
-        otherwise=None,
-        unsure=_says_no_unit(table, deviation),
-    )
-
-
-def _is_permitted(column: HeadedColumn) -> bool:
-    """Return whether a heading says a deviation or tolerance, which no diameter is: "Upper dev", "Lower tol"."""
-    return letters(unit_of_heading(column.heading)[0]).any("deviation", "permitted")
-
-
-def _sum(table: HeadedTable, row: int, nominal: HeadedColumn, deviation: HeadedColumn) -> Cell:
-    size, off = table.sheet.filled(row, nominal.index), table.sheet.cell(row, deviation.index)
-    whole, apart = stated_number(size), stated_number(off)
-    if is_blank(off):
-        return ""
-    if whole is None or apart is None:
-        return f"{size} {off}"
-    unit, small = whole[1] or nominal.unit or MILLIMETRE, apart[1] or deviation.unit or MILLIMETRE
-    return round((unit.to_si(whole[0]) + small.to_si(apart[0])) / MILLIMETRE.factor, _DIGITS)
-
-
-def _sum_message(table: HeadedTable, nominal: HeadedColumn, deviation: HeadedColumn) -> Message:
-    text = Sentence(
-        "diameters are those of column {nominal!r} plus the deviations of column {deviation!r}",
-        nominal=nominal.name,
-        deviation=deviation.name,
-    )
-    return Message("info", "diameters_of_deviations", text, table.place(table.last, deviation))
-
-
-def _says_no_unit(table: HeadedTable, deviation: HeadedColumn) -> bool:
-    """Return whether neither the heading nor every cell says in which unit the deviations are."""
-    stated = map(stated_number, table.cells(deviation.index).values())
-    return deviation.unit is None and any(number is not None and number[1] is None for number in stated)
-
 
 _TITLE_ROWS = 4
 
@@ -163,7 +60,7 @@ def continued(sheet: Sheet, table: HeadedTable, names: ControllerNames) -> list[
             return []
         if any(_says_no_number(sheet.cell(row, column.index)) for column in table.values):
             return []
-    alone = replace(table, used=frozenset(), messages=(), filled=frozenset())
+    alone = replace(table, messages=(), filled=frozenset())
     return [replace(alone, sheet=sheet, first=-1, last=-1, left_aside=None)]
 
 
@@ -209,7 +106,7 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[HeadedTable]:
             titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
             end = min([following.first, *titles])
         table = replace(header, sheet=_only(sheet, 0, sheet.width, end))
-        yield with_deviations(_by_content(table, Sizes(names.controller)))
+        yield _by_content(table, Sizes(names.controller))
 
 
 def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:

@@ -77,14 +77,13 @@ class Account:
         table, sheet, columns = rows.table, rows.table.sheet, rows.columns
         done = self._enter(table, table.rows)
         done |= rows.cells
-        done.update((row, index) for row in table.rows for index in table.used)
         done.update(
             (row, column.index)
             for column in columns.keys
             for row in table.rows
             if not self._is_size(sheet, row, column.index)
         )
-        used = {column.index for column in (*columns.keys, *table.values, *table.of_lands)} | table.used
+        used = {column.index for column in (*columns.keys, *table.values, *table.of_lands)}
         others = [index for index in range(sheet.width) if index not in used and not self._is_figure(rows, index)]
         self._slipped(rows)
         others = [index for index in others if not self._is_quantity(rows, index)]

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from atleak.catalogue.instruments import Part
-from atleak.common.errors import ReadingsError, nearest_name, unknown
+from atleak.common.errors import Message, ReadingsError, nearest_name, unknown
 from atleak.common.sentences import Sentence
 from atleak.measurements.readings import Readings
 from atleak.measurements.road_test import QUANTITIES
@@ -31,6 +31,7 @@ from atleak.readers.sheets.column_headings import (
 )
 from atleak.readers.sheets.controller_names import (
     LABELLED,
+    MILLIMETRE,
     UNITS,
     ControllerNames,
     Sizes,
@@ -39,11 +40,22 @@ from atleak.readers.sheets.controller_names import (
     read_label,
 )
 from atleak.readers.sheets.table import HeadedTable, best_header, headings, read_together
-from atleak.readers.sheets.words import direction_of, is_blank, number_of, part_said, plain, repeat_of, text_of
+from atleak.readers.sheets.words import (
+    direction_of,
+    is_blank,
+    letters,
+    number_of,
+    part_said,
+    plain,
+    repeat_of,
+    stated_number,
+    text_of,
+)
 
 ROLES: Mapping[str, Role] = {
     **{role: role for role in ("component", "plane", "land", "part", "direction", "repeat")},
     "value": "diameter",
+    "deviation": "diameter",
     "new": "specification",
 }
 ABOUT = ("header", "rows", "missing", "spool", "sleeve")  # the table as a whole, or words that stand in it
@@ -55,6 +67,8 @@ _PLACES: tuple[Role, ...] = ("plane", "land")
 _KEPT_ROWS = 300  # among which headings are looked for
 _DEPTH = 4  # rows that they may be spread over
 _LOOKED_AT = 60  # rows by which a sheet is told from a log
+_DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
+_OF_NEW = Sentence("the column of nominal diameters, as in --map new=Nominal")
 _EXAMPLES = Sentence("a heading of the sheet; a letter such as C, or 'column 3'; or a value for all rows: =spool")
 
 
@@ -65,7 +79,7 @@ def is_role(name: str) -> bool:
     (True, True, False)
     """
     match = _NAME.fullmatch(name)
-    return match is not None and (match[1] == "value" or (not match[2] and match[1] in {*ROLES, *ABOUT}))
+    return match is not None and (match[1] in ("value", "deviation") or (not match[2] and match[1] in {*ROLES, *ABOUT}))
 
 
 def require_known(names: Iterable[str]) -> None:
@@ -89,7 +103,8 @@ class SheetMapping:
     ----------
     chosen
         by role the heading of its column, its letter or number; behind ``=`` what holds for all rows; `NOT_LOGGED`
-        where no column holds it. ``value spool 0°`` says of what its diameters are. ``header`` and ``rows`` count as
+        where no column holds it. ``value spool 0°`` says of what its diameters are; ``deviation`` is added to ``new``,
+        each in its unit. ``header`` and ``rows`` count as
         the file's program does; ``missing`` is what stands for no reading, several with ``|`` between; ``spool`` and
         ``sleeve`` are the sheet's words for them.
 
@@ -217,6 +232,8 @@ class SheetMapping:
         table = HeadedTable(view, first, last, columns, texts, mapped=True)
         if (component := self._constants.get("component")) is not None:
             table = replace(table, component=names.require_component(component))
+        for name in filter(_is_deviation, self._values):
+            table = _with_sums(table, at[name], at.get("new"))
         for index in dict.fromkeys(at.values()):
             names_of = [name for name in at if at[name] == index]
             if len(names_of) > 1 and not self._values.keys().isdisjoint(names_of):
@@ -383,6 +400,42 @@ def remember_sheet(path: Path, readings: Readings, unit: str | None = None) -> N
     remember(path, fingerprint(readings.headings), columns, units, format=FORMAT, columns=readings.headings)
 
 
+def _is_deviation(name: str) -> bool:
+    return name.startswith("deviation")
+
+
+def _with_sums(table: HeadedTable, index: int, new: int | None) -> HeadedTable:
+    """Return the table with diameters behind its last column: deviations, and what they are from."""
+    column = next(column for column in table.values if column.index == index)
+    nominal = next((column for column in table.of("specification") if column.index == new), None)
+    place, cells = table.place(max(table.last, 0), column), table.sheet
+    if nominal is None:
+        raise ReadingsError(Sentence("nothing says what the deviations are from"), place=place, expected=_OF_NEW)
+    if column.unit is None:
+        problem = Sentence("nothing says in which unit the deviations are")
+        raise ReadingsError(
+            problem, place=place, expected=Sentence("the unit in the heading, such as 'Deviation [µm]'")
+        )
+    small, unit = column.unit, nominal.unit or MILLIMETRE
+
+    def sums(row: int) -> Iterator[Cell]:
+        off, size = cells.cell(row, index), cells.filled(row, nominal.index)
+        apart, whole = (None, None) if is_blank(off) or row <= table.last else (stated_number(off), stated_number(size))
+        if apart is None or whole is None:
+            yield "" if is_blank(off) or row <= table.last else f"{size} {off}"
+        else:
+            total = (whole[1] or unit).to_si(whole[0]) + (apart[1] or small).to_si(apart[0])
+            yield round(total / MILLIMETRE.factor, _DIGITS)
+
+    text = Sentence(
+        "diameters are those of column {nominal!r} plus the deviations of column {deviation!r}",
+        nominal=nominal.name,
+        deviation=column.name,
+    )
+    made = table.with_columns([(replace(column, unit=MILLIMETRE), index)], sums, frozenset({index}))
+    return replace(made, messages=(*made.messages, Message("info", "diameters_of_deviations", text, place)))
+
+
 def _split(table: HeadedTable, index: int, names: ControllerNames) -> HeadedTable:
     """Return a table with further columns behind its last one, for each thing that the cells of a column say.
 
@@ -507,6 +560,9 @@ def likely(table: HeadedTable, names: ControllerNames) -> dict[str, int]:
         and sizes.fill([cell for cell in cells[index] if not is_whole(cell)])
         and any(numbers_of(cell) for cell in cells[index])
     ]
+    deviations = [index for index in range(table.sheet.width) if letters(table.heading(index)).any("deviation")]
+    if table.of("specification") and deviations and not values:
+        return found | {"new": table.of("specification")[0].index, "deviation": deviations[0]}
     if len(values) == 2 and "part" not in found:
         first, second = (sum(map(sum, map(numbers_of, table.cells(index).values()))) for index in values)
         spool, sleeve = values if first < second else reversed(values)
@@ -525,6 +581,7 @@ def suggestion(table: HeadedTable, names: ControllerNames) -> Sentence:
     """Return the options that would settle which column is what, with COLUMN where only a person knows."""
     found = {role: column_name(table, index) for role, index in likely(table, names).items()}
     needed = {"component", "plane", "part", "value"} - ({"part", "value"} if "value spool" in found else set())
+    needed -= {"value"} if "deviation" in found else set()
     found |= dict.fromkeys(sorted(needed - found.keys()), "COLUMN")
     options = " ".join(f"--map {_quoted(role, column)}" for role, column in found.items())
     return Sentence("which column is what: {options}", options=options)

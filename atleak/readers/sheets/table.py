@@ -42,7 +42,7 @@ class HeadedTable:
     above its first one, -1 at the top of a sheet. ``sheet`` holds its cells at the places of the whole sheet, and
     nothing of the tables beside and below. ``part`` and ``component`` are what the title or the sheet's name says, with
     ``named_by`` naming it. ``left_aside`` is why a table holds no readings of this valve body, None where it may.
-    ``used`` are columns whose numbers went into others behind the last, ``filled`` rows whose labels are those of a row
+    ``filled`` are rows whose labels are those of a row
     above, and ``messages`` is what is to be said of both. ``mapped`` is whether a person named its columns.
     """
 
@@ -55,7 +55,6 @@ class HeadedTable:
     component: str | None = None
     named_by: Sentence | None = None
     left_aside: Sentence | None = None
-    used: frozenset[int] = frozenset()
     messages: tuple[Message, ...] = ()
     filled: frozenset[int] = frozenset()
     mapped: bool = False

@@ -141,6 +141,46 @@ def test_several_things_in_one_cell_are_taken_apart(example):
     assert any(message.code == "notes_left_aside" and "ball 7" in message.text for message in readings.messages)
 
 
+@pytest.mark.parametrize(
+    ("headings", "spool", "bore", "named", "read_as"),
+    [
+        (
+            "Deviation 1 [µm];Deviation 2 [µm]",
+            "-2;-3",
+            "32;33",
+            "deviation repeat {}",
+            [10.998, 10.997, 11.032, 11.033],
+        ),
+        ("Abw. (0°) [1/100 mm];Abw. (90°) [1/100 mm]", "-0,2;-0,3", "3,2;3,3", "deviation", None),
+        ("Deviation in 1/1000 mm;Upper dev [µm]", "-2;8", "32;45", "deviation", [10.998, 11.032]),
+    ],
+)
+def test_deviations_from_a_nominal_diameter_are_named(example, headings, spool, bore, named, read_as):
+    lines = (
+        f"Valve;Land;Part;Nominal [mm];{headings}",
+        f"tcc_regulator;1;spool;11.0;{spool}",
+        f"tcc_regulator;1;bore;11.0;{bore}",
+    )
+    first, second = headings.split(";")
+    columns = {"new": "Nominal [mm]", named.format(1): first}
+    columns |= {"deviation repeat 2": second} if "{}" in named else {}
+    if read_as is None:
+        columns = {"new": "Nominal [mm]", "deviation 0°": first, "deviation 90°": second}
+        read_as = [10.998, 10.997, 11.032, 11.033]
+    readings = read("\n".join(lines), example, columns)
+    assert [round(one.diameter * 1e3, 6) for one in readings.readings] == read_as
+    assert "diameters_of_deviations" in codes(readings)
+    assert readings.readings[0].place.column == first
+
+
+def test_deviations_without_a_unit_or_from_nothing_are_refused(example):
+    sheet = "Valve;Land;Part;Nominal [mm];Deviation [0.01 mm]\ntcc_regulator;1;spool;11.0;-2"
+    with pytest.raises(ReadingsError, match="in which unit the deviations are"):
+        read(sheet, example, {"new": "Nominal [mm]", "deviation": "Deviation [0.01 mm]"})
+    with pytest.raises(ReadingsError, match="what the deviations are from"):
+        read(sheet, example, {"deviation": "Deviation [0.01 mm]"})
+
+
 # --- what every guard says of it --------------------------------------------------------------------------------------
 
 

@@ -190,15 +190,6 @@ def test_a_row_of_sigma_is_a_spread(controller):
     assert not said(readings, "summary_disagrees")
 
 
-def test_upper_and_lower_deviations_beside_the_measured_one(controller):
-    lines = (
-        "Valve;Land;Part;Nominal [mm];Upper dev [µm];Lower dev [µm];Deviation [µm]",
-        "tcc_regulator;1;spool;11.0;0;-8;-2",
-        "tcc_regulator;1;bore;11.0;45;30;32",
-    )
-    assert [round(reading.diameter * 1e3, 6) for reading in read(controller, *lines).readings] == [10.998, 11.032]
-
-
 @pytest.mark.parametrize(
     ("headings", "row", "says"),
     [
@@ -212,7 +203,7 @@ def test_upper_and_lower_deviations_beside_the_measured_one(controller):
         (
             "Valve;Land;Nominal [mm];Spool dev Anna [µm];Spool dev Ben [µm]",
             "tcc_regulator;1;11.0;-2;-3",
-            "under 'Spool dev Anna [µm]'",
+            "deviation=Spool dev Anna [µm]",
         ),
     ],
 )
@@ -227,52 +218,6 @@ def test_remarks_that_return_at_every_land_are_refused_with_the_word_that_strike
     headings = "Valve;Land;Part;Diameter [mm];Remark"
     assert "the remark 'rejected'" in refusal(controller, headings, *rows)
     assert len(read(controller, headings, *(row.replace("dirty", "rejected") for row in rows)).readings) == 2
-
-
-DEVIATIONS = "Valve;Land;Part;Nominal [mm];"
-
-
-@pytest.mark.parametrize(
-    ("headings", "spool", "bore", "read_as"),
-    [
-        ("Deviation 1 [µm];Deviation 2 [µm]", "-2;-3", "32;33", [10.998, 10.997, 11.032, 11.033]),
-        ("Deviation 0° [µm];Deviation 90° [µm]", "-2;-3", "32;33", [10.998, 10.997, 11.032, 11.033]),
-        ("Abw. (0°) [1/100 mm];Abw. (90°) [1/100 mm]", "-0,2;-0,3", "3,2;3,3", [10.998, 10.997, 11.032, 11.033]),
-        ("Deviation [1/100 mm]", "-0.2", "3.2", [10.998, 11.032]),
-        ("Deviation in 1/1000 mm", "-2", "32", [10.998, 11.032]),
-    ],
-)
-def test_deviations_told_apart_by_their_headings_and_in_parts_of_a_unit(controller, headings, spool, bore, read_as):
-    lines = (DEVIATIONS + headings, f"tcc_regulator;1;spool;11.0;{spool}", f"tcc_regulator;1;bore;11.0;{bore}")
-    assert [round(each.diameter * 1e3, 6) for each in read(controller, *lines).readings] == read_as
-
-
-def test_deviations_of_both_parts_from_one_nominal_diameter(controller):
-    readings = read(controller, "Valve;Land;Nominal [mm];Spool dev [µm];Bore dev [µm]", "tcc_regulator;1;11.0;-2;32")
-    assert [(each.part, round(each.diameter * 1e3, 6)) for each in readings.readings] == [
-        ("spool", 10.998), ("sleeve", 11.032),
-    ]  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("headings", "asks"),
-    [
-        ("Deviation [µm];Deviation [µm]", "two columns are read as the same diameter"),
-        ("Deviation [µm];Deviation measured [µm]", "two columns are read as the same diameter"),
-        ("Deviation before [µm];Deviation after [µm]", "those are that say no more than part, direction or repeat"),
-        ("Deviation [0.01 mm];Remark", "nothing says in which unit the deviations are"),
-        ("Deviation 0.01 mm;Remark", "nothing says in which unit the deviations are"),
-        ("Deviation [hundredths];Remark", "nothing says in which unit the deviations are"),
-    ],
-)
-def test_deviations_that_can_be_read_in_two_ways_are_asked_about(controller, headings, asks):
-    rows = ("tcc_regulator;1;spool;11.0;-2;-3", "tcc_regulator;1;bore;11.0;32;33")
-    assert asks in refusal(controller, DEVIATIONS + headings, *rows)
-
-
-def test_deviations_of_a_bore_are_none_from_a_spool_s_nominal_diameter(controller):
-    text = refusal(controller, "Valve;Land;Spool nominal [mm];Bore deviation [µm]", "tcc_regulator;1;11.0;32")
-    assert "No deviations of diameters were understood under 'Bore deviation [µm]'" in text
 
 
 @pytest.mark.parametrize("heading", ["Diameter [1/100 mm]", "Diameter (1/100 mm)", "Diameter in 1/100 mm"])
