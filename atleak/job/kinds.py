@@ -27,8 +27,7 @@ from atleak.readers.gauges import gauge_table
 from atleak.readers.gauges.flow_table import flow_finder
 from atleak.readers.gauges.vacuum_table import vacuum_finder
 from atleak.readers.sheets.controller_names import ControllerNames
-from atleak.readers.sheets.layout import find_tables
-from atleak.readers.sheets.mapping import looks_measured
+from atleak.readers.sheets.layout import find_tables, looks_measured
 from atleak.readers.sheets.words import is_word
 
 _WORKBOOK = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")

@@ -15,8 +15,8 @@ from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Sheet
 from atleak.readers.sheets.controller_names import ControllerNames, Sizes
 from atleak.readers.sheets.diameters import PlaceKey, filled_down
-from atleak.readers.sheets.layout import continued, find_tables, mapped_tables, turned
-from atleak.readers.sheets.mapping import NOTHING_SAID, SheetMapping, likely_table, suggestion
+from atleak.readers.sheets.layout import continued, find_tables, likely_table, mapped_tables, suggestion, turned
+from atleak.readers.sheets.mapping import NOTHING_SAID, SheetMapping
 from atleak.readers.sheets.rows import SheetRows
 from atleak.readers.sheets.table import EXPECTED_SHEET, HeadedTable, best_header
 from atleak.readers.sheets.words import is_repeat_title

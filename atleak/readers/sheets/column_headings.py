@@ -254,7 +254,6 @@ class HeadedColumn:
     land: str | None = None
     plane: str | None = None
     rank: int = 0
-    unsure: bool = False  # headed by a number alone: land, direction or repeat
     otherwise: Role | None = None  # what a tentative diameter is where its cells are none
     standing: Literal["raw", "corrected"] | None = None
     tentative: bool = False

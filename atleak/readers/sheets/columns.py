@@ -12,7 +12,7 @@ from atleak.common.sentences import Sentence
 from atleak.common.units import Unit, find_unit
 from atleak.readers.sheets.column_headings import HeadedColumn, Role
 from atleak.readers.sheets.controller_names import ControllerNames
-from atleak.readers.sheets.mapping import suggestion
+from atleak.readers.sheets.layout import suggestion
 from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import plain, says_date, sheet_vocabulary, text_of
 
@@ -82,7 +82,7 @@ def find_columns(table: HeadedTable, names: ControllerNames) -> Columns:
         hidden_read=hidden_read,
         problems=problems,
     )
-    problems += [*_unsure(table, values), *_two_states(table, values), *_alone(table, groups.values())]
+    problems += [*_two_states(table, values), *_alone(table, groups.values())]
     problems += _missing(table, names, columns)
     return columns
 
@@ -171,17 +171,6 @@ def _alone(table: HeadedTable, groups: Iterable[Mapping[str, HeadedColumn]]) -> 
                 value=column.name,
                 expected=Sentence("both coordinates (x1 and x2), or the diameter"),
             )
-
-
-def _unsure(table: HeadedTable, values: Sequence[HeadedColumn]) -> Iterator[ReadingsError]:
-    """Yield a problem for columns headed by numbers alone, where the nominal diameters do not tell them for lands."""
-    unsure = [column for column in values if column.unsure]
-    if not unsure:
-        return
-    place = table.sheet.place(table.last, unsure[0].index, unsure[0].heading)
-    names = tuple(repr(column.name) for column in unsure)
-    problem = Sentence("columns {names} are headed by numbers alone: lands, directions or repeats?", names=names)
-    yield ReadingsError(problem, place=place, expected=Sentence("headings such as 'land 1', '0°' or 'diameter 1'"))
 
 
 def _two_states(table: HeadedTable, values: Sequence[HeadedColumn]) -> Iterator[ReadingsError]:

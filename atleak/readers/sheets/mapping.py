@@ -7,7 +7,6 @@ A mapping is written as pairs of a role and a column, as `atleak diagnose --map`
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -32,9 +31,7 @@ from atleak.readers.sheets.column_headings import (
 from atleak.readers.sheets.controller_names import (
     LABELLED,
     MILLIMETRE,
-    UNITS,
     ControllerNames,
-    Sizes,
     is_whole,
     numbers_of,
     read_label,
@@ -43,7 +40,6 @@ from atleak.readers.sheets.table import HeadedTable, best_header, headings, read
 from atleak.readers.sheets.words import (
     direction_of,
     is_blank,
-    letters,
     number_of,
     part_said,
     plain,
@@ -66,7 +62,6 @@ _LINES = re.compile(r"(\d+|[A-Z]{1,2})(?:\s*[-–]\s*(\d+|[A-Z]{1,2}))?")
 _PLACES: tuple[Role, ...] = ("plane", "land")
 _KEPT_ROWS = 300  # among which headings are looked for
 _DEPTH = 4  # rows that they may be spread over
-_LOOKED_AT = 60  # rows by which a sheet is told from a log
 _DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
 _OF_NEW = Sentence("the column of nominal diameters, as in --map new=Nominal")
 _EXAMPLES = Sentence("a heading of the sheet; a letter such as C, or 'column 3'; or a value for all rows: =spool")
@@ -180,6 +175,11 @@ class SheetMapping:
             numbers = [row for row in range(len(sheet.rows)) if first <= sheet.row_number(row) <= last]
             yield range(numbers[0], numbers[-1] + 1) if numbers else range(0)
         elif all(_position(text) is not None for text in self._columns.values()):
+            named = {plain(text) for text in self._columns.values()}
+            for rows in _spans(sheet) if named else ():  # 1 and 2 may be headings
+                cells = [cell for row in rows for cell in sheet.rows[row]]
+                if named <= set(map(plain, headings(sheet, rows[0], rows[-1]))) and not any(_has_decimals(cells)):
+                    yield rows
             yield self._above_numbers(sheet)
         yield from _spans(sheet) if self.header is None else ()
 
@@ -368,6 +368,10 @@ def _position(text: str) -> int | None:
     return int(match[1]) - 1 if match and int(match[1]) else None
 
 
+def _has_decimals(cells: Iterable[Cell]) -> Iterator[bool]:
+    return (bool(numbers_of(cell)) and not is_whole(cell) for cell in cells)
+
+
 def _spans(sheet: Sheet) -> Iterator[range]:
     """Yield the rows that may be headings: every single one before any two, since a title may stand over them."""
     most = min(len(sheet.rows), _KEPT_ROWS)
@@ -480,112 +484,3 @@ def recalled(path: Path, sheets: Iterable[Sheet]) -> Earlier | None:
             if key in kept:
                 return Earlier(key, kept[key], f"{sheet.row_number(rows[0])}-{sheet.row_number(rows[-1])}")
     return None
-
-
-def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
-    """Return the table that a sheet most likely holds: with the headings above the first row of a reading."""
-    table, sizes = best_header(sheet), Sizes(names.controller)
-    for row, cells in enumerate(sheet.rows):
-        named = any(read_label(cell, names) for cell in cells if not is_blank(cell))
-        if named and any(
-            sizes.near(value, UNITS) and not is_whole(cell) for cell in cells for value in numbers_of(cell)
-        ):
-            if table is not None and table.last == row - 1:
-                return table
-            headed = row > 0 and not any(number_of(text_of(cell)) for cell in sheet.rows[row - 1])
-            texts = tuple(headings(sheet, row - 1, row - 1)) if headed else ("",) * sheet.width
-            read = [column for index, text in enumerate(texts) if (column := read_heading(text, index)) is not None]
-            return HeadedTable(sheet, row - 1, row - 1, read_together(read), texts)
-    return table or HeadedTable(sheet, -1, -1, (), ())
-
-
-def looks_measured(sheet: Sheet, names: ControllerNames) -> bool:
-    """Return whether most rows name a component in one column and hold a diameter of it in another, whatever is headed.
-
-    A gear and a voltage look so as well: more than one plane is found, or a component by a word.
-    """
-    sizes, rows = Sizes(names.controller), [row for row in sheet.rows[:_LOOKED_AT] if any(True for _ in _exact(row))]
-    for index in range(sheet.width):
-        found: list[str] = []
-        near: set[tuple[str, str]] = set()
-        for row in rows:
-            component = (read_label(row[index] if index < len(row) else "", names) or {}).get("component", "")
-            planes = [plane for land in names.controller.lands_of(component) for plane in land.planes]
-            of = [
-                plane
-                for plane in planes
-                if any(sizes.near_plane(size, UNITS, component, plane) for size in _exact(row))
-            ]
-            near |= {(component, plane) for plane in of}
-            found += [component] if of else []
-        if 2 * len(found) > len(rows) and (len(near) > 1 or any(map(str.isalpha, found[0]))):
-            return True
-    return False
-
-
-def _exact(row: Sequence[Cell]) -> Iterator[float]:
-    return (value for cell in row if not is_whole(cell) for value in numbers_of(cell))
-
-
-def likely(table: HeadedTable, names: ControllerNames) -> dict[str, int]:
-    """Return by role the column that it most likely is, by its heading or else by its cells; for a person to judge."""
-    found: dict[str, int] = {}
-    for role in ("component", "part", "plane", "direction", "repeat"):
-        columns = table.of(ROLES[role]) or (table.of("land") if role == "plane" else ())
-        found |= {role: columns[0].index} if columns else {}
-    sizes, free = Sizes(names.controller), [index for index in range(table.sheet.width) if index not in found.values()]
-    cells = {index: list(table.cells(index).values()) for index in free}
-    says: dict[str, Callable[[Cell], bool]] = {
-        "component": lambda cell: names.component(cell) in names.with_lands,
-        "part": lambda cell: part_said(text_of(cell)) is not None,
-        "plane": names.is_plane,
-    }
-    for role, is_one in says.items():
-        named = [index for index in free if cells[index] and 2 * sum(map(is_one, cells[index])) > len(cells[index])]
-        if role not in found and named and named[0] not in found.values():
-            found[role] = named[0]
-    for index in range(table.sheet.width):  # cells that say several things
-        meanings = Counter(name for cell in table.cells(index).values() for name in read_label(cell, names) or {})
-        most = {
-            "plane" if name == "land" else name
-            for name, count in meanings.items()
-            if 2 * count > len(table.cells(index))
-        }
-        found |= dict.fromkeys(sorted(most - {"unit"}), index) if len(most - {"unit"}) > 1 else {}
-    values = [column.index for column in table.values] or [
-        index
-        for index in free
-        if index not in found.values()
-        and table.role(index) not in ("specification", "remark", "gauge")
-        and sizes.fill([cell for cell in cells[index] if not is_whole(cell)])
-        and any(numbers_of(cell) for cell in cells[index])
-    ]
-    deviations = [index for index in range(table.sheet.width) if letters(table.heading(index)).any("deviation")]
-    if table.of("specification") and deviations and not values:
-        return found | {"new": table.of("specification")[0].index, "deviation": deviations[0]}
-    if len(values) == 2 and "part" not in found:
-        first, second = (sum(map(sum, map(numbers_of, table.cells(index).values()))) for index in values)
-        spool, sleeve = values if first < second else reversed(values)
-        return found | {"value spool": spool, "value sleeve": sleeve}
-    return found | ({"value": values[0]} if values else {})
-
-
-def column_name(table: HeadedTable, index: int) -> str:
-    """Return how a mapping names a column: by its heading where no other one has it, or else by its letter."""
-    heading = table.heading(index)
-    unique = heading and sum(plain(text) == plain(heading) for text in table.texts) == 1
-    return heading if unique else column_letter(index)
-
-
-def suggestion(table: HeadedTable, names: ControllerNames) -> Sentence:
-    """Return the options that would settle which column is what, with COLUMN where only a person knows."""
-    found = {role: column_name(table, index) for role, index in likely(table, names).items()}
-    needed = {"component", "plane", "part", "value"} - ({"part", "value"} if "value spool" in found else set())
-    needed -= {"value"} if "deviation" in found else set()
-    found |= dict.fromkeys(sorted(needed - found.keys()), "COLUMN")
-    options = " ".join(f"--map {_quoted(role, column)}" for role, column in found.items())
-    return Sentence("which column is what: {options}", options=options)
-
-
-def _quoted(role: str, column: str) -> str:
-    return f"{role}={column}" if re.fullmatch(r"[\w.]+", role + column) else f'"{role}={column}"'

@@ -50,9 +50,9 @@ from atleak.readers.sheets.diameters import convert
 from atleak.readers.sheets.exclusions import LEFT_ASIDE
 from atleak.readers.sheets.head import is_typed, read_head
 from atleak.readers.sheets.land_values import LandValues, read_land_values
-from atleak.readers.sheets.layout import find_tables, turned
+from atleak.readers.sheets.layout import column_name, find_tables, likely, likely_table, turned
 from atleak.readers.sheets.leftovers import Account, units_apart
-from atleak.readers.sheets.mapping import SheetMapping, column_name, likely, likely_table, recalled
+from atleak.readers.sheets.mapping import SheetMapping, recalled
 from atleak.readers.sheets.plausibility import check
 from atleak.readers.sheets.repeats import require_known
 from atleak.readers.sheets.rows import SheetRows, read_rows

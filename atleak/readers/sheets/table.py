@@ -341,7 +341,6 @@ def _headers_at(sheet: Sheet, first: int) -> Iterator[HeadedTable]:
             return
         texts = headings(sheet, first, last)
         columns = [column for index, text in enumerate(texts) if (column := read_heading(text, index)) is not None]
-        columns += _numbered(columns, texts)
         header = HeadedTable(sheet, first, last, read_together(columns), tuple(texts))
         if last > first and _is_data(header):
             return
@@ -376,20 +375,6 @@ def _is_under_another(text: str) -> bool:
     words = tokens_of(rest)
     of_another = words.any("mean", "sum", "mean_in_heading", "of_specification", "of_reading")
     return of_another or is_explained(spot_of_heading(words)[1])
-
-
-def _numbered(columns: Sequence[HeadedColumn], headings: Sequence[str]) -> list[HeadedColumn]:
-    """Return columns headed 1, 2 … alone beside component and part, where no other holds a diameter."""
-    roles = {column.role for column in columns}
-    if not {"component", "part"} <= roles or any(column.holds_size for column in columns):
-        return []
-    numbered = [index for index, text in enumerate(headings) if re.fullmatch(r"[1-9]", text)]
-    if len(numbered) < 2 or [headings[index] for index in numbered] != [str(at + 1) for at in range(len(numbered))]:
-        return []
-    return [
-        HeadedColumn(index, headings[index], "diameter", repeat=int(headings[index]), tentative=True, unsure=True)
-        for index in numbered
-    ]
 
 
 def _is_data(header: HeadedTable) -> bool:

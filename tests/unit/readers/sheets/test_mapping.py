@@ -74,6 +74,14 @@ def test_the_refusal_names_the_options_that_settle_the_sheet(example):
         assert sizes(read(sheet, example, mapping))[:2] == PAIRS[:2]
 
 
+def test_of_several_columns_the_refusal_asks_of_which_they_are(example):
+    sheet = "Valve;Part;1;2\npressure_regulator;spool;14.997;12.498\npressure_regulator;sleeve;15.034;12.535"
+    with pytest.raises(ReadingsError, match=r'--map "value which 1=1" --map "value which 2=2"'):
+        read(sheet, example)
+    with pytest.raises(ReadingsError, match="of which diameters"):
+        read(sheet, example, {"value which 1": "1"})
+
+
 def test_what_holds_for_all_rows_is_a_value_behind_an_equals_sign(example):
     rows = "accumulator;1;17.998\ntcc_regulator;1;10.998"
     columns = {"component": "A", "plane": "B", "value": "C", "part": "=piston", "direction": "=90°", "repeat": "=2"}
