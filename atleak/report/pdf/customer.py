@@ -91,13 +91,14 @@ class CustomerPage(PrintedPart):
     def data(self) -> dict[str, Any]:
         """Return everything that the template places; ``shortened`` holds one block for each of the lengths."""
         say, diagnosis, found, do = self.say, self.diagnosis, list(self._found()), list(self._do())
+        short, whole = (self._answer(whole=each) for each in (False, True))
         return {
             "title": say("customer.title"),
             "about": self._about(),
             "key": self.verdict,
             "headline": say(f"customer.{self._case or self._told_as}"),
             "urgency": [say("customer.urgency"), say(f"customer.urgent_{self._urgency}", mileage=self._service)],
-            "answer": [self._answer(whole=each.sentences > len(found)) for each in _LENGTHS],
+            "answer": [whole if each.sentences > len(found) else short for each in _LENGTHS],
             "caveats": [say(f"customer.{name}") for name in ("provisional", "upper_bound") if getattr(diagnosis, name)],
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in _LENGTHS]},
             "found": {"title": say("customer.found"), "texts": [found[: each.sentences] for each in _LENGTHS]},
