@@ -204,7 +204,10 @@ def _no_readings(every: Sequence[_SheetTables], file: str, naming: ControllerNam
             return ReadingsError(
                 problem.of(where=table.where, why=table.left_aside),
                 place=Place(file, table.sheet.name, table.sheet.row_number(max(table.first, 0))),
-                expected=Sentence("a title that says 'measured' where these are the readings"),
+                expected=Sentence(
+                    "a title that says 'measured' where these are the readings, or --map header={row}",
+                    row=table.sheet.row_number(max(table.last, 0)),
+                ),
             )
     headers = [*tables, *filter(None, map(best_header, sheets))]
     if headers:

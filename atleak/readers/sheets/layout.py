@@ -349,22 +349,26 @@ def _exact(row: Sequence[Cell]) -> Iterator[float]:
 
 def likely(table: HeadedTable, names: ControllerNames) -> dict[str, int]:
     """Return by role the column that it most likely is, by its heading or else by its cells; for a person to judge."""
-    found: dict[str, int] = {}
-    for role in ("component", "part", "plane", "direction", "repeat"):
-        columns = table.of(ROLES[role]) or (table.of("land") if role == "plane" else ())
-        found |= {role: columns[0].index} if columns else {}
-    sizes, free = Sizes(names.controller), [index for index in range(table.sheet.width) if index not in found.values()]
-    cells = {index: list(table.cells(index).values()) for index in free}
+    sizes, every = Sizes(names.controller), range(table.sheet.width)
+    cells = {index: list(table.cells(index).values()) for index in every}
     says: dict[str, Callable[[Cell], bool]] = {
         "component": lambda cell: names.component(cell) in names.with_lands,
         "part": lambda cell: part_said(text_of(cell)) is not None,
         "plane": names.is_plane,
+        "direction": lambda _: False,
+        "repeat": lambda _: False,
     }
-    for role, is_one in says.items():
-        named = [index for index in free if cells[index] and 2 * sum(map(is_one, cells[index])) > len(cells[index])]
-        if role not in found and named and named[0] not in found.values():
-            found[role] = named[0]
-    for index in range(table.sheet.width):  # cells that say several things
+    found: dict[str, int] = {}
+    headed = {role: [column.index for column in table.of(ROLES[role])] for role in says}
+    headed["plane"] += [column.index for column in table.of("land")]
+    for role, is_one in says.items():  # a heading whose cells say it, then any such cells
+        fits = [index for index in (*headed[role], *every) if 2 * sum(map(is_one, cells[index])) > len(cells[index])]
+        if fits and fits[0] not in found.values():
+            found[role] = fits[0]
+    for role, columns in headed.items():
+        if columns and role not in found and columns[0] not in found.values():
+            found[role] = columns[0]
+    for index in every:  # cells that say several things
         meanings = Counter(name for cell in table.cells(index).values() for name in read_label(cell, names) or {})
         most = {
             "plane" if name == "land" else name
@@ -374,13 +378,13 @@ def likely(table: HeadedTable, names: ControllerNames) -> dict[str, int]:
         found |= dict.fromkeys(sorted(most - {"unit"}), index) if len(most - {"unit"}) > 1 else {}
     values = [column.index for column in table.values] or [
         index
-        for index in free
+        for index in every
         if index not in found.values()
         and table.role(index) not in ("specification", "remark", "gauge")
         and sizes.fill([cell for cell in cells[index] if not is_whole(cell)])
         and any(numbers_of(cell) for cell in cells[index])
     ]
-    deviations = [index for index in range(table.sheet.width) if letters(table.heading(index)).any("deviation")]
+    deviations = [index for index in every if letters(table.heading(index)).any("deviation")]
     if table.of("specification") and deviations and not values:
         return found | {"new": table.of("specification")[0].index, "deviation": deviations[0]}
     if len(values) == 2 and "part" not in found:

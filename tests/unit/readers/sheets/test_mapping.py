@@ -72,6 +72,12 @@ def test_the_refusal_names_the_options_that_settle_the_sheet(example):
         words = shlex.split(re.search(r"--map .*", str(caught.value))[0])
         mapping = dict(word.split("=", 1) for word in words if word != "--map")
         assert sizes(read(sheet, example, mapping))[:2] == PAIRS[:2]
+    with pytest.raises(ReadingsError, match="component=N° de pièce"):
+        read(PLAIN.replace("Valve", "N° de pièce"), example)
+    titled = "Bore gauge #2, micrometer no. 7\n" + PLAIN
+    with pytest.raises(ReadingsError, match="--map header=2"):
+        read(titled, example)
+    assert sizes(read(titled, example, {"header": "2"})) == PAIRS[:2]
 
 
 def test_of_several_columns_the_refusal_asks_of_which_they_are(example):
