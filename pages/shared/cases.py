@@ -148,7 +148,9 @@ class Kept(Reader):
     def readings(self, case: Case, controller: Controller) -> Readings:
         assert case.readings is not None
         file = case.readings
-        key = repr((file.name, file.sha256, controller.sha256, sorted(case.sheet_choices.items()), _of_sheets(case)))
+        key = repr(
+            (file.name, file.sha256, controller.sha256, sorted(case.sheet_choices.items()), sheets_remembered(case))
+        )
         return _readings(key, case, controller)
 
     def pressures(self, case: Case, controller: Controller) -> PressureTable:
@@ -351,12 +353,13 @@ def diagnosis_of(case: Case) -> Diagnosis:
 
 def result_key(case: Case) -> str:
     """Return the key of a job's result: its files and choices, with the columns as they are read now."""
-    return case_with_columns(case).key + _of_sheets(case)
+    return case_with_columns(case).key + sheets_remembered(case)
 
 
-def _of_sheets(case: Case) -> str:
-    """Return what is remembered of measuring sheets, where the job may be read by it; "" where nothing is."""
-    kept = recall_all(default_path()) if case.remember and case.readings is not None else {}
+def sheets_remembered(case: Case | None = None) -> str:
+    """Return what is remembered of measuring sheets, where a job may be read by it; "" where nothing is."""
+    used = case is None or (case.remember and case.readings is not None)
+    kept = recall_all(default_path()) if used else {}
     return "".join(f"{key} {entry}" for key, entry in kept.items() if entry.format == FORMAT)
 
 

@@ -16,9 +16,11 @@ from atleak.catalogue.entries import catalogue_files
 from atleak.catalogue.instruments import Part, instruments, load_instruments
 from atleak.common.errors import AtleakError
 from atleak.common.units import unit_names
+from atleak.readers.remembered_columns import default_path
 from atleak.readers.sheets.measuring_sheet import read_several
 from atleak.report.tables.learned import learned_lands, learned_outliers, learned_units
 from pages.shared import reader, show
+from pages.shared.cases import sheets_remembered
 from pages.shared.sheet_form import AS_STATED, unit_said
 
 _TYPES = ["xlsx", "xls", "ods", "csv", "tsv", "txt"]
@@ -86,7 +88,7 @@ def _gauge(place: Any, part: Part, key: str) -> str:
 
 def _digest(data: Mapping[str, Any], sources: tuple[tuple[str, bytes], ...]) -> tuple[str, ...]:
     contents = (written_toml(data).encode(), *(part for name, content in sources for part in (name.encode(), content)))
-    return tuple(hashlib.sha256(content).hexdigest() for content in contents)
+    return (*(hashlib.sha256(content).hexdigest() for content in contents), sheets_remembered())
 
 
 @st.cache_resource(max_entries=4, show_spinner=False)
@@ -98,11 +100,11 @@ def _learned(
     made_for: str,
     gauges: dict[str, str],
 ) -> Learned:
-    """Learn once for the same tables, sheets and choices; ``digest`` stands for the first two."""
+    """Learn once for the same tables, sheets and choices; ``digest`` stands for the first two and what is remembered."""
     controller = checked_controller(_data)
     return learn(
         controller,
-        read_several(_sources, controller, unit=unit, made_for=made_for),
+        read_several(_sources, controller, unit=unit, made_for=made_for, remembered=default_path()),
         instruments=load_instruments(**gauges),
     )
 
