@@ -23,6 +23,8 @@ with st.container():  # one element whatever is said: the grid below keeps its p
         said = say("readings.holds", unit=unit, **counts)
         where = f", {say('readings.sheet', sheet=readings.sheet)}" if readings.sheet else ""
         st.markdown(f"**{show.plain(readings.file)}**{show.plain(where)}: {show.plain(said)}")
+        for note in (message for message in readings.messages if message.code == "remembered"):
+            st.caption(show.plain(note.text))
         st.caption(show.plain(say("readings.measured_at", temperature=measuring_temperature(diagnosis, say))))
 
 sheet_form.draw(case)

@@ -100,7 +100,7 @@ def _learned(
     made_for: str,
     gauges: dict[str, str],
 ) -> Learned:
-    """Learn once for the same tables, sheets and choices; ``digest`` stands for the first two and what is remembered."""
+    """Learn once for the same tables, sheets and choices; ``digest`` stands for all but the choices."""
     controller = checked_controller(_data)
     return learn(
         controller,

@@ -7,8 +7,13 @@ from pathlib import Path
 import pytest
 from streamlit.testing.v1 import AppTest
 
+from atleak.catalogue.controller_file import load_controller
+from atleak.job.case import SourceFile
 from atleak.readers.logs import default_path
 from atleak.readers.remembered_columns import recall_all
+from atleak.readers.sheets.mapping import remember_sheet
+from atleak.readers.sheets.measuring_sheet import read_readings
+from pages.shared.cases import PageCase
 
 ROOT = Path(__file__).resolve().parents[3]
 ITALIAN = "Scheda di oggi\nN.;Sezione;Cursore;Sede\naccumulator;1;17.998;18.041\ntcc_regulator;1;10.998;11.031\n"
@@ -92,3 +97,15 @@ def test_other_rows_of_headings_are_shown_and_wrong_ones_told(form: AppTest) -> 
     next(text for text in form.text_input if text.label == "Rows of the headings").set_value("here")
     form = press(form, "Show it so")
     assert any("no rows" in error.value for error in form.error)
+
+
+@pytest.mark.page("3_Readings")
+def test_the_page_says_first_since_when_columns_are_settled(app: AppTest, own_home: Path) -> None:
+    columns = {"component": "N.", "plane": "Sezione", "value spool": "Cursore", "value sleeve": "Sede"}
+    settled = read_readings(ITALIAN.encode(), load_controller("minimal_example"), name="a.csv", mapping=columns)
+    remember_sheet(default_path(), settled)
+    sheet = SourceFile("b.csv", ITALIAN.replace("18.041", "18.042").encode())
+    app.session_state["atleak"].case = PageCase(controller="minimal_example", readings=sheet)
+    app.run()
+    assert not app.exception
+    assert any("settled on" in caption.value for caption in app.caption)
