@@ -299,13 +299,14 @@ def turned(sheet: Sheet) -> Sheet | None:
 
 # --- what a person is asked: which column most likely is what
 
-_LOOKED_AT = 60  # rows by which a sheet is told from a log
+_LOOKED_AT = 60  # rows by which a sheet is told from a log, and a column from another
+_FIRST = 300  # rows among which the first reading is looked for
 
 
 def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
     """Return the table that a sheet most likely holds: with the headings above the first row of a reading."""
     table, sizes = best_header(sheet), Sizes(names.controller)
-    for row, cells in enumerate(sheet.rows):
+    for row, cells in enumerate(sheet.rows[:_FIRST]):
         named = any(read_label(cell, names) for cell in cells if not is_blank(cell))
         if named and any(
             sizes.near(value, UNITS) and not is_whole(cell) for cell in cells for value in numbers_of(cell)
@@ -350,7 +351,7 @@ def _exact(row: Sequence[Cell]) -> Iterator[float]:
 def likely(table: HeadedTable, names: ControllerNames) -> dict[str, int]:
     """Return by role the column that it most likely is, by its heading or else by its cells; for a person to judge."""
     sizes, every = Sizes(names.controller), range(table.sheet.width)
-    cells = {index: list(table.cells(index).values()) for index in every}
+    cells = {index: list(table.cells(index).values())[:_LOOKED_AT] for index in every}
     says: dict[str, Callable[[Cell], bool]] = {
         "component": lambda cell: names.component(cell) in names.with_lands,
         "part": lambda cell: part_said(text_of(cell)) is not None,
@@ -369,11 +370,9 @@ def likely(table: HeadedTable, names: ControllerNames) -> dict[str, int]:
         if columns and role not in found and columns[0] not in found.values():
             found[role] = columns[0]
     for index in every:  # cells that say several things
-        meanings = Counter(name for cell in table.cells(index).values() for name in read_label(cell, names) or {})
+        meanings = Counter(name for cell in cells[index] for name in read_label(cell, names) or {})
         most = {
-            "plane" if name == "land" else name
-            for name, count in meanings.items()
-            if 2 * count > len(table.cells(index))
+            "plane" if name == "land" else name for name, count in meanings.items() if 2 * count > len(cells[index])
         }
         found |= dict.fromkeys(sorted(most - {"unit"}), index) if len(most - {"unit"}) > 1 else {}
     values = [column.index for column in table.values] or [
