@@ -7,7 +7,7 @@ fluid, temperature and feeds as uncertain as they are.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -34,8 +34,7 @@ from atleak.engine.restrictions import Branch, GapBranch, Orifice, Restriction
 from atleak.equations.gap import eccentricity_factor
 from atleak.equations.statistics import normal_cdf
 
-_PRIOR_COUNTS = 20.0  # effective draws that the prior stands for while a proposal is fitted
-_NARROWEST = 0.2  # standard deviation of a proposal, over that of the prior
+_ANY = 1e5  # [1/m] by which clearances are scaled before they are cubed, so that a worn one is near 1
 _LAND, _SEAL, _HOLE, _PUMP, _LINE, _SET = "land", "seal", "hole", "pump", "line", "set"
 OF_A_SPLIT = 256  # draws
 _BORES = ("bore", "new_bore", "unworn_bore")
@@ -43,7 +42,9 @@ MOST_RISE = 5.0  # of a line that is set high, over the mean rise
 _SEALS = _SEAL, _HOLE
 _TRIED = 65_536  # draws of the lands of a plug
 _FINEST_PLUG = 0.02  # of what a plug passes: it is known no better
-LEFT = "left"  # beside the pressures of a unit: what its line leaves to consumers [m³/s]
+# beside the pressures of a unit: what its line leaves to consumers [m³/s], and whether it falls below what it is set to
+LEFT, FALLS = "left", "falls"
+_HELD = 0.9999  # of what a line is set to
 
 Fault = tuple[Any, ...]  # (what, which): ("land", key), ("seal", circuit), ("pump",), ("line",)
 
@@ -86,56 +87,32 @@ class UnitDraws:
 
 
 @dataclass(frozen=True)
-class Proposal:
-    """From what units are drawn: the prior, or narrower around what gauges showed."""
+class Effects:
+    """What pressures are nearly linear in, each of shape (rows, draws)."""
+
+    shared: np.ndarray  # standard deviates of what acts on the whole unit, and of feeds
+    positions: np.ndarray  # of the spool of each part: its factor over a concentric one
+    parts: np.ndarray  # cubes of clearances; how far other causes have gone
+
+    @property
+    def rows(self) -> np.ndarray:
+        """Return all of them."""
+        return np.concatenate([self.shared, self.positions * self.parts])
+
+
+@dataclass(frozen=True)
+class Prior:
+    """From what units are drawn before any gauge is read: standard deviates, and causes by chance."""
 
     chance: np.ndarray  # of each cause
     mean: np.ndarray  # of its exponential
     most: np.ndarray
-    centre: np.ndarray  # of each deviate
-    spread: np.ndarray
 
-    def draw(self, stream: np.random.Generator, draws: int) -> tuple[np.ndarray, np.ndarray]:
-        deviates = self.centre[:, None] + self.spread[:, None] * stream.standard_normal((len(self.centre), draws))
+    def draw(self, stream: np.random.Generator, quantities: int, draws: int) -> tuple[np.ndarray, np.ndarray]:
+        deviates = stream.standard_normal((quantities, draws))
         shape, cut = (len(self.mean), draws), -np.expm1(-self.most / self.mean)
         gone = -self.mean[:, None] * np.log1p(-stream.random(shape) * cut[:, None])
         return deviates, np.where(stream.random(shape) < self.chance[:, None], gone, 0.0)
-
-    def log_ratio(self, prior: Proposal, deviates: np.ndarray, wear: np.ndarray) -> np.ndarray:
-        """Return the logarithm of the density over that of the prior: of what is drawn from both alike it is 0."""
-        quantities = np.flatnonzero((self.centre != prior.centre) | (self.spread != prior.spread))
-        causes = np.flatnonzero((prior.chance > 0.0) & ((self.chance != prior.chance) | (self.mean != prior.mean)))
-        ratio = np.zeros(wear.shape[1])
-        for sign, each in ((1.0, self), (-1.0, prior)):
-            z = (deviates[quantities] - each.centre[quantities, None]) / each.spread[quantities, None]
-            ratio -= sign * (0.5 * np.sum(z * z, axis=0) + np.sum(np.log(each.spread[quantities])))
-            chance, mean, gone = each.chance[causes], each.mean[causes], wear[causes]
-            on = np.log(chance) - np.log(mean) - np.log(-np.expm1(-each.most[causes] / mean))
-            worn = on[:, None] - gone / mean[:, None]
-            ratio += sign * np.sum(np.where(gone > 0.0, worn, np.log1p(-chance)[:, None]), axis=0)
-        return ratio
-
-    def around(
-        self, deviates: np.ndarray, wear: np.ndarray, weights: np.ndarray, near: tuple[np.ndarray, np.ndarray]
-    ) -> Proposal:
-        """Return a proposal around weighed draws, this one being the prior; only what is ``near`` moves."""
-        effective = 1.0 / float(np.sum(weights * weights))
-        trust = effective / (effective + _PRIOR_COUNTS)
-        centre = trust * (deviates @ weights)
-        square = trust * ((deviates**2) @ weights) + (1.0 - trust)
-        spread = np.sqrt(np.maximum(square - centre**2, _NARROWEST**2))
-        worn = (wear > 0.0) @ weights
-        chance = np.clip(trust * worn + (1.0 - trust) * self.chance, 0.5 * self.chance, 0.95)
-        gone = (wear @ weights + self.mean * 0.1) / (worn + 0.1)
-        mean = np.clip(trust * gone + (1.0 - trust) * self.mean, 0.2 * self.mean, self.most)
-        quantities, causes = near
-        return Proposal(
-            np.where(causes, np.where(self.chance > 0.0, chance, 0.0), self.chance),
-            np.where(causes, mean, self.mean),
-            self.most,
-            np.where(quantities, centre, self.centre),
-            np.where(quantities, spread, self.spread),
-        )
 
 
 @dataclass(frozen=True)
@@ -186,8 +163,14 @@ class PosteriorUnit:
         gone = self._gone()
         self.causes = [cause for cause, *_ in gone]
         chance, mean, most = np.array([[max(number, 1e-30) for number in row] for _, *row in gone]).T
-        count = len(self.quantities)
-        self.prior = Proposal(np.where(chance > 1e-30, chance, 0.0), mean, most, np.zeros(count), np.ones(count))
+        self.prior = Prior(np.where(chance > 1e-30, chance, 0.0), mean, most)
+        others = [cause for cause in self.causes if cause[0] != _LAND]
+        #: of each row of the effects of parts: the cause that is drawn by itself, if one is
+        self.parts: list[Fault | None] = [
+            *(None if land.key in self._plugged else (_LAND, land.key) for land in self._open),
+            *(None for land in sources if land.state.shows_wear),
+            *others,
+        ]
 
     def _gone(self) -> list[tuple[Fault, float, float, float]]:
         """Return every cause of a leak with its chance, and mean and most of how far it goes."""
@@ -210,34 +193,34 @@ class PosteriorUnit:
     def before(self, draws: int) -> tuple[UnitDraws, dict[OperatingPoint, Mapping[str, Any]]]:
         """Return draws of the unit before any gauge is read, the same each time, and where to keep what they hold."""
         if draws not in self._before:
-            self._before[draws] = self.draw(self.prior, draws, 0), {}
+            self._before[draws] = self.draw(draws), {}
         return self._before[draws]
 
-    def draw(self, proposal: Proposal, draws: int, seed: int, *, as_judged: bool = False) -> UnitDraws:
+    def draw(self, draws: int, *, as_judged: bool = False) -> UnitDraws:
         """Draw units; ``draws`` is a power of two.
 
         A measured land was new anywhere in its range; ``as_judged`` as wide as it may have been, as rules take it.
         """
-        deviates, wear = proposal.draw(stream_of(SEED, 11, seed), draws)
-        shared = Draws(Cube(draws, SEED, 12, seed))
+        deviates, wear = self.prior.draw(stream_of(SEED, 11, 0), len(self.quantities), draws)
+        shared = Draws(Cube(draws, SEED, 12, 0))
         measured = [land for land in self.sources if land.state.shows_wear]
         common, one_sided = (
             common_errors(shared, measured),
             one_sided_wear(shared, self.model, self.assumptions, measured),
         )
-        own = Beside(Cube(draws, SEED, 13, seed), one_sided.fraction)
-        positions = Positions(self.model, own, SEED + seed)
+        own = Beside(Cube(draws, SEED, 13, 0), one_sided.fraction)
+        positions = Positions(self.model, own, SEED)
         found = {
             land.key: land_draws(
-                own.draws(SEED, 14, seed, number), land, common, one_sided, self.assumptions, positions.of(land)
+                own.draws(SEED, 14, 0, number), land, common, one_sided, self.assumptions, positions.of(land)
             )
             for number, land in enumerate(measured)
         }
         if not as_judged:
-            chances = stream_of(SEED, 15, seed)
+            chances = stream_of(SEED, 15, 0)
             found = {key: self._with_unworn(each, chances.random(draws)) for key, each in found.items()}
         for number, plugs in enumerate(self._joined):
-            self._fill(plugs, deviates, wear, found, stream_of(SEED, 16, seed, number))
+            self._fill(plugs, deviates, wear, found, stream_of(SEED, 16, 0, number))
         return UnitDraws(
             deviates,
             wear,
@@ -272,7 +255,7 @@ class PosteriorUnit:
         lands = [land for land in self._open if land.key in keys]
         rows = [self.quantities.index((_LAND, land.key)) for land in lands]
         causes = [self.causes.index((_LAND, land.key)) for land in lands]
-        tried, gone = self.prior.draw(stream, _TRIED)
+        tried, gone = self.prior.draw(stream, len(self.quantities), _TRIED)
         factor = {key[0]: np.asarray(eccentricity_factor(stream.random(_TRIED), 1.0)) for key in keys}
         passes = {
             land.key: factor[land.key[0]] * _passes(land, self._new(tried, land) + gone[cause])
@@ -416,7 +399,8 @@ class PosteriorUnit:
         if given.point not in self._demands:
             self._demands[given.point] = DemandShape(self.model, given.point)
         main, held = unit.held(self._demands[given.point])
-        return {**held, LINE: main, LEFT: unit.left(given.point)}
+        falls = main < _HELD * given.pressures[LINE]
+        return {**held, LINE: main, LEFT: unit.left(given.point), FALLS: falls}
 
     def _pump(self, given: Drawn, wear: Mapping[Fault, Any], *, new: bool) -> PumpFlow:
         """Return the pump as drawn; of one that nobody measured its slip has grown by so much."""
@@ -470,7 +454,7 @@ class PosteriorUnit:
     @cached_property
     def as_measured(self) -> UnitDraws:
         """Return draws of the unit by what was measured alone: no fault that nobody saw is drawn."""
-        drawn = self.draw(self.prior, OF_A_SPLIT, 0, as_judged=True)
+        drawn = self.draw(OF_A_SPLIT, as_judged=True)
         return replace(drawn, wear=np.zeros_like(drawn.wear))
 
     def split_as_measured(self, point: OperatingPoint, tap: str) -> Split:
@@ -492,19 +476,6 @@ class PosteriorUnit:
             self._networks[gear] = self.model.network(next(each for each in self.conditions if each.gear == gear))
         return self._networks[gear]
 
-    def near(self, circuits: Iterable[str]) -> tuple[np.ndarray, np.ndarray]:
-        """Return which quantities and causes act on circuits first: their own and those of what feeds them.
-
-        What line pressure follows acts on all of them.
-        """
-        sections = self.followed.union(*map(self.fed_from, circuits))
-        lands = {gap.key for gap in self.model.controller.gaps if {gap.high.section, gap.low.section} & sections}
-
-        def acts(cause: Fault) -> bool:  # what a plug says of its lands is in their draws already
-            return len(cause) == 1 or cause[1] in (lands - self._plugged if cause[0] == _LAND else sections)
-
-        return np.array([acts(each) for each in self.quantities]), np.array([acts(each) for each in self.causes])
-
     @cached_property
     def followed(self) -> frozenset[str]:
         """Return the ids of the circuit that line pressure follows, and of those that feed it; none without one."""
@@ -521,6 +492,43 @@ class PosteriorUnit:
             sections |= new
             waiting += new
         return frozenset(sections)
+
+    def effects(self, drawn: UnitDraws) -> Effects:
+        """Return what pressures are nearly linear in: slip and line by their logarithms, leaks as they are."""
+        size = drawn.wear.shape[1]
+        lands = [now for now, _ in self._in_both_states(drawn)]
+        ways: dict[str, Callable[..., np.ndarray]] = {
+            _PUMP: np.log1p,
+            _SET: np.log1p,
+            _LINE: lambda gone: np.log1p(-gone),
+        }
+        gone = dict(zip(self.causes, drawn.wear, strict=True))
+        others = [ways.get(what[0], np.asarray)(gone[what]) for what in self.causes if what[0] != _LAND]
+        positions = [*(1.0 if land[3] is None else land[3] for land in lands), *(1.0 for _ in others)]
+        parts = [*(np.maximum(_ANY * land[1].clearance, 0.0) ** 3 for land in lands), *others]
+        both = (np.array([np.broadcast_to(each, size) for each in rows]) for rows in (positions, parts))
+        return Effects(drawn.deviates[self._shared], *both)
+
+    @cached_property
+    def _shared(self) -> np.ndarray:
+        return np.array([each[0] != _LAND for each in self.quantities])
+
+    def put_together(
+        self, drawn: UnitDraws, places: np.ndarray, own: Mapping[int, np.ndarray], shared: np.ndarray
+    ) -> UnitDraws:
+        """Return units put together from draws: some parts from other places than the rest, shared deviates anew."""
+        made = UnitDraws.chosen([drawn], places)
+        made.deviates[self._shared] = shared
+        for row, place in own.items():
+            part = self.parts[row]
+            assert part is not None
+            cause = self.causes.index(part)
+            made.wear[cause] = drawn.wear[cause, place]
+            if part[0] == _LAND:
+                quantity = self.quantities.index(part)
+                made.deviates[quantity] = drawn.deviates[quantity, place]
+                made.new[part[1]][:] = drawn.new[part[1]][place]
+        return made
 
     @property
     def lands(self) -> tuple[LandKey, ...]:

@@ -2,10 +2,15 @@
 
 Each draw counts the more the nearer what it would show comes to what was shown:
 
-    w ∝ prior / proposal · exp(−½ rᵀ C⁻¹ r),        r reading less expectation, C the gauges' covariance.
+    w ∝ L / Σ a_k L_k / Z_k,        L = exp(−½ rᵀ C⁻¹ r),  r reading less expectation, C the gauges' covariance.
 
-Where few draws carry the weight, more are drawn around them, with the first ones kept beside (a defensive mixture:
-Owen & Zhou, J. Am. Stat. Assoc. 95, 2000; all draws share the weights of the mixture: Veach & Guibas, SIGGRAPH 1995).
+Where few draws carry the weight, more are drawn around them. Near the readings pressures are nearly linear in what
+leaks and in what is shared by all: L_k is L by a linear fit to draws at hand, C grown by what is not linear. From
+prior · L_k, the integral of which is Z_k, the next draws come: parts by annealing (Del Moral, Doucet & Jasra, J. R.
+Stat. Soc. B 68, 2006), shared quantities, which are normal given the parts, at once. Where a line falls below what it
+is set to its slopes jump: each fit is of draws that fall alike, of those first that the draws so far cover worst. All
+rounds, a_k of all draws each, share one mixture; those of the prior, with L_0 = Z_0 = 1, are its first (defensive: Owen
+& Zhou, J. Am. Stat. Assoc. 95, 2000; mixture: Veach & Guibas, SIGGRAPH 1995).
 Circuits act on one another by the line alone, and by what feeds them: each is weighed by what tells of it.
 """
 
@@ -21,18 +26,28 @@ import numpy as np
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.repairs import LandKey
 from atleak.diagnosis.missing import Split
-from atleak.diagnosis.uncertainty.posterior import LEFT, OF_A_SPLIT, PosteriorUnit, Proposal, UnitDraws
+from atleak.diagnosis.uncertainty.draws import stream_of
+from atleak.diagnosis.uncertainty.posterior import FALLS, LEFT, OF_A_SPLIT, Effects, PosteriorUnit, UnitDraws
+from atleak.diagnosis.uncertainty.propagation import SEED
 from atleak.engine.operation import LINE
 
-_DRAWS = 8_192  # of units before any gauge is read, and half as many at a time around what was found
+_DRAWS = 8_192  # of units before any gauge is read
 ENOUGH = 200  # effective draws
+_FAR = 5.0  # variances of the gauges: by so much on average expectation is off where nothing that fits is found yet
 SURELY = 4.0  # standard uncertainties by which a gauge shows more than there can be: choice of this project
-_ROUNDS = 4  # of drawing around what was found
+_AROUND, _ROUNDS = 1_024, 4  # draws around what was found, so often
+_FITTED = 400  # effective draws to which pressures are fitted
+_FEW = 10  # effective draws that tell which are covered worst
+_NOT_LINEAR = 1.2  # of the variance about the fit: choice of this project
+_ACTS = 0.05  # standard uncertainties: a part that moves all readings by less is not drawn by itself
+_SWEEPS = 2  # over the parts at each step of annealing
+_KEPT = 0.4  # of the draws: so many are effective at each step
+_SLOPES = 1e-3  # of a quantity's variance, by which slopes are held near 0
 _READ_OFF = 0.1  # of a named gauge's variance: what differs from reading to reading
 _UNNAMED = 0.7  # the same of gauges that nobody named: which was where is not known
 _LEAST = 0.25  # of the highest pressure shown: a gauge errs no less than it does there
 _FINEST = 1e3  # [Pa] that a gauge tells apart
-_COUNTS = 1e-6  # of the largest weight, from which on a draw is looked at again
+_FITS, _COUNTS = 1e-3, 1e-6  # of the largest weight, from which on a draw is fitted to, and looked at again
 _TOLD = 4_096  # draws of equal weight that are kept of every part
 
 
@@ -125,7 +140,8 @@ class Posterior:
             a power of two.
         """
         self.unit, self.shown, self.flows = unit, shown, flows
-        self._prior = _Round(unit.prior, *unit.before(draws))
+        drawn, held = unit.before(draws)
+        self._prior = _Round(drawn, held, unit.effects(drawn))
         self._weighed: dict[frozenset[str], _WeighedDraws] = {}
 
     def lost(self, section: str, point: OperatingPoint) -> Lost:
@@ -167,59 +183,135 @@ class Posterior:
             # what the line tells serves every circuit
             made.add(*(self._by(frozenset()).rounds if circuits and made.by_line else [self._prior]))
             for _ in range(_ROUNDS):
-                if made.effective < ENOUGH:
-                    made.add_around()
+                if made.effective < ENOUGH or made.misfit > _FAR:
+                    made.add_around(self._prior)
             self._weighed[circuits] = made
         return self._weighed[circuits]
 
 
 class _Round(NamedTuple):
-    """Draws of units from one proposal, with what they hold where that was asked for."""
+    """Draws of units of one kind, with what they hold where that was asked for."""
 
-    proposal: Proposal
     drawn: UnitDraws
     held: dict[OperatingPoint, Mapping[str, np.ndarray]]
+    effects: Effects
+    linear: _Linear | None = None  # as which pressures were taken; None of the prior
+    log_whole: float = 0.0  # of the integral of prior · likelihood, pressures taken so
 
     @property
     def draws(self) -> int:
         return int(self.drawn.wear.shape[1])
 
+    def log_density(self, rows: np.ndarray) -> np.ndarray:
+        """Return the logarithm of the density from which it is drawn, over that of the prior."""
+        return np.zeros(rows.shape[1]) if self.linear is None else self.linear.log_likelihood(rows) - self.log_whole
+
+
+@dataclass(frozen=True)
+class _Linear:
+    """Readings as linear in the effects of what is drawn."""
+
+    apart: np.ndarray  # what was shown, less the constant [Pa]
+    shared: np.ndarray  # slopes, shape (readings, shared)
+    parts: np.ndarray  # slopes, shape (readings, parts)
+    covariance: np.ndarray  # of the gauges, and of what is not linear [Pa²]
+
+    @classmethod
+    def fitted(cls, showed: np.ndarray, covariance: np.ndarray, *draws: np.ndarray, shared: int) -> _Linear:
+        """Fit what is expected to the effects: ``draws`` are the rows of these, what is expected, and weights."""
+        counts = draws[-1] > _FITS * draws[-1].max()
+        rows, expected, weights = (each[..., counts] for each in draws)
+        weights = weights / weights.sum()
+        middle, mean = rows @ weights, expected @ weights
+        rows, expected = rows - middle[:, None], expected - mean[:, None]
+        square = (rows * weights) @ rows.T
+        held = square + np.diag(_SLOPES * rows.var(axis=1) + 1e-12)
+        slopes = np.linalg.solve(held, (rows * weights) @ expected.T).T
+        rest = expected - slopes @ rows
+        free = 1.0 - float(np.trace(np.linalg.solve(held, square)) * (weights @ weights))  # of the degrees of freedom
+        curved = covariance + _NOT_LINEAR / max(free, 0.1) * (rest * weights) @ rest.T
+        return cls(showed - mean + slopes @ middle, slopes[:, :shared], slopes[:, shared:], curved)
+
+    def log_likelihood(self, rows: np.ndarray) -> np.ndarray:
+        left = self.apart[:, None] - np.concatenate([self.shared, self.parts], axis=1) @ rows
+        return np.asarray(-0.5 * np.sum((_whitening(self.covariance) @ left) ** 2, axis=0))
+
+    def drawn(
+        self, start: Effects, alone: Sequence[int], stream: np.random.Generator
+    ) -> tuple[np.ndarray, dict[int, np.ndarray], np.ndarray, float]:
+        """Draw units by annealing: from the prior's draws, with more and more of the likelihood.
+
+        Returns
+        -------
+        tuple
+            from which place of ``start`` each unit is, from which those of its parts are that move the readings, its
+            shared deviates, and the logarithm of the integral of prior · likelihood.
+        """
+        whiten = _whitening(self.covariance + self.shared @ self.shared.T)  # the readings given the parts
+        slopes, whole = whiten @ self.parts, start.positions * start.parts
+        left = (whiten @ self.apart)[:, None] - slopes @ whole
+        acts = np.linalg.norm(slopes, axis=0) * np.std(whole, axis=1) > _ACTS
+        places = np.arange(whole.shape[1])
+        own = {row: places for row in alone if acts[row]}
+        power, log_whole = 0.0, 0.5 * float(np.log(np.linalg.det(whiten @ self.covariance @ whiten.T)))
+        while power < 1.0:
+            half = -0.5 * np.sum(left * left, axis=0)
+            for step in (1.0 - power) * 0.7 ** np.arange(40):
+                weights = _normed(step * half)
+                if float(weights @ weights) * _KEPT * len(places) <= 1.0:
+                    break
+            power += step
+            log_whole += float(step * half.max() + np.log(np.mean(np.exp(step * (half - half.max())))))
+            chosen = _equally(weights, _AROUND, stream.random())
+            left, places, own = left[:, chosen], places[chosen], {row: each[chosen] for row, each in own.items()}
+            for row in [*own] * _SWEEPS:
+                other, along = stream.integers(0, whole.shape[1], _AROUND), slopes[:, row]
+                change = start.positions[row, places] * (start.parts[row, other] - start.parts[row, own[row]])
+                worse = change * (change * (along @ along) - 2.0 * (along @ left))
+                taken = np.log(stream.random(_AROUND)) < -0.5 * power * worse
+                own[row] = np.where(taken, other, own[row])
+                left = left - np.outer(along, np.where(taken, change, 0.0))
+        gain = (whiten @ self.shared).T
+        spread = np.linalg.cholesky(np.eye(len(gain)) - gain @ gain.T)
+        return places, own, gain @ left + spread @ stream.standard_normal((len(gain), _AROUND)), log_whole
+
 
 class _WeighedDraws:
-    """Draws of a unit from one proposal after the other, weighed by what tells of some circuits, or of the line."""
+    """Draws of a unit from one round after the other, weighed by what tells of some circuits, or of the line."""
 
     def __init__(
         self, unit: PosteriorUnit, circuits: frozenset[str], shown: Sequence[Shown], flows: Sequence[FlowShown]
     ) -> None:
-        self.unit, self.circuits, self.flows, self.near = unit, circuits, flows, unit.near(circuits)
-        feeds = zip(unit.quantities, self.near[0], strict=True)
-        taps = {*circuits, LINE, *(each[1] for each, acts in feeds if acts and each[0] == "feed")}
+        self.unit, self.circuits, self.flows = unit, circuits, flows
+        taps = {LINE, *unit.followed.union(*map(unit.fed_from, circuits))}
         self.by_line = any(each.tap == LINE for each in shown) or bool(flows)
         # where nobody read the line, it shows in every circuit
         self.evidence = [each for each in shown if each.tap in taps or not (circuits or self.by_line)]
-        self._likely = _likelihood(self.evidence, unit.assumptions.main_pressure)
+        self._covariance = _covariance(self.evidence, unit.assumptions.main_pressure)
+        self._showed = np.array([each.pressure for each in self.evidence])
         self.rounds: list[_Round] = []
         self._expected = np.empty((len(self.evidence), 0))
-        self._by_flows = np.empty(0)
+        self._log_likely = self._falls = np.empty(0)
 
     def add(self, *rounds: _Round) -> None:
         """Add rounds of draws, that from the prior first, and weigh all anew."""
         for each in rounds:
-            expected = [self._held(each, one.point, one.tap) for one in self.evidence]
-            self._expected = np.concatenate([self._expected, np.reshape(expected, (-1, each.draws))], axis=1)
-            likely = [
-                one.log_likelihood(np.maximum(self._held(each, one.point, LEFT) - one.others, 0.0))
-                for one in self.flows
-            ]
-            self._by_flows = np.concatenate([self._by_flows, sum(likely, np.zeros(each.draws))])
+            expected = np.reshape([self._held(each, one.point, one.tap) for one in self.evidence], (-1, each.draws))
+            apart = _whitening(self._covariance) @ (self._showed[:, None] - expected)
+            likely = -0.5 * np.sum(apart**2, axis=0)
+            for one in self.flows:
+                likely += one.log_likelihood(np.maximum(self._held(each, one.point, LEFT) - one.others, 0.0))
+            falls = np.zeros(each.draws)  # one bit for each operating point
+            for number, point in enumerate(dict.fromkeys(one.point for one in self.evidence)):
+                falls += 2.0**number * self._held(each, point, FALLS)
+            self._expected = np.concatenate([self._expected, expected], axis=1)
+            self._log_likely = np.concatenate([self._log_likely, likely])
+            self._falls = np.concatenate([self._falls, falls])
         self.rounds += rounds
-        self._deviates = np.concatenate([each.drawn.deviates for each in self.rounds], axis=1)
-        self._wear = np.concatenate([each.drawn.wear for each in self.rounds], axis=1)
-        sizes = np.array([each.draws for each in self.rounds])
-        prior = self.rounds[0].proposal
-        logs = np.array([each.proposal.log_ratio(prior, self._deviates, self._wear) for each in self.rounds])
-        mixture = np.logaddexp.reduce(logs + np.log(sizes / sum(sizes))[:, None], axis=0)
-        self._log_weight = self._likely(self._expected) + self._by_flows - mixture
+        self._rows = np.concatenate([each.effects.rows for each in self.rounds], axis=1)
+        parts = np.log([each.draws / self._rows.shape[1] for each in self.rounds])
+        densities = [part + each.log_density(self._rows) for part, each in zip(parts, self.rounds, strict=True)]
+        self._log_weight = self._log_likely - np.logaddexp.reduce(densities, axis=0)
 
     def _held(self, each: _Round, point: OperatingPoint, tap: str) -> np.ndarray:
         """Return what a tap holds in each draw of a round [Pa]."""
@@ -227,16 +319,30 @@ class _WeighedDraws:
             each.held[point] = self.unit.pressures(each.drawn, point)
         return np.broadcast_to(each.held[point][tap], each.draws)
 
-    def add_around(self) -> None:
-        """Add half as many draws as there were at first, around those that carry the weight."""
-        around = self.unit.prior.around(self._deviates, self._wear, _flattened(self._log_weight), self.near)
-        self.add(_Round(around, self.unit.draw(around, self.rounds[0].draws // 2, len(self.rounds)), {}))
+    def add_around(self, prior: _Round) -> None:
+        """Add draws around those that carry the weight, put together out of those of the prior."""
+        weights = _flattened(self._log_weight, _FEW)
+        _, way = np.unique(self._falls, return_inverse=True)
+        worst = way == np.argmax(np.bincount(way, weights**2))
+        weights = _flattened(np.where(worst, self._log_weight, -np.inf), min(_FITTED, 0.5 * np.sum(worst)))
+        shared = len(prior.effects.shared)
+        linear = _Linear.fitted(self._showed, self._covariance, self._rows, self._expected, weights, shared=shared)
+        alone = [row for row, part in enumerate(self.unit.parts) if part is not None]
+        places, own, deviates, log_whole = linear.drawn(prior.effects, alone, stream_of(SEED, 17, len(self.rounds)))
+        drawn = self.unit.put_together(prior.drawn, places, own, deviates)
+        self.add(_Round(drawn, {}, self.unit.effects(drawn), linear, log_whole))
 
     @property
     def effective(self) -> float:
         """Return how many draws of equal weight they are worth."""
         weights = _normed(self._log_weight)
         return 1.0 / float(np.sum(weights * weights))
+
+    @property
+    def misfit(self) -> float:
+        """Return by how many variances of the gauges expectation is off in a reading, on average."""
+        off = -2.0 * float(_normed(self._log_weight) @ self._log_likely)
+        return off / max(len(self.evidence) + len(self.flows), 1)
 
     @property
     def contradicted(self) -> frozenset[tuple[str, OperatingPoint]]:
@@ -253,8 +359,7 @@ class _WeighedDraws:
 
     def equally_likely(self, draws: int) -> UnitDraws:
         """Return draws of equal weight out of all of them."""
-        places = np.searchsorted(np.cumsum(_flattened(self._log_weight)), (np.arange(draws) + 0.5) / draws)
-        return self._chosen(np.minimum(places, self._wear.shape[1] - 1))
+        return self._chosen(_equally(_flattened(self._log_weight), draws))
 
     def _chosen(self, places: np.ndarray) -> UnitDraws:
         """Return some of all draws, by their places."""
@@ -285,31 +390,35 @@ def _normed(log_weight: np.ndarray) -> np.ndarray:
     return np.asarray(weights / weights.sum())
 
 
-def _flattened(log_weight: np.ndarray) -> np.ndarray:
+def _equally(weights: np.ndarray, draws: int, start: float = 0.5) -> np.ndarray:
+    """Return places of draws of equal weight."""
+    return np.searchsorted(np.cumsum(weights), (np.arange(draws) + start) / draws).clip(0, len(weights) - 1)
+
+
+def _flattened(log_weight: np.ndarray, worth: float = 0.25 * ENOUGH) -> np.ndarray:
     """Return weights flattened until they are worth some draws: one that carries all would draw all others to it."""
-    for power in 0.7 ** np.arange(20):
+    for power in 0.7 ** np.arange(30):
         weights = _normed(power * log_weight)
-        if float(np.sum(weights * weights)) * ENOUGH <= 4.0:
+        if float(np.sum(weights * weights)) * worth <= 1.0:
             break
     return weights
 
 
-def _likelihood(shown: Sequence[Shown], relative: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Return what gives the logarithm of the likelihood of the readings from what is expected, shape (readings, draws).
+def _whitening(covariance: np.ndarray) -> np.ndarray:
+    """Return what makes errors independent and of unit variance."""
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
+
+
+def _covariance(shown: Sequence[Shown], relative: float) -> np.ndarray:
+    """Return the covariance of the readings' errors [Pa²].
 
     A gauge that is named errs alike in all that it showed, but for what is read off it. Of others nobody knows which
     was where: part of their variance is shared by the readings of one tap.
     """
-    showed, errs = np.array([each.pressure for each in shown]), _errs(shown, relative)
+    errs = _errs(shown, relative)
     own = np.array([_READ_OFF if each.gauge else _UNNAMED for each in shown])
     alike = np.array([[_one_gauge(a, b) for b in shown] for a in shown])
-    covariance = np.outer(errs, errs) * (np.diag(own) + alike * np.sqrt(np.outer(1.0 - own, 1.0 - own)))
-    whiten = np.linalg.inv(np.linalg.cholesky(covariance))
-
-    def log_likelihood(expected: np.ndarray) -> np.ndarray:
-        return np.asarray(-0.5 * np.sum((whiten @ (showed[:, None] - expected)) ** 2, axis=0))
-
-    return log_likelihood
+    return np.asarray(np.outer(errs, errs) * (np.diag(own) + alike * np.sqrt(np.outer(1.0 - own, 1.0 - own))))
 
 
 def _errs(shown: Sequence[Shown], relative: float) -> np.ndarray:

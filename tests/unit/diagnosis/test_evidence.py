@@ -175,7 +175,7 @@ def test_lands_that_share_a_plug_pass_together_what_it_passes(plugged, width: fl
     plug = Plug(tuple(keys), passes, 0.05 * passes)
     card = diagnosis.gauge_card
     unit = PosteriorUnit(card.model, card.sources, card.assumptions, [diagnosis.projection], [plug])
-    drawn = unit.clearances(unit.draw(unit.prior, 4096, 0))
+    drawn = unit.clearances(unit.draw(4096))
     now = np.array([drawn[each.land.key][0] for each in states])
     alone = [each.spool_diameter * row**3 / each.land.contact_length for each, row in zip(states, now, strict=True)]
     # the spool lay anywhere in the test: from the middle, F 1, to its bore, F 2.5
@@ -193,7 +193,7 @@ def test_a_land_beside_its_plug_is_drawn_as_without_it(plugged) -> None:
         PosteriorUnit(card.model, card.sources, card.assumptions, [diagnosis.projection], plugs)
         for plugs in ((), (Plug((keys[0],), 1e-12, 1e-13),))
     ]
-    drawn = [each.clearances(each.draw(each.prior, 512, 0)) for each in units]
+    drawn = [each.clearances(each.draw(512)) for each in units]
     other = next(key for key in units[0].lands if key != keys[0])
     assert np.array_equal(drawn[0][other][0], drawn[1][other][0])
     assert not np.array_equal(drawn[0][keys[0]][0], drawn[1][keys[0]][0])
@@ -252,7 +252,7 @@ def test_plugs_that_share_a_land_are_drawn_together(plugged, order: int) -> None
     tight, leaky = (passes(first, second, width=10e-6), passes(second, third, width=50e-6))
     plugs = [Plug((first, second), tight, 0.1 * tight), Plug((second, third), leaky, 0.1 * leaky)][::order]
     unit = PosteriorUnit(card.model, card.sources, card.assumptions, [diagnosis.projection], plugs)
-    drawn = unit.clearances(unit.draw(unit.prior, 2048, 0))
+    drawn = unit.clearances(unit.draw(2048))
     worn = {key: float(np.mean(now - new > 4e-6)) for key, (now, new) in drawn.items()}
     assert worn[third] > 0.95
     assert max(worn[first], worn[second]) < 0.1
@@ -264,7 +264,7 @@ def test_a_plug_with_hardly_any_vacuum_makes_its_lands_likelier_worn(plugged) ->
     worn = []
     for plugs in ((), [Plug(tuple(keys), passes, 0.05 * passes, at_least=True)]):
         unit = PosteriorUnit(card.model, card.sources, card.assumptions, [diagnosis.projection], plugs)
-        drawn = unit.clearances(unit.draw(unit.prior, 2048, 0))
+        drawn = unit.clearances(unit.draw(2048))
         worn.append(np.mean(np.any([drawn[key][0] - drawn[key][1] > 4e-6 for key in keys], axis=0)))
     assert worn[1] > 0.95 > 0.5 > worn[0]
 

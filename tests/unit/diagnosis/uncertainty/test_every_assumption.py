@@ -88,7 +88,7 @@ class Bench:
         sources, _ = find_sources(states, None, controller, load_instruments(), given)
         point = max(controller.operating_points, key=lambda each: each.main_pressure)
         unit = PosteriorUnit(model, sources, given, [project(model, point)])
-        return unit, point, unit.draw(unit.prior, DRAWS, 0)
+        return unit, point, unit.draw(DRAWS)
 
     def leak(self, given: Assumptions) -> Any:
         """What a reading of 12 in-Hg with 0.5 mm tells of a land 14.5 mm across and 5 mm long."""

@@ -54,7 +54,7 @@ def test_where_no_gauge_tells_anything_the_loss_is_that_of_what_is_assumed(unit:
     lost = Posterior(unit, [Shown(point, CLUTCH, 500e3)], draws=DRAWS).lost(CLUTCH, point)
     assert lost.weights.sum() == pytest.approx(1.0, abs=1e-9)
     assert lost.effective == pytest.approx(DRAWS, rel=1e-3, abs=0.0)
-    drawn = unit.draw(unit.prior, DRAWS, 0)
+    drawn = unit.draw(DRAWS)
     now, new = (unit.pressures(drawn, point, new=each)[CLUTCH] for each in (False, True))
     assert lost.probability_over(55e3) == pytest.approx(float(np.mean(new - now >= 55e3)), abs=1e-3)
 
@@ -121,7 +121,7 @@ def test_a_measured_land_was_new_in_its_range_and_never_wider_than_it_is(
     sizes = {land.key: radial for land, radial in ((narrow, 12e-6), (wide, 45e-6))}
     diameters = {key: (0.012, 0.012 + 2.0 * radial) for key, radial in sizes.items()}
     unit = unit_of(hipol, readings=readings_of(controller, diameters))
-    drawn = unit.draw(unit.prior, DRAWS, 0).measured
+    drawn = unit.draw(DRAWS).measured
     for land in (narrow, wide):
         now, new = drawn[land.key].bore.clearance, drawn[land.key].unworn_bore.clearance
         assert np.all(new <= now)
