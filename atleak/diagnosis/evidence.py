@@ -135,7 +135,8 @@ class _Finder:
     @property
     def evidence(self) -> Evidence:
         lands = sorted(self._lands(), key=lambda each: (-each.loss, -each.probability))
-        circuits = sorted(self._circuits(), key=lambda each: (-each.probability, -each.loss))
+        # less than 1 % is not told apart by the draws, how much may be lost is
+        circuits = sorted(self._circuits(), key=lambda each: (-round(each.probability, 2), -each.high))
         pump = self._pump()
         return Evidence(
             lands=tuple(lands),
