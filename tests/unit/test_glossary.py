@@ -33,8 +33,8 @@ def pairs(language: str) -> list[tuple[str, str]]:
 
 
 def has_term(english: str, term: str) -> bool:
-    """Whether a text has a term as a whole word: names at its places, commands, file names and a maker aside."""
-    words = re.sub(r"\{[^}]*\}|`[^`]*`|Land Rover", "", english)
+    """Whether a text has a term as a whole word: names at its places, what is typed, file names and a maker aside."""
+    words = re.sub(r"\{[^}]*\}|`[^`]*`|'value [^']*'|=spool|Land Rover", "", english)
     return re.search(rf"(?<![\w-]){term}(s|'s)?(?![\w-]|\.\w)", words, re.IGNORECASE) is not None
 
 
