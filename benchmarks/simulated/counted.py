@@ -165,11 +165,12 @@ def count_population(known: Known, shape: str, directions: tuple[float, ...], bo
             counts["total leakage"] += 1
             _count_side(counts, "total leakage", total.leakage_interval, unit.true[total.condition].total)
             counts[f"{WIDTH}{_width(total):.2f}"] += 1
-            for circuit, pressure in unit.true[total.condition].pressures.items():
+            pressures = unit.true[total.condition].pressures
+            for circuit in total.circuit_intervals.keys() & pressures.keys():  # those applied there
                 counts["pressure"] += 1
                 # the dangerous side of a pressure is below its interval
                 low, high = total.circuit_intervals[circuit]
-                _count_side(counts, "pressure", (-high, -low), -pressure)
+                _count_side(counts, "pressure", (-high, -low), -pressures[circuit])
         counts["units"] += 1
         if unit.is_new:
             counts["new units"] += 1
