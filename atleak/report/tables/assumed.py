@@ -66,13 +66,13 @@ def assumed_table(diagnosis: Diagnosis, say: Wording) -> Table:
         return say.table("assumed_files").get(each.stands_in, each.stands_in)
 
     columns = (
-        Column("assumed_what", of=name, width=255),
-        Column("assumed_changes", of=lambda each: say.get("assumed_changes", each.changes or "unknown"), width=100),
+        Column("assumed_what", of=name, width=170),
+        Column("assumed_changes", of=lambda each: say.get("assumed_changes", each.changes or "unknown"), width=105),
         Column("assumed_low", of=lambda each: end(each, 1), width=115),
         Column("assumed_high", of=lambda each: end(each, 2), width=115),
-        Column("assumed_value", of=value, width=90),
-        Column("assumed_off", of=off, width=75),
-        Column("assumed_file", of=file, width=140),
+        Column("assumed_value", of=value, width=105),
+        Column("assumed_off", of=off, width=105),
+        Column("assumed_file", of=file, width=175),
     )
     rows = sorted(assumed_values(diagnosis), key=lambda each: _ORDER.index(each.changes))
     return Table("assumed", columns, rows, say)
