@@ -163,20 +163,21 @@ def keep(page: str) -> bool:
         the page that was drawn: the browser drops what names the job from the address where another page is chosen.
     """
     now = session()
-    in_book, state = now.in_book, state_of_job()
-    before = in_book.news
-    if in_book.state is None and not in_book.new:
-        in_book.state = state  # as it was opened, its widgets drawn
-    name, of_job = (OF_FLEET, in_book.of_fleet) if in_book.id is None else (JOB, in_book.id)
-    if of_job and (st.query_params.get(name), in_book.page) != (of_job, page):
-        st.query_params[name] = of_job
-    in_book.page = page
-    with _faults_said(in_book):
-        if state == in_book.state:
-            _look_for_others(in_book)
-        elif in_book.conflict is None:
-            _save(now, in_book.id, in_book.version)
-    return in_book.news != before
+    in_book = now.in_book
+    with in_book.saving:
+        before, state = in_book.news, state_of_job()
+        if in_book.state is None and not in_book.new:
+            in_book.state = state  # as it was opened, its widgets drawn
+        name, of_job = (OF_FLEET, in_book.of_fleet) if in_book.id is None else (JOB, in_book.id)
+        if of_job and (st.query_params.get(name), in_book.page) != (of_job, page):
+            st.query_params[name] = of_job
+        in_book.page = page
+        with _faults_said(in_book):
+            if state == in_book.state:
+                _look_for_others(in_book)
+            elif in_book.conflict is None:
+                _save(now, in_book.id, in_book.version)
+        return in_book.news != before
 
 
 @contextmanager
@@ -213,11 +214,11 @@ def _save(now: Session, id: str | None, version: int | None) -> None:
 def save_anyway(*, as_another: bool) -> None:
     """Save this session's job over what somebody else saved meanwhile, or as another one beside it; for a callback."""
     now = session()
-    held, now.in_book.conflict = now.in_book.id, None
-    id = None if as_another else held
-    with _faults_said(now.in_book):
+    with now.in_book.saving, _faults_said(now.in_book):
+        held, now.in_book.conflict = now.in_book.id, None
         if held is not None:
             book().refuse_erased(held, now.in_book.version)
+        id = None if as_another else held
         _save(now, id, None if id is None else book().version(id))
 
 

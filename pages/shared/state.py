@@ -6,6 +6,7 @@ import hashlib
 import weakref
 from dataclasses import dataclass, field, replace
 from itertools import count
+from threading import RLock
 from typing import Any
 
 import streamlit as st
@@ -76,6 +77,7 @@ class InBook:
     result_by: str = ""  # version of atleak that gave the stored result
     judged_otherwise: tuple[Sentence, ...] = ()  # where this version judges otherwise
     place: int = field(default_factory=count().__next__)  # part of the keys of its drop zones: each job has its own
+    saving: RLock = field(default_factory=RLock, compare=False, repr=False)  # a run may end after the next has begun
 
     @property
     def news(self) -> tuple[str, str]:

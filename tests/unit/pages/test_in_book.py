@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+from threading import Event
+from types import SimpleNamespace
+
 import pytest
 from streamlit.testing.v1 import AppTest
 
@@ -11,7 +15,9 @@ from atleak.job.parts import JobParts, job_parts
 from atleak.job.zip_file import packed_job
 from atleak.job_book.book import Book, open_book
 from atleak.measurements.job_card import Job
+from pages.shared import book as kept_in
 from pages.shared.files import named
+from pages.shared.state import InBook
 from tests.unit.pages.conftest import go, number, texts, uploader
 
 pytestmark = pytest.mark.page("1_Job")
@@ -51,6 +57,36 @@ def test_a_job_is_kept_from_its_first_digit_on_and_its_address_brings_it_back(ap
     assert number(again, "Mileage [km]").value == "212345.5"
     assert "In the job book: **2026-0417**" in texts(again)
     assert book.version(row.id) == 2, "opening a job saves nothing"
+
+
+def test_two_runs_of_one_session_at_once_keep_one_job(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Streamlit begins a run for the next field while the last one still writes to the book."""
+    saves: list[str | None] = []
+    begun, go_on = Event(), Event()
+
+    def save(parts: object, *, id: str | None, version: int | None, sample: bool) -> SimpleNamespace:
+        saves.append(id)
+        begun.set()
+        assert go_on.wait(20)
+        return SimpleNamespace(id=id or f"job{len(saves)}", version=len(saves))
+
+    now = SimpleNamespace(in_book=InBook(state="as it was opened"), good=SimpleNamespace(sample=False))
+    states = iter(["one field typed", "one field typed", "two fields typed", "two fields typed"])
+    monkeypatch.setattr(kept_in, "session", lambda: now)
+    monkeypatch.setattr(kept_in, "state_of_job", lambda: next(states))
+    monkeypatch.setattr(kept_in, "book", lambda: SimpleNamespace(save=save))
+    monkeypatch.setattr(kept_in, "st", SimpleNamespace(query_params={}))
+    for name in ("job", "job_parts", "diagnosis_of", "case_with_columns"):
+        monkeypatch.setattr(kept_in, name, lambda *_: None)
+    with ThreadPoolExecutor(2) as runs:
+        first = runs.submit(kept_in.keep, "Job")
+        assert begun.wait(20)
+        second = runs.submit(kept_in.keep, "Job")
+        go_on.set()
+        assert not first.result(20)
+        assert not second.result(20)
+    assert saves == [None, "job1"], "the second run saves the job that the first one put into the book"
+    assert kept_in.st.query_params == {"job": "job1"}
 
 
 def test_the_second_of_two_browsers_is_told_and_chooses(
