@@ -166,6 +166,23 @@ DECISION_MARKS: dict[str, tuple[str, str]] = {
     "fail": (LOOKS[Verdict.REPLACE].screen, "square"),
 }
 
+# What a cell of a measuring sheet became, by the name of its kind: red, green and blue, told apart by the colour-blind.
+CELL_COLOURS: dict[str, tuple[int, int, int]] = {
+    "spool": (0, 114, 178), "sleeve": (230, 159, 0), "label": (0, 158, 115), "new": (204, 121, 167),
+    "head": (86, 180, 233), "land": (220, 205, 20), "heading": (140, 86, 75), "aside": (128, 128, 128),
+    "refused": (213, 60, 0),
+}  # fmt: skip
+_STRENGTH = 0.35  # of these colours behind words
+
+
+def cell_colour(kind: str, *, on_screen: bool) -> str:
+    """Return the ground of a cell of a kind: on the screen it lets the page's own through, light or dark."""
+    colour = CELL_COLOURS[kind]
+    if on_screen:
+        return f"rgba({', '.join(map(str, colour))}, {_STRENGTH})"
+    return "#" + "".join(f"{round(255 - _STRENGTH * (255 - part)):02X}" for part in colour)
+
+
 # The workbook, besides its verdicts.
 INPUT = "#0000C0"  # numbers that may be changed
 HEADING = "#E8EDF2"

@@ -287,6 +287,8 @@ def _leave(tell: Callable[[], object]) -> None:
 class _Reader(Reader):
     """Read every file of a job anew, but keep what jobs take from the catalogue: a fleet is of few valve bodies."""
 
+    with_cells = False
+
     def __init__(self, memory: int | None) -> None:
         self._memory = memory
 

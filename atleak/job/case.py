@@ -453,6 +453,8 @@ class Reader:
     Each raises what the function raises that it calls: a `CatalogueError`, a `ReadingsError` …
     """
 
+    with_cells = True  # whether readings keep the file's own tables
+
     def entry(self, slot: Slot, choice: CaseChoice | None) -> Any:
         """Load a controller, fluid, limit set or instrument by id, path or bytes; nothing where nothing is chosen."""
         if choice is None:
@@ -464,7 +466,8 @@ class Reader:
         sheet = case.readings
         assert sheet is not None
         remembered = default_path() if case.remember else None
-        return read_readings(sheet.given, controller, name=sheet.name, remembered=remembered, **case.sheet_choices)
+        choices = {**case.sheet_choices, "remembered": remembered, "with_cells": self.with_cells}
+        return read_readings(sheet.given, controller, name=sheet.name, **choices)
 
     def log(self, case: Case) -> Understood:
         """Read the job's log as far as it is understood, open questions included."""

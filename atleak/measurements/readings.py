@@ -6,8 +6,10 @@ Lands have more of their own beside their diameters: lengths as measured, and re
 from __future__ import annotations
 
 import datetime as dt
-from dataclasses import dataclass, replace
-from typing import Literal
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from typing import Any, Literal
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
 from atleak.catalogue.instruments import Part
@@ -141,6 +143,48 @@ class Reading:
         return self.component, self.part, self.plane, self.direction
 
 
+class CellKind(StrEnum):
+    """What a cell of a measuring sheet became."""
+
+    SPOOL = "spool"
+    SLEEVE = "sleeve"
+    LABEL = "label"  # of which component, plane, part, direction or repeat a diameter is, or in which unit
+    NEW = "new"  # a nominal diameter, or what one was when new
+    HEAD = "head"  # temperature, date, clearances of the pump, whose unit it is
+    LAND = "land"  # a length or fitted repair of a land
+    HEADING = "heading"
+    ASIDE = "aside"
+    REFUSED = "refused"
+
+
+@dataclass(frozen=True)
+class CellMeaning:
+    """What a cell became, and why, or as what; many cells share one."""
+
+    kind: CellKind
+    why: Sentence = Sentence("")  # noqa: RUF009  frozen, so safe to share
+
+
+@dataclass(frozen=True)
+class SheetCells:
+    """A sheet as it stands in its file, and what its cells became.
+
+    Attributes
+    ----------
+    rows
+        text, numbers and dates as the file has them; "" where a cell is empty.
+    meanings
+        of the same cells; None where nothing was to be made of one.
+    numbers
+        of the rows, as the file's program counts them.
+    """
+
+    name: str | None  # None of a text
+    rows: Sequence[Sequence[Any]]
+    meanings: Sequence[Sequence[CellMeaning | None]]
+    numbers: Sequence[int]
+
+
 @dataclass(frozen=True)
 class Readings(FileOfReadings):
     """All readings of one measuring sheet.
@@ -175,6 +219,8 @@ class Readings(FileOfReadings):
         role and column, where a person said which column is what.
     headings
         of those columns' table.
+    sheets
+        the visible sheets of the file and what became of their cells, where that was asked for.
     """
 
     unit: str
@@ -191,6 +237,7 @@ class Readings(FileOfReadings):
     unworn: tuple[Reading, ...] = ()
     columns: tuple[tuple[str, str], ...] = ()
     headings: tuple[str, ...] = ()
+    sheets: tuple[SheetCells, ...] = field(default=(), repr=False, compare=False)
 
     @property
     def one_direction(self) -> bool:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from atleak.common.errors import Place
+from atleak.common.errors import Place, ReadingsError
 from atleak.common.sentences import Sentence
+from atleak.measurements.readings import CellKind, CellMeaning, SheetCells
 from atleak.readers.cells.workbook_marks import Marks
 
 _RUNS_SHOWN = 12
@@ -118,3 +119,27 @@ def column_letter(column: int) -> str:
         column, rest = divmod(column - 1, 26)
         letters = chr(ord("A") + rest) + letters
     return letters
+
+
+def sheet_cells(
+    page: Sheet, done: Mapping[tuple[int, int], CellMeaning], problems: Iterable[ReadingsError] = ()
+) -> SheetCells:
+    """Return a sheet as it stands in the file, with what its cells became; where problems stand they are refused."""
+    meanings = [
+        [None if text_of(cell) == "" else done.get((row, column)) for column, cell in enumerate(cells)]
+        for row, cells in enumerate(page.rows)
+    ]
+    numbers = [page.row_number(row) for row in range(len(page.rows))]
+    at = {number: row for row, number in enumerate(numbers)}
+    for problem in problems:
+        row, column = at.get(problem.place.row or 0), problem.place.column
+        if row is None:
+            continue
+        headed = (cells for cells in page.rows if any(text_of(cell) == column for cell in cells))
+        named = [index for cells in headed for index, cell in enumerate(cells) if text_of(cell) == column]
+        letters_of = (str(index + 1) if page.is_text else column_letter(index) for index in range(page.width))
+        index = {letter: index for index, letter in enumerate(letters_of)}.get(column or "", next(iter(named), None))
+        for column_at, cell in enumerate(page.rows[row]):
+            if index == column_at or (column is None and text_of(cell)):
+                meanings[row][column_at] = CellMeaning(CellKind.REFUSED, problem.problem)
+    return SheetCells(page.name, page.rows, meanings, numbers)

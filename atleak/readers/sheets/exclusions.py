@@ -54,6 +54,15 @@ _WHY: Mapping[str, Sentence] = {
     "by a filter": Sentence("{rows} with readings, hidden by a filter: read all the same ({named})"),
     "in a folded outline": Sentence("{rows} with readings, hidden in a folded outline: read all the same ({named})"),
 }
+_SAID: Mapping[str, Sentence] = {  # the same of one row
+    "summaries_left_aside": Sentence("{what}"),
+    "specifications_left_aside": Sentence("{what!r}: what should be"),
+    "characteristics_left_aside": Sentence("another characteristic: {what}"),
+    "notes_left_aside": Sentence("no component: {what}"),
+    "rejected_left_aside": Sentence("{what}"),
+    "struck_left_aside": Sentence("crossed out"),
+    "by hand": Sentence("hidden by hand"),
+}
 _HIDDEN, _READ_ALL_THE_SAME = "hidden_rows", ("by a filter", "in a folded outline")
 _NO_WARNING = ("summaries_left_aside", "specifications_left_aside", "characteristics_left_aside", *_READ_ALL_THE_SAME)
 LEFT_ASIDE = (*(code for code in _WHY if code.endswith("_left_aside")), _HIDDEN)  # codes of messages
@@ -116,8 +125,8 @@ class Exclusions:
         named = words.any("characteristic") and len(words) < 4
         return named and any(_says_diameter(text_of(cell)) for cell in self._cells[index].values())
 
-    def takes(self, row: int) -> bool:
-        """Return whether a row that holds numbers is no reading, and note why."""
+    def takes(self, row: int) -> Sentence | None:
+        """Return why a row that holds numbers is no reading, and note it; None where it is one."""
         hidden = self.sheet.marks.hidden_rows.get(row)
         if hidden in _READ_ALL_THE_SAME:
             self._left[hidden].setdefault(None, []).append(row)
@@ -134,8 +143,8 @@ class Exclusions:
             what = find(row)
             if what is not None:
                 self._left[why].setdefault(what, []).append(row)
-                return True
-        return False
+                return _SAID[why].of(what=_NAMES.get(what, (what,))[0])
+        return None
 
     def _rejection(self, row: int) -> Sentence | None:
         asked = [(index, says_no) for index in self._counts] + [(index, says_yes) for index in self._counts_not]

@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from atleak.common.errors import Message, MessageLevel, Place, ReadingsError
 from atleak.common.sentences import Sentence, all_of, any_of, counted
 from atleak.common.units import Unit, find_unit
 from atleak.measurements.clearances import REPEAT_TOLERANCE
-from atleak.readers.cells.sheet import Sheet
+from atleak.measurements.readings import CellKind, CellMeaning, SheetCells
+from atleak.readers.cells.sheet import Sheet, sheet_cells
 from atleak.readers.sheets.column_headings import Role, unit_of_heading
 from atleak.readers.sheets.controller_names import (
     INCH,
@@ -29,7 +30,7 @@ from atleak.readers.sheets.controller_names import (
     numbers_of,
 )
 from atleak.readers.sheets.diameters import nominal_headings
-from atleak.readers.sheets.rows import SheetRows
+from atleak.readers.sheets.rows import LABEL_OF, SheetRows, aside
 from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import (
     Words,
@@ -51,6 +52,9 @@ _WHY: dict[Role, Sentence] = {
     "quantity": Sentence("another quantity by its heading"),
     "gauge": Sentence("the diameter of a gauge or standard"),
 }
+_HEADING, _NEW, _HEAD, _LAND = map(CellMeaning, (CellKind.HEADING, CellKind.NEW, CellKind.HEAD, CellKind.LAND))
+_OTHER_COLUMN = Sentence("a column that is not read")
+_NOT_READ = aside(Sentence("not read, though of the size of a diameter"))
 _MEASURED = ("diameter", "coordinate", "actual", "now", "reading")
 _SHOWN = 2
 _ROUNDED = 1e-9  # [m]
@@ -58,13 +62,14 @@ _ROUNDED = 1e-9  # [m]
 
 @dataclass
 class Account:
-    """What became of the cells of a file, by the sheet's name; `close` reports the rest."""
+    """What became of the cells of a file, by the sheet's name; `close` reports the rest, `sheets` shows all."""
 
     names: ControllerNames
     units: Sequence[str]  # of the diameters that were read
     problems: list[ReadingsError] = field(default_factory=list)
     messages: list[Message] = field(default_factory=list)
-    _done: dict[str | None, set[tuple[int, int]]] = field(default_factory=lambda: defaultdict(set))
+    _done: dict[str | None, dict[tuple[int, int], CellMeaning]] = field(default_factory=lambda: defaultdict(dict))
+    _derived: dict[str | None, dict[int, int]] = field(default_factory=lambda: defaultdict(dict))
     _tables: dict[str | None, list[tuple[range, HeadedTable]]] = field(default_factory=lambda: defaultdict(list))
 
     def __post_init__(self) -> None:
@@ -77,12 +82,10 @@ class Account:
         table, sheet, columns = rows.table, rows.table.sheet, rows.columns
         done = self._enter(table, table.rows)
         done |= rows.cells
-        done.update(
-            (row, column.index)
-            for column in columns.keys
-            for row in table.rows
-            if not self._is_size(sheet, row, column.index)
-        )
+        for column in columns.keys:
+            for row in table.rows:
+                if not self._is_size(sheet, row, column.index):
+                    done.setdefault((row, column.index), LABEL_OF[column.role])
         used = {column.index for column in (*columns.keys, *table.values, *table.of_lands)}
         others = [index for index in range(sheet.width) if index not in used and not self._is_figure(rows, index)]
         self._slipped(rows)
@@ -100,7 +103,11 @@ class Account:
     def enter_lands(self, table: HeadedTable) -> None:
         """Account for a table of what lands themselves have: its numbers and names, and its other quantities."""
         columns = [column.index for column in table.columns if not column.holds_size]
-        self._enter(table, table.block).update((row, index) for row in table.block for index in columns)
+        done, other = self._enter(table, table.block), aside(_OTHER_COLUMN)
+        for index in columns:
+            meaning = LABEL_OF.get(table.role(index) or "", other)
+            for row in table.block:
+                done.setdefault((row, index), meaning)
 
     def leave_table(self, table: HeadedTable) -> None:
         """Leave aside a table that holds no readings of this valve body."""
@@ -108,7 +115,8 @@ class Account:
         of_sizes = {column.index for column in table.columns if column.holds_size}
         cells = [(row, column) for row in table.block for column in table.span]
         sizes = [at for at in cells if self._is_size(table.sheet, *at, headed=table, whole=at[1] in of_sizes)]
-        done.update(cells)
+        for at in cells:
+            done.setdefault(at, aside(table.left_aside or _OTHER_COLUMN))
         if sizes:
             text = Sentence(
                 "the table in {where} is left aside, {why}: {shown}",
@@ -128,15 +136,15 @@ class Account:
         """Leave a whole sheet aside, because the user or its name says so."""
         cells = [(row, column) for row, cells in enumerate(sheet.rows) for column in range(len(cells))]
         sizes = [at for at in cells if self._is_size(sheet, *at)]
-        self._done[sheet.name].update(cells)
+        self._done[sheet.name] |= dict.fromkeys(cells, aside(Sentence("a sheet that is not read")))
         if sizes:
             text = Sentence("sheet {name!r} is left aside: {shown}", name=sheet.name, shown=self._shown(sheet, sizes))
             self.messages.append(Message("info", "sheet_aside", text, Place(sheet.file, sheet.name)))
 
-    def take(self, cells: Iterable[tuple[str | None, int, int]]) -> None:
+    def take(self, cells: Iterable[tuple[str | None, int, int]], *, of_lands: bool = False) -> None:
         """Account for cells that were read outside of the tables, each by sheet, row and column."""
         for name, row, column in cells:
-            self._done[name].add((row, column))
+            self._done[name][row, column] = _LAND if of_lands else _HEAD
 
     def close(self, sheets: Sequence[Sheet]) -> None:
         """Name every number of the size of a diameter that is neither read nor left aside."""
@@ -159,22 +167,50 @@ class Account:
                     block = block if before == row - 1 else row
                     before = row
                 for column in lost:
+                    done[row, column] = _NOT_READ
                     groups[("rows", block) if table is None else ("column", column)].append((row, column))
             for (kind, index), cells_lost in groups.items():
                 self.messages.append(self._lost(sheet, kind, index, cells_lost))
+            for rows, table in self._tables[sheet.name]:
+                for at, role in ((at, table.role(at)) for at in table.span):
+                    meaning = aside(_WHY.get(role, _OTHER_COLUMN) if role else _OTHER_COLUMN)
+                    for row in rows:
+                        done.setdefault((row, at), meaning)
+
+    def sheets(
+        self, pages: Iterable[Sheet], problems: Iterable[ReadingsError], around: Collection[str | None]
+    ) -> tuple[SheetCells, ...]:
+        """Return sheets as they stand in the file, with what their cells became; those of problems are refused.
+
+        A sheet of notes alone, of which nothing was made, is left out.
+        """
+        by_sheet: dict[str | None, list[ReadingsError]] = defaultdict(list)
+        for problem in problems:
+            by_sheet[problem.place.sheet].append(problem)
+        made = []
+        for page in pages:
+            first = self._derived[page.name]
+            became = sorted(self._done[page.name].items(), key=lambda item: item[0][1] in first)
+            done = {(row, first.get(column, column)): meaning for (row, column), meaning in became}
+            if page.name in around:
+                done = {(column, row): meaning for (row, column), meaning in done.items()}
+            made.append(sheet_cells(page, done, by_sheet[page.name]))
+        told = [cells for cells in made if any(one and one != _HEADING for row in cells.meanings for one in row)]
+        return tuple(told or made)
 
     # --- one table ------------------------------------------------------------------------------------------------
 
-    def _enter(self, table: HeadedTable, rows: range) -> set[tuple[int, int]]:
+    def _enter(self, table: HeadedTable, rows: range) -> dict[tuple[int, int], CellMeaning]:
         """Note a table with its headings, and return the cells of its sheet that are accounted for."""
         sheet = table.sheet
+        self._derived[sheet.name] |= sheet.derived
         self._tables[sheet.name].append((rows, table))
         for row in range(max(table.first, 0), table.last + 1):
             for column in table.span:
                 cell = sheet.cell(row, column)
                 # under a turned table's headings stand notes as well
                 if number_of(text_of(cell)) is None and not (sheet.turned and numbers_of(cell)):
-                    self._done[sheet.name].add((row, column))
+                    self._done[sheet.name][row, column] = _HEADING
         return self._done[sheet.name]
 
     def _is_figure(self, rows: SheetRows, index: int) -> bool:
@@ -183,7 +219,7 @@ class Account:
         if role not in ("specification", "mean", "raw") and not _is_of_gauge(table, index):
             return False
         if role == "specification" and self._is_of_controller(rows, index):
-            self._done[table.sheet.name].update((row, index) for row in table.rows)
+            self._mark(table, index, _NEW)
         else:
             self._leave_column(table, index, self._sizes_in(rows, index), role)
         return True
@@ -269,7 +305,7 @@ class Account:
 
     def _leave_column(self, table: HeadedTable, index: int, sizes: list[tuple[int, int]], role: Role | None) -> None:
         sheet = table.sheet
-        self._done[sheet.name].update((row, index) for row in table.rows)
+        self._mark(table, index, _NEW if role == "specification" else aside(_WHY[role] if role else _OTHER_COLUMN))
         if sizes:
             text = Sentence(
                 "column {name} is left aside{why}: {shown}",
@@ -279,6 +315,11 @@ class Account:
             )
             level: MessageLevel = "warning" if role in (None, "remark") else "info"
             self.messages.append(Message(level, "column_aside", text, table.heading_place(index)))
+
+    def _mark(self, table: HeadedTable, index: int, meaning: CellMeaning) -> None:
+        """Say of the cells of a column of which nothing was said before what they became."""
+        for row in table.rows:
+            self._done[table.sheet.name].setdefault((row, index), meaning)
 
     def _slipped(self, rows: SheetRows) -> None:
         """Report a number of the size of a diameter in a row whose diameter is empty."""
@@ -293,7 +334,7 @@ class Account:
                 lone = not isinstance(cell, str) or number_of(cell) is not None
                 if lone and self._is_size(sheet, row, index, headed=table):
                     self.problems.append(_slip(table, row, index))
-                    self._done[sheet.name].add((row, index))
+                    self._done[sheet.name][row, index] = _NOT_READ
 
     def _is_usual(self, rows: SheetRows, index: int) -> bool:
         """Return whether numbers of that size are usual in a column of another quantity: 18.2 °C, say."""

@@ -74,7 +74,9 @@ def is_role(name: str) -> bool:
     (True, True, False)
     """
     match = _NAME.fullmatch(name)
-    return match is not None and (match[1] in ("value", "deviation") or (not match[2] and match[1] in {*ROLES, *ABOUT}))
+    return match is not None and (
+        match[1] in ("value", "deviation", "rows") or (not match[2] and match[1] in {*ROLES, *ABOUT})
+    )
 
 
 def require_known(names: Iterable[str]) -> None:
@@ -99,9 +101,9 @@ class SheetMapping:
     chosen
         by role the heading of its column, its letter or number; behind ``=`` what holds for all rows; `NOT_LOGGED`
         where no column holds it. ``value spool 0°`` says of what its diameters are; ``deviation`` is added to ``new``,
-        each in its unit. ``header`` and ``rows`` count as
-        the file's program does; ``missing`` is what stands for no reading, several with ``|`` between; ``spool`` and
-        ``sleeve`` are the sheet's words for them.
+        each in its unit. ``header`` and ``rows`` count as the file's program does; ``rows`` may be several ranges, and
+        of one sheet: ``rows Spools``. ``missing`` is what stands for no reading, several with ``|`` between; ``spool``
+        and ``sleeve`` are the sheet's words for them.
 
     Raises
     ------
@@ -112,33 +114,42 @@ class SheetMapping:
     def __init__(self, chosen: Mapping[str, str]) -> None:
         require_known(chosen)
         self.chosen = {name: text.strip() for name, text in chosen.items()}
-        self.header = self._lines("header")
-        self.lines = self._lines("rows")
+        self.header = next(iter(self._lines("header")), None)
+        self.lines = {_words(name): self._lines(name) for name in self.chosen if _NAME.sub(r"\1", name) == "rows"}
         self._constants = {name: text[1:].strip() for name, text in self._roles if text.startswith(CONSTANT)}
         self._columns = {name: text for name, text in self._roles if text and not text.startswith(CONSTANT)}
         self._values = {name: self._value(name) for name in self._columns if _role(name) == "diameter"}
 
     def __bool__(self) -> bool:
-        return bool(self.chosen)
+        """Tell whether it says of columns what they are: rows that count say nothing of them."""
+        return len(self.chosen) > len(self.lines)
 
     @property
     def _roles(self) -> Iterator[tuple[str, str]]:
-        return ((name, text) for name, text in self.chosen.items() if name not in ABOUT)
+        return ((name, text) for name, text in self.chosen.items() if _NAME.sub(r"\1", name) not in ABOUT)
 
-    def _lines(self, name: str) -> tuple[int, int] | None:
-        """Return the first and last row that is stated; (0, 0) for none."""
+    def _lines(self, name: str) -> list[tuple[int, int]]:
+        """Return the first and last row of each range that is stated; (0, 0) for none."""
         text = self.chosen.get(name, "")
         if not text or text == "none":
-            return (0, 0) if text else None
-        match = _LINES.fullmatch(text)
-        first, last = (0, 0) if match is None else (_line(end) for end in (match[1], match[2] or match[1]))
-        if not 0 < first <= last:
+            return [(0, 0)] if text else []
+        matches = [_LINES.fullmatch(part.strip()) for part in (text.split(",") if name != "header" else [text])]
+        ranges = [(_line(match[1]), _line(match[2] or match[1])) if match else (0, 0) for match in matches]
+        if not all(0 < first <= last for first, last in ranges):
             expected = Sentence(
-                "rows as the sheet counts them, such as 3 or 3-40; 'none' where no headings stand; a letter such as A "
-                "where they run down a column"
+                "rows as the sheet counts them, such as 3, 3-40 or 3-13,15-40; 'none' where no headings stand; a "
+                "letter such as A where they run down a column"
             )
             raise _refused(Sentence("no rows of a sheet"), f"{name}={text}", expected)
-        return first, last
+        return ranges
+
+    def leaves_out(self, sheet: Sheet) -> frozenset[int]:
+        """Return the rows of a sheet that are said not to count."""
+        ranges = self.lines.get(sheet.name or "") or self.lines.get("")
+        if not ranges:
+            return frozenset()
+        counted = {number for first, last in ranges for number in range(first, min(last, len(sheet.rows) * 2) + 1)}
+        return frozenset(row for row in range(len(sheet.rows)) if sheet.row_number(row) not in counted)
 
     @property
     def down(self) -> bool:
@@ -186,7 +197,7 @@ class SheetMapping:
     def _above_numbers(self, sheet: Sheet) -> range:
         """Return the row above the first number of a diameter, if it holds text; else the headings that are likely."""
         columns = [at for name in self._values if (at := _position(self._columns[name])) is not None]
-        first = self.lines[0] if self.lines else 0
+        first = min((first for ranges in self.lines.values() for first, _ in ranges), default=0)
         for row in range(len(sheet.rows)) if columns else ():
             cells = [sheet.cell(row, at) for at in columns]
             if sheet.row_number(row) >= first and any(number_of(text_of(cell)) for cell in cells if not is_blank(cell)):
@@ -228,7 +239,7 @@ class SheetMapping:
         rows, texts, at = found
         columns = self._all_columns(texts, at)
         first, last = (rows[0], rows[-1]) if rows else (-1, -1)
-        view = self._as_said(sheet, columns, range(last + 1))
+        view = self._as_said(sheet, columns)
         table = HeadedTable(view, first, last, columns, texts, mapped=True)
         if (component := self._constants.get("component")) is not None:
             table = replace(table, component=names.require_component(component))
@@ -298,9 +309,8 @@ class SheetMapping:
                 raise _refused(Sentence("not understood as {role}", role=name), text, expected)
         return said
 
-    def _as_said(self, sheet: Sheet, columns: Collection[HeadedColumn], above: range) -> Sheet:
-        """Return the sheet without rows that do not count and without what stands for no reading, in our words."""
-        first, last = self.lines or (0, len(sheet.rows) + (sheet.lines or [0])[-1])
+    def _as_said(self, sheet: Sheet, columns: Collection[HeadedColumn]) -> Sheet:
+        """Return the sheet without what stands for no reading, in our words."""
         missing = {plain(text) for text in self.chosen.get("missing", "").split("|") if text.strip()}
         words: dict[str, Part] = {
             plain(self.chosen[part]): part for part in ("spool", "sleeve") if self.chosen.get(part)
@@ -313,17 +323,8 @@ class SheetMapping:
                 return ""
             return words.get(plain(text_of(cell)), cell) if index in parts and words else cell
 
-        rows = [
-            [said(index, cell) for index, cell in enumerate(cells)]
-            if row in above or first <= sheet.row_number(row) <= last
-            else []
-            for row, cells in enumerate(sheet.rows)
-        ]
-        faults = {
-            at: why
-            for at, why in sheet.faults.items()
-            if rows[at[0]] and not (at[1] in values and plain(why) in missing)
-        }
+        rows = [[said(index, cell) for index, cell in enumerate(cells)] for cells in sheet.rows]
+        faults = {at: why for at, why in sheet.faults.items() if not (at[1] in values and plain(why) in missing)}
         return replace(sheet, rows=rows, faults=faults)
 
 
@@ -399,7 +400,9 @@ def remember_sheet(path: Path, readings: Readings, unit: str | None = None) -> N
     OutputError
         where the sheet has no headings, or the file cannot be written.
     """
-    columns = {name: text for name, text in readings.columns if name not in ("header", "rows")}
+    columns = {name: text for name, text in readings.columns if _NAME.sub(r"\1", name) not in ("header", "rows")}
+    if not columns:
+        return
     units = {"value": unit} if unit else {}
     remember(path, fingerprint(readings.headings), columns, units, format=FORMAT, columns=readings.headings)
 

@@ -36,7 +36,7 @@ from atleak.common.sentences import Sentence, all_of, counted, in_a_row
 from atleak.common.units import Unit, find_unit
 from atleak.common.units import unit as unit_named
 from atleak.measurements.gauge_readings import PressureTable
-from atleak.measurements.readings import Reading, Readings
+from atleak.measurements.readings import Reading, Readings, SheetCells
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Sheet
 from atleak.readers.cells.sheet_file import read_bytes, read_sheets
@@ -67,13 +67,14 @@ class ReadingsRefused(ReadingsError):
     """A measuring sheet that cannot be used, with every reason.
 
     ``place``, ``value``, ``expected`` and ``nearest`` are those of the first problem; ``problems`` holds them all, in
-    the order of the sheet. The text lists the first ten.
+    the order of the sheet. The text lists the first ten. ``sheets`` are those of the file, as `Readings.sheets`.
     """
 
-    def __init__(self, problems: Sequence[ReadingsError]) -> None:
+    def __init__(self, problems: Sequence[ReadingsError], sheets: tuple[SheetCells, ...] = ()) -> None:
         if not problems:
             raise ValueError("at least one problem")
         self.problems = tuple(problems)
+        self.sheets = sheets
         first = self.problems[0]
         super().__init__(
             first.problem, place=first.place, value=first.value, expected=first.expected, nearest=first.nearest
@@ -111,6 +112,7 @@ def read_readings(
     mapping: Mapping[str, str] | None = None,
     remembered: Path | None = None,
     made_for: str | None = None,
+    with_cells: bool = False,
 ) -> Readings:
     """Return the readings of a measuring sheet.
 
@@ -137,6 +139,8 @@ def read_readings(
         a file of mappings chosen earlier (see `atleak.readers.remembered_columns`); None: none are consulted.
     made_for
         id that the sheet may name in place of the controller's: of the one from which this one was copied.
+    with_cells
+        whether to keep the file's own tables, with what became of every cell.
 
     Returns
     -------
@@ -181,20 +185,22 @@ def read_readings(
     tables = [*chosen.tables, *chosen.of_lands]
     lands = read_land_values(tables, ControllerNames(controller), given_unit, where)
     controller = lands.own.with_fitted(controller)
-    measured = _Measurement(chosen, sheets, lands, ControllerNames(controller), given_unit, where)
+    measured = _Measurement(chosen, sheets, lands, ControllerNames(controller), given_unit, where, settled)
     result = measured.readings(hashlib.sha256(data).hexdigest(), pressures)
-    if settled:
+    if settled.chosen:
         note = [] if earlier is None else [earlier.entry.note]
         columns, headings = tuple(settled.chosen.items()), measured.first.headed
         result = replace(result, messages=(*note, *result.messages), columns=columns, headings=headings)
     problems = [*measured.problems, *check(result, controller)]
     others = [agreement.other_controller(table, controller, made_for) for table in chosen.tables]
     problems = next(([other] for other in reversed(others) if other is not None), problems)
+    if with_cells:
+        result = replace(result, sheets=measured.sheets(problems))
     if problems:
         refused = sorted(problems, key=lambda problem: problem.place.row or 0)
         if earlier is not None:
             refused.append(ReadingsError(earlier.entry.note.text, place=Place(file)))
-        raise ReadingsRefused(refused)
+        raise ReadingsRefused(refused, result.sheets)
     if not (result.readings or result.unworn or any(map(is_typed, sheets))) and pressures is None:
         raise _none_left(result, measured.first)
     return result
@@ -211,8 +217,10 @@ class _Measurement:
         names: ControllerNames,
         unit: Unit | None,
         where: Mapping[str, str] | None,
+        said: SheetMapping,
     ) -> None:
-        self.chosen, self.lands, self.unit = chosen, lands, unit
+        self.chosen, self.lands, self.unit, self.said = chosen, lands, unit, said
+        self.given = [page for page in sheets if not page.hidden]
         self.rows = self._rows(names, where)
         self.filled = [rows for rows in self.rows if rows.entries]
         self.first = next((rows.table for rows in self.filled), chosen.tables[0])
@@ -233,14 +241,14 @@ class _Measurement:
         for table in self.chosen.tables:
             if sum(len(rows.problems) for rows in read) > FAULTS:
                 break
-            read.append(read_rows(table, names, self.unit, where))
+            read.append(read_rows(table, names, self.unit, where, self.said.leaves_out(table.sheet)))
         return [rows for rows in read if not rows.columns.problems or rows.table.count_values()]
 
     def _account(self, names: ControllerNames) -> Account:
         """Return what became of every cell of the file."""
         chosen = self.chosen
         account = Account(names, [*self.converted.units, *([self.unit.name] if self.unit else [])])
-        account.take(self.lands.cells)
+        account.take(self.lands.cells, of_lands=True)
         for rows in self.rows:
             account.enter(rows)
         for table in chosen.of_lands:
@@ -252,11 +260,19 @@ class _Measurement:
                 account.problems += read_rows(table, names, self.unit).problems
         for sheet in chosen.sheets_left_aside:
             account.leave_sheet(sheet)
-        around = {page.name for page in chosen.sheets if page.turned}
+        around = self._around
         cells = self.head.cells
         account.take((name, column, row) if name in around else (name, row, column) for name, row, column in cells)
         account.close([page for page in chosen.sheets if not page.hidden])
         return account
+
+    @property
+    def _around(self) -> set[str | None]:
+        """Return the sheets that are read with rows and columns exchanged."""
+        return {page.name for page in self.chosen.sheets if page.turned}
+
+    def sheets(self, problems: Iterable[ReadingsError]) -> tuple[SheetCells, ...]:
+        return self.account.sheets(self.given, problems, self._around)
 
     def readings(self, digest: str, pressures: PressureTable | None) -> Readings:
         converted, head, sheet = self.converted, self.head, self.first.sheet

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,8 +13,9 @@ from atleak.catalogue.words import PART_WORDS
 from atleak.common.errors import Message, ReadingsError, nearest_name, unknown
 from atleak.common.sentences import Name, Sentence, all_of, counted
 from atleak.common.units import Unit, find_unit, unit_names
+from atleak.measurements.readings import CellKind, CellMeaning
 from atleak.readers.cells.extent import FAULTS
-from atleak.readers.cells.sheet import Cell, column_letter
+from atleak.readers.cells.sheet import Cell, column_letter, rows_named
 from atleak.readers.sheets.column_headings import HeadedColumn
 from atleak.readers.sheets.columns import Columns, find_columns
 from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames, read_label
@@ -46,6 +47,23 @@ _IN_TEXT = Sentence(
 )
 
 
+LABEL_OF: Mapping[str, CellMeaning] = {
+    "component": CellMeaning(CellKind.LABEL, Sentence("component")),
+    "part": CellMeaning(CellKind.LABEL, Sentence("part")),
+    "plane": CellMeaning(CellKind.LABEL, Sentence("plane")),
+    "land": CellMeaning(CellKind.LABEL, Sentence("land")),
+    "direction": CellMeaning(CellKind.LABEL, Sentence("direction")),
+    "repeat": CellMeaning(CellKind.LABEL, Sentence("repeat")),
+    "unit": CellMeaning(CellKind.LABEL, Sentence("unit")),
+}
+_DIAMETER_OF: Mapping[Part, CellMeaning] = {part: CellMeaning(CellKind(part)) for part in ("spool", "sleeve")}
+
+
+def aside(why: Sentence) -> CellMeaning:
+    """Return that a cell was left aside, and why."""
+    return CellMeaning(CellKind.ASIDE, why)
+
+
 # what a cell of a key says: how it is read, and what is wrong where that fails
 _KEYS: Mapping[str, tuple[Callable[[Cell], Any], Sentence, Sentence]] = {
     "part": (
@@ -67,8 +85,8 @@ _KEYS: Mapping[str, tuple[Callable[[Cell], Any], Sentence, Sentence]] = {
 class SheetRows:
     """The diameters of a table as written, and what is wrong with it.
 
-    ``cells`` are those that were read or left aside with a word, by row and column; ``of_row`` is what the rows that
-    were read are of.
+    ``cells`` says what those became that were read or left aside with a word, by row and column; ``of_row`` is what
+    the rows that were read are of.
     """
 
     table: HeadedTable
@@ -77,19 +95,23 @@ class SheetRows:
     problems: list[ReadingsError] = field(default_factory=list)
     messages: list[Message] = field(default_factory=list)
     rows_without_reading: int = 0
-    cells: set[tuple[int, int]] = field(default_factory=set)
+    cells: dict[tuple[int, int], CellMeaning] = field(default_factory=dict)
     of_row: dict[int, list[PlaceKey]] = field(default_factory=dict)
 
 
 def read_rows(
-    table: HeadedTable, names: ControllerNames, given_unit: Unit | None, where: Mapping[str, str] | None = None
+    table: HeadedTable,
+    names: ControllerNames,
+    given_unit: Unit | None,
+    where: Mapping[str, str] | None = None,
+    left_out: Collection[int] = (),
 ) -> SheetRows:
-    """Read every diameter of a table, and note everything that is wrong with it."""
+    """Read every diameter of a table but those of rows that are left out, and note everything that is wrong with it."""
     columns = find_columns(table, names)
     if columns.problems:
         return SheetRows(table, columns, problems=columns.problems)
     reader = _Reader(table, columns, names, given_unit)
-    reader.read(where or {})
+    reader.read(where or {}, left_out)
     return reader.rows
 
 
@@ -101,8 +123,16 @@ class _Reader:
         self.blanks: dict[HeadedColumn, dict[int, None]] = defaultdict(dict)
         self.overridden: set[str] = set()
 
-    def read(self, where: Mapping[str, str]) -> None:
-        left_out, breaks = self._read_all_rows(rows_left_out(self.table, where))
+    def read(self, where: Mapping[str, str], said: Collection[int]) -> None:
+        others = Sentence("other rows were chosen")
+        unwanted = dict.fromkeys(rows_left_out(self.table, where), others)
+        unwanted |= dict.fromkeys(said, Sentence("said not to count"))
+        dropped, breaks = self._read_all_rows(unwanted)
+        left_out = sum(unwanted[row] is others for row in dropped)
+        if left_out < len(dropped):
+            named = rows_named(self.sheet, [row for row in dropped if unwanted[row] is not others])
+            text = Sentence("{rows} left aside, as said", rows=named)
+            self.rows.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
         self._read_means_alone()
         self._report_blanks()
         self._report_overridden()
@@ -126,9 +156,9 @@ class _Reader:
         rows.messages += mark_messages(table, rows.of_row, columns)
         rows.messages += repeat_messages(rows.entries, table, columns, self.names.controller)
 
-    def _read_all_rows(self, unwanted: frozenset[int]) -> tuple[int, list[Break]]:
-        """Read all rows but those that are left out or aside; return how many were left out, and the titles between."""
-        left_out = 0
+    def _read_all_rows(self, unwanted: Mapping[int, Sentence]) -> tuple[list[int], list[Break]]:
+        """Read all rows but those that are left out or aside; return which were left out, and the titles between."""
+        left_out: list[int] = []
         breaks: list[Break] = []
         values = [column.index for group in self.columns.groups for column in group.values()]
         faulty_rows = {row for row, _ in self.sheet.faults}
@@ -139,9 +169,10 @@ class _Reader:
             if all(is_blank(cell) for cell in cells) and row not in faulty_rows:
                 continue
             holds = any(not is_blank(self.sheet.cell(row, index)) for index in values)
-            if row in unwanted or (holds and self.exclusions.takes(row)):
-                left_out += holds and row in unwanted
-                self.rows.cells.update((row, index) for index in range(len(cells)))  # a message names the row
+            why = unwanted.get(row) or (self.exclusions.takes(row) if holds else None)
+            if why is not None:
+                left_out += [row] if holds and row in unwanted else []
+                self.rows.cells |= dict.fromkeys(((row, index) for index in range(len(cells))), aside(why))
             elif not self._read_row(row):
                 if title := self._title(row):
                     breaks.append((row, title))
@@ -154,14 +185,14 @@ class _Reader:
         values, rows = list(self._raw_values(row)), self.rows
         if values:
             self._report_overlong(row)
-            rows.cells.update((row, column.index) for column in self.columns.keys)
+            rows.cells |= {(row, column.index): LABEL_OF[column.role] for column in self.columns.keys}
         for group, value in values:
             key = self._key(row, next(iter(group.values())))
             if key is not None and value is not None:
                 column = (group.get("diameter") or next(iter(group.values()))).index
                 rows.entries.append(DiameterCell(row, column, key, value))
                 rows.of_row.setdefault(row, []).append(key)
-                rows.cells.update((row, column.index) for column in group.values())
+                rows.cells |= dict.fromkeys(((row, column.index) for column in group.values()), _DIAMETER_OF[key.part])
         return bool(values) or row in self.exclusions.struck
 
     def _is_named(self, row: int) -> bool:
@@ -180,6 +211,7 @@ class _Reader:
     def _read_means_alone(self) -> None:
         """Read means as readings where their single readings are not on the sheet."""
         for row, what in self.exclusions.take_back_means(tuple(self.rows.entries)):
+            self.rows.cells = {at: meaning for at, meaning in self.rows.cells.items() if at[0] != row}
             self._read_row(row)
             text = Sentence(
                 "row {row} is said to be a {what}, and its single readings are not there: read as one reading",
@@ -215,7 +247,8 @@ class _Reader:
             given = {name: column for name, column in group.items() if not is_blank(self.sheet.cell(row, column.index))}
             if any((row, column.index) in self.sheet.marks.struck for column in given.values()):
                 self.exclusions.struck.append(row)
-                self.rows.cells.update((row, column.index) for column in given.values())
+                struck = aside(Sentence("crossed out"))
+                self.rows.cells |= dict.fromkeys(((row, column.index) for column in given.values()), struck)
             elif given:
                 yield group, None if self._half_given(row, group, given) else self._raw_value(row, given)
             elif any([self._fault(row, column, group) for column in group.values()]):  # noqa: C419  all are reported
@@ -449,7 +482,8 @@ class _Reader:
 
     def _report_hidden_columns(self) -> None:
         for column in self.columns.hidden:
-            self.rows.cells.update((row, column.index) for row in self.table.rows)
+            hidden = aside(Sentence("a hidden column"))
+            self.rows.cells |= dict.fromkeys(((row, column.index) for row in self.table.rows), hidden)
         for columns, done in (
             (self.columns.hidden, Sentence("left aside, because a visible column holds the same part")),
             (self.columns.hidden_read, Sentence("read, because no visible column holds the same part")),

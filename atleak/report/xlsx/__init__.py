@@ -21,6 +21,7 @@ from atleak.report.sheets.paging import UNDATED, workbook
 from atleak.report.tables.assumed import assumed_section
 from atleak.report.tables.evidence import printed_sections
 from atleak.report.tables.road_test import event_table
+from atleak.report.tables.what_was_read import WHAT_WAS_READ
 from atleak.report.xlsx.book import ReportBook
 from atleak.report.xlsx.circuits import CIRCUITS
 from atleak.report.xlsx.conditions import CONDITIONS
@@ -32,7 +33,7 @@ from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets, wr
 from atleak.report.xlsx.road_sheet import ROAD_SHEET as GAUGES
 from atleak.report.xlsx.rules import LIMITS_SHEET, RULES
 from atleak.report.xlsx.sheets import ESTIMATE_SHEET as ESTIMATE
-from atleak.report.xlsx.sheets import Sheets, write_estimate
+from atleak.report.xlsx.sheets import Sheets, write_estimate, write_what_was_read
 from atleak.report.xlsx.uncertainty import BUDGET, INSTRUMENTS_SHEET
 from atleak.version import __version__
 
@@ -130,6 +131,8 @@ def _write_unit(book: ReportBook, diagnosis: Diagnosis, live: LiveSheets, rest: 
     live.rules.write(book, book.sheet(RULES, frozen=(1, 3)))
     if diagnosis.readings:
         live.readings.write(book, book.sheet(READINGS, frozen=(1, 2)))
+    if diagnosis.readings and diagnosis.readings.sheets:
+        write_what_was_read(book, book.sheet(WHAT_WAS_READ), diagnosis.readings.sheets)
     if live.directions.sheet.items:
         live.directions.sheet.write(book, book.sheet(DIRECTIONS_SHEET, frozen=(1, 2)), lines=3)
     if live.instruments is not None and live.budget is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from decimal import Decimal
 from functools import partial
 from typing import Any
@@ -12,10 +13,13 @@ from atleak.analysis.estimate import estimate
 from atleak.analysis.repair.plan import PumpStep, RepairPlan, RepairStep, plan_repairs
 from atleak.common.errors import MessageLevel
 from atleak.common.sentences import Name, Sentence
+from atleak.common.style import cell_colour
 from atleak.common.units import DM3_MIN, PERCENT, UnitOf
 from atleak.common.verdicts import BANDS, VERDICTS, Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job, Record
+from atleak.measurements.readings import CellKind, SheetCells
+from atleak.readers.cells.sheet import column_letter
 from atleak.report.json.conditions import named_record
 from atleak.report.tables.answer import answer_facts
 from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
@@ -31,6 +35,15 @@ from atleak.report.tables.sentences import (
     measuring_temperature,
     option_value,
     profile_words,
+)
+from atleak.report.tables.what_was_read import (
+    KIND_WORDS,
+    WHAT_BECAME,
+    as_written,
+    column_said,
+    kinds_in,
+    meaning_said,
+    row_said,
 )
 from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.conditions import AS_SPOOLS_MAY_LIE, DEMAND, covers
@@ -77,6 +90,7 @@ _FACTORS = Sentence(
     "such as 25.4 beside a cell does that."
 )
 _LEVELS: dict[MessageLevel, Sentence] = {"info": Sentence("info"), "warning": Sentence("warning")}
+_NARROWEST, _WIDEST = 9, 15  # columns of what was read [characters]
 _LEAST = 10  # columns of the summary: what stands alone is a long text
 _KINDS = {"_km": "distance", "_c": "temperature", "_um": "clearance"}  # of quantity, by the end of a field's name
 _WORDED = ("name", "representative_note", "source")  # of an entry of the catalogue, in words
@@ -431,6 +445,45 @@ def write_estimate(book: ReportBook, sheet: Worksheet, diagnosis: Diagnosis, job
     for sentence in (*words.chosen_by(), *words.missing(), *words.ends(), words.rounding()):
         book.put(sheet, row, 0, sentence)
         row += 1
+
+
+def write_what_was_read(book: ReportBook, sheet: Worksheet, sheets: Sequence[SheetCells]) -> None:
+    """Write the file's own tables as they stand, each cell in the colour of what it became, and the reasons beside."""
+    form = {
+        kind: book.form(bg_color=cell_colour(kind, on_screen=False), align="left", text_wrap=kind is CellKind.HEADING)
+        for kind in KIND_WORDS
+    }
+    line = 0
+    for kind in kinds_in(sheets):
+        book.put(sheet, line, 1, KIND_WORDS[kind], form[kind])
+        line += 1
+    widths = {0: _NARROWEST, 1: 2 * _WIDEST}
+    for each in sheets:
+        columns = range(max(map(len, each.rows), default=0))
+        said = [column_said(each, column, book.say) for column in columns]
+        line += 1
+        if each.name is not None:
+            book.put(sheet, line, 1, each.name, book.bold)
+        book.headings(sheet, line + 1, [Sentence("row"), WHAT_BECAME, *map(column_letter, columns)], lines=1)
+        sheet.set_row(line + 2, 15.0 * max((1 + len(words) // _NARROWEST for words in said), default=1))
+        for column, words in enumerate(said):
+            book.put(sheet, line + 2, column + 2, words, book.wrapped)
+        line += 3
+        for row, cells in enumerate(each.rows):
+            of_row = row_said(each, row, book.say)
+            book.put(sheet, line, 0, each.numbers[row], book.form(align="left"))
+            book.put(sheet, line, 1, of_row, book.wrapped)
+            for column, (cell_of, meaning) in enumerate(zip(cells, each.meanings[row], strict=True), 2):
+                if cell_of != "":
+                    book.put(sheet, line, column, as_written(cell_of), form[meaning.kind] if meaning else book.form())
+                    widths[column] = min(max(widths.get(column, _NARROWEST), len(str(cell_of)) + 2), _WIDEST)
+                if meaning is not None and meaning.kind in (CellKind.ASIDE, CellKind.REFUSED):
+                    why = meaning_said(meaning, book.say)
+                    if why not in (of_row, said[column - 2]):
+                        sheet.write_comment(line, column, why)
+            line += 1
+    for column, width in widths.items():
+        sheet.set_column(column, column, width)
 
 
 def _number(value: Decimal | None) -> float | None:
