@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import shipped_files
 from atleak.common.damage import DAMAGE, is_own_fault, own_errors_only
 from atleak.common.errors import InputError, ReadingsError
@@ -34,6 +35,7 @@ _WORKBOOK = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
 _LOG_OF_BUS = (b"MDF     ", b"UnFinMF ")  # ASAM MDF, finished and unfinished
 _PARQUET = b"PAR1"
 _REFUSED: tuple[type[Exception], ...] = (ReadingsError, *DAMAGE)
+_SHORT, _SURE = 400, 4  # rows of a sheet that may be of another valve body, and planes of that found in it
 _START = 60_000  # bytes of a text that are looked at
 _PICTURES = (b"\x89PNG\r\n", b"\xff\xd8\xff")
 _TOML = re.compile(r"(\s*#.*\n|\s*\n)*\s*(\w+ *= *[\"'0-9\[]|\[\w+\])")
@@ -89,7 +91,14 @@ def table_kind(data: bytes, controller: Controller) -> TableKind:
         if any(finder.rows_of(sheet) for sheet in sheets if finder.find(sheet)):
             return kind
     measured = any(looks_measured(sheet, names) for sheet in sheets)  # under headings that nobody knows
+    short = [sheet for sheet in sheets if len(sheet.rows) <= _SHORT]
+    measured = measured or any(looks_measured(sheet, other, _SURE) for sheet in short for other in _shipped_names())
     return TableKind.ROAD_TEST if not measured and any(sheet.rows for sheet in sheets) else TableKind.READINGS
+
+
+@cache
+def _shipped_names() -> tuple[ControllerNames, ...]:
+    return tuple(ControllerNames(load_controller(name)) for name in shipped_files("controllers"))
 
 
 class FileKind(StrEnum):

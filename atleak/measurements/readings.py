@@ -177,12 +177,15 @@ class SheetCells:
         of the same cells; None where nothing was to be made of one.
     numbers
         of the rows, as the file's program counts them.
+    turned
+        whether it was read with rows and columns exchanged.
     """
 
     name: str | None  # None of a text
     rows: Sequence[Sequence[Any]]
     meanings: Sequence[Sequence[CellMeaning | None]]
     numbers: Sequence[int]
+    turned: bool = False
 
 
 @dataclass(frozen=True)

@@ -174,11 +174,13 @@ def _readings(key: str, _case: Case, _controller: Controller) -> Readings:
 
 
 @st.cache_resource(max_entries=6, show_spinner=False)
-def _look(key: str, _file: SourceFile, _controller: Controller, sheet: str | None, header: str) -> SheetLook:
-    return look_at(_file.content, _controller, name=_file.name, sheet=sheet, header=header)
+def _look(
+    key: str, _file: SourceFile, _controller: Controller, sheet: str | None, mapping: dict[str, str]
+) -> SheetLook:
+    return look_at(_file.content, _controller, name=_file.name, sheet=sheet, mapping=mapping)
 
 
-def sheet_look(file: SourceFile, controller: Controller, sheet: str | None, header: str) -> SheetLook:
+def sheet_look(file: SourceFile, controller: Controller, sheet: str | None, mapping: dict[str, str]) -> SheetLook:
     """Return how a measuring sheet looks, and which column most likely is what.
 
     Raises
@@ -186,7 +188,7 @@ def sheet_look(file: SourceFile, controller: Controller, sheet: str | None, head
     ReadingsError
         as `look_at`.
     """
-    return _look(f"{file.name} {file.sha256} {controller.sha256}", file, controller, sheet, header)
+    return _look(f"{file.name} {file.sha256} {controller.sha256}", file, controller, sheet, mapping)
 
 
 @st.cache_resource(max_entries=6, show_spinner=False)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import count
 from typing import Any
 
 import pandas as pd
@@ -14,22 +15,31 @@ from atleak.common.errors import AtleakError, OutputError
 from atleak.common.units import MM, unit_names
 from atleak.common.wording import Wording
 from atleak.job.case import SourceFile
-from atleak.measurements.readings import Readings
+from atleak.measurements.readings import Readings, SheetCells
 from atleak.readers.cells.sheet import column_letter
 from atleak.readers.logs import NOT_LOGGED, default_path
 from atleak.readers.remembered_columns import CONSTANT
-from atleak.readers.sheets.mapping import remember_sheet
+from atleak.readers.sheets.mapping import (
+    SheetMapping,
+    diameter_role,
+    diameter_said,
+    remember_sheet,
+    rows_role,
+    with_row_turned,
+)
 from atleak.readers.sheets.measuring_sheet import SheetLook
 from atleak.readers.typed_sheet import TYPED_FILE
-from pages.shared import fields, reader, show
-from pages.shared.cases import PageCase, controller_of, readings_of, sheet_look
-from pages.shared.state import choose, put_file, session
+from pages.shared import fields, reader, show, what_was_read
+from pages.shared.cases import FITTED, PageCase, controller_of, readings_of, sheet_look
+from pages.shared.state import choose, put_file, remember, session
 
 AS_STATED = ""  # the unit that the sheet says
-AS_HEADED = "\x00headed"  # no column has such a name
-_ROLES = ("component", "plane", "part", "direction", "repeat", "new")
-_TEXTS = ("rows", "missing", "spool", "sleeve")
-_VALUES = 4  # columns of diameters that can be named
+_ROLES = ("component", "plane", "part", "direction", "repeat", "value", "new", "deviation")
+_BY_CLICK = ("component", "plane", "part", "direction", "repeat", "value spool", "value sleeve", "value", "new")
+_OF_DIAMETER = ("part", "plane", "direction", "repeat")
+_DIRECTIONS, _REPEATS = ("0°", "45°", "90°", "135°"), ("1", "2", "3", "4", "5")
+_TURNS = count()
+_TEXTS = ("missing", "spool", "sleeve")
 _SHOWN = 200  # readings of a preview
 
 
@@ -85,146 +95,300 @@ def _form(file: SourceFile, case: PageCase) -> None:
 # --- which column is what
 
 
-@dataclass(frozen=True)
-class _Asked:
-    """What is asked of one sheet: how it looks, and what was chosen so far."""
+@dataclass
+class _Draft:
+    """What is said of a sheet on the page and is not used yet."""
 
     file: SourceFile
     case: PageCase
-    look: SheetLook
-    chosen: Mapping[str, str]
-    key: str
+    mapping: dict[str, str]  # with which the widgets began
+    unit: str
+    stored: str  # under which the session keeps it
+    sheet: str | None = None  # that is shown
+    turn: int = field(default_factory=_TURNS.__next__)  # part of the widgets' keys: they begin anew after a click
+    typed: dict[str, str] = field(init=False)  # the mapping as it stands in the widgets
+    tried: Readings | AtleakError | None = None  # what came of it when it was read so last
+    base: pd.DataFrame | None = None  # with which the table of columns began
 
-    def option(self, option: str) -> str:
-        """Return how a column is offered: by letter and heading, with a cell of the last row that is shown."""
-        say = reader.say()
-        if option == AS_HEADED:
-            return say("sheet_columns.as_headed")
-        if option == NOT_LOGGED:
-            return say("sheet_columns.no_column")
-        if option.startswith(CONSTANT):
-            return say("sheet_columns.in_all_rows", what=_part_said(option[1:], say))
-        if option not in self.look.columns:
-            return option
-        index, rows = self.look.columns.index(option), self.look.rows
-        cell = rows[-1][index] if rows and index < len(rows[-1]) else ""
-        return f"{column_letter(index)} · {option}" + (f": {cell}" if cell else "")
+    def __post_init__(self) -> None:
+        self.typed = dict(self.mapping)
 
-    def pick(self, place: Any, name: str, label: str, start: str | None) -> str:
-        """Ask for one column."""
-        parts = [f"{CONSTANT}{part}" for part in PART_WORDS] if name == "part" else []
-        options = list(dict.fromkeys([AS_HEADED, NOT_LOGGED, *parts, *self.look.columns, *filter(None, [start])]))
-        index = options.index(AS_HEADED if start is None else start)
-        picked: str = place.selectbox(label, options, index, key=f"{self.key}-{name}", format_func=self.option)
-        return picked
+    @property
+    def mine(self) -> bool:
+        """Return whether the sheet is the job's, and not one that was refused."""
+        return self.file == self.case.readings
+
+    def anew(self, mapping: Mapping[str, str], tried: Readings | AtleakError | None = None) -> None:
+        """Begin every widget anew with another mapping."""
+        self.mapping, self.typed, self.tried = dict(mapping), dict(mapping), tried
+        self.turn, self.base = next(_TURNS), None
 
 
 def _columns(file: SourceFile, case: PageCase) -> None:
-    """Show the file's own table and ask which column is what; opened by itself where the headings do not tell."""
-    say, stored = reader.say(), f"sheet-look-{file.sha256}"
-    mine, controller = file == case.readings, controller_of(case)
-    sheet, header = st.session_state.get(stored, (case.sheet_name if mine else None, ""))
-    settled: dict[str, str] = {}
+    """Show what was read of the file and ask which column is what; opened by itself where a sheet was refused."""
+    say, mine, controller = reader.say(), file == case.readings, controller_of(case)
+    refused = session().refused.get("readings")
+    error = refused.error if refused is not None and refused.file == file else None
     try:
-        look = sheet_look(file, controller, sheet, "")
-        if mine:
-            settled = dict(readings_of(case, file).columns)
-            header = header or settled.get("header", "")
+        now = readings_of(case, file) if mine else None
+        look = sheet_look(file, controller, None, {})
     except AtleakError:
         return  # the file is no table at all, and was refused
-    wanting = not mine and not look.understood
+    stored = f"sheet-said-{file.sha256}-{case.sheet_columns if mine else ''}"
+    if stored not in st.session_state:
+        likely = {} if look.understood else {**look.chosen, "header": look.header}
+        unit = (case.sheet_unit or AS_STATED) if mine else AS_STATED
+        st.session_state[stored] = _Draft(file, case, dict(now.columns) if now else likely, unit, stored)
+    draft: _Draft = st.session_state[stored]
+    draft.case = case
+    wanting = not mine or error is not None
     with fields.fold(say("sheet_columns.title"), key=f"sheet-columns-{file.sha256}-{wanting}", opened=wanting) as place:
         if not place.open:
             return
         if session().unkept[0] == file.sha256:
             st.warning(say("mapping.not_kept", why=show.plain(session().unkept[1])))
-        if header:
-            try:
-                look = sheet_look(file, controller, sheet, header)
-            except AtleakError as error:
-                st.error(show.plain(error))
-        _ask_for_the_table(look, stored)
-        start = settled or ({} if look.understood else dict(look.likely))
-        with st.form("sheet-columns", border=False):
-            _ask_for_columns(_Asked(file, case, look, start, f"{stored}-{look.sheet}-{look.header}"))
+        if isinstance(draft.tried, AtleakError):
+            st.error(show.plain(draft.tried))
+        if draft.base is not None and f"columns-{draft.turn}-header" not in st.session_state:
+            draft.anew(draft.typed, draft.tried)  # back from another page, which drops what stands in widgets
+        asking = any(name.startswith("value which") for name in draft.mapping)  # of which, only a person knows
+        try:
+            look = sheet_look(file, controller, draft.sheet, {} if asking else draft.mapping)
+        except AtleakError as fault:
+            st.error(show.plain(fault))
+        _what_was_read(draft, look, draft.tried or error or now)
+        _ask_for_columns(draft, look)
 
 
-def _ask_for_the_table(look: SheetLook, stored: str) -> None:
-    """Show the first rows, and ask for the sheet and the rows of the headings."""
-    say = reader.say()
-    width = len(look.columns)
-    rows = [[*cells, *[""] * (width - len(cells))][:width] for cells in look.rows]
-    letters = [column_letter(index) for index in range(width)]
-    st.dataframe(pd.DataFrame(rows, columns=letters, index=range(1, len(rows) + 1), dtype=str), width="stretch")
-    with st.form("sheet-table", border=False):
-        left, right, button = st.columns([2, 2, 1], vertical_alignment="bottom")
-        sheet = look.sheet
-        if len(look.sheets) > 1:
-            sheet = left.selectbox(say("sheet_form.sheet"), look.sheets, look.sheets.index(str(look.sheet)))
-        header = right.text_input(say("sheet_columns.header"), look.header, help=say("sheet_columns.header_help"))
-        if button.form_submit_button(say("sheet_columns.show")):
-            st.session_state[stored] = sheet, header.strip()
+def _what_was_read(draft: _Draft, look: SheetLook, last: Readings | AtleakError | None) -> None:
+    """Show the file's own table as it was read last, and let a click in it say what a row or a column is."""
+    say, key = reader.say(), f"read-{draft.file.sha256}-{draft.turn}"
+    if len(look.sheets) > 1:
+        at = look.sheets.index(str(look.sheet))
+        shown = st.selectbox(say("sheet_form.sheet"), look.sheets, at, key=f"{key}-sheet")
+        if shown != look.sheet:
+            draft.sheet = shown
+            draft.anew(draft.typed, draft.tried)
             st.rerun()
+    sheets: Sequence[SheetCells] = getattr(last, "sheets", ())
+    sheet = next((each for each in sheets if each.name == look.sheet), look.cells)
+    spot = what_was_read.draw(sheet, last.readings if isinstance(last, Readings) else (), f"{key}-{look.sheet}")
+    turned = sheet.turned or look.header[:1].isupper()  # a row of the file is a column to a mapping
+    number = None if spot.row is None or turned else sheet.numbers[spot.row]
+    column = None if turned else spot.column
+    row, headed, is_what = st.columns(3, vertical_alignment="bottom")
+    counts = number is None or _counts(draft, sheet, number)
+    row.button(
+        say(f"what_was_read.{'counts_not' if counts else 'counts'}", row="…" if number is None else number),
+        key=f"{key}-row", disabled=number is None, on_click=_row, args=(draft, look, sheet, number), width="stretch",
+    )  # fmt: skip
+    headed.button(
+        say("what_was_read.headed", row="…" if number is None else number), key=f"{key}-headed",
+        disabled=number is None, on_click=_header, args=(draft, look, str(number)), width="stretch",
+    )  # fmt: skip
+    of_column = f"{key}-is-{column}"
+    is_what.selectbox(
+        say("what_was_read.is", column="…" if column is None else column_letter(column)), _BY_CLICK, None, _said,
+        key=of_column, disabled=column is None, on_change=_column, args=(draft, look, column, of_column),
+        placeholder="–",
+    )  # fmt: skip
 
 
-def _ask_for_columns(asked: _Asked) -> None:
-    say, chosen = reader.say(), asked.chosen
-    mapping: dict[str, str] = {}
-    for first in range(0, len(_ROLES), 3):
-        for name, place in zip(_ROLES[first : first + 3], st.columns(3), strict=True):
-            mapping[name] = asked.pick(place, name, say(f"sheet_columns.{name}"), chosen.get(name))
-    values: list[tuple[str, str | None]] = [
-        (name.removeprefix("value").strip(), column) for name, column in chosen.items() if name[:5] == "value"
-    ]
-    values += [("", None)] * (_VALUES - len(values))
-    for number, (words, column) in enumerate(values, 1):
-        left, right = st.columns(2)
-        picked = asked.pick(left, f"value-{number}", say("sheet_columns.value", number=number), column)
-        of_which = right.text_input(
-            say("sheet_columns.of_which", number=number), words, key=f"{asked.key}-of-{number}",
-            placeholder=say("sheet_columns.such_words"),
-        )  # fmt: skip
-        if picked not in (AS_HEADED, NOT_LOGGED):
-            mapping[f"value {of_which}".strip()] = picked
-    for name, place in zip(_TEXTS, st.columns(len(_TEXTS)), strict=True):
-        text = place.text_input(say(f"sheet_columns.{name}"), chosen.get(name, ""), key=f"{asked.key}-{name}")
-        mapping |= {name: text.strip()} if text.strip() else {}
+def _counts(draft: _Draft, sheet: SheetCells, number: int) -> bool:
+    try:
+        return SheetMapping(draft.typed).counts(sheet.name, number)
+    except AtleakError:
+        return True  # what is typed is told where it is used
+
+
+def _row(draft: _Draft, look: SheetLook, sheet: SheetCells, number: int) -> None:
+    try:
+        _say(draft, look, with_row_turned(draft.typed, sheet, number))
+    except AtleakError as error:
+        draft.tried = error
+
+
+def _header(draft: _Draft, look: SheetLook, header: str) -> None:
+    """Say where the headings stand; columns that were named stay what they are."""
+    letters = {name: column_letter(index) for index, name in enumerate(look.columns)}
+    mapping = {name: letters.get(text, text) for name, text in draft.typed.items()}
+    _say(draft, look, {**mapping, "header": header.strip()})
+
+
+def _column(draft: _Draft, look: SheetLook, column: int, key: str) -> None:
+    role = st.session_state[key]
+    if role is not None:
+        name = look.columns[column]
+        others = {other: text for other, text in draft.typed.items() if text != name and other != role}
+        _say(draft, look, {"header": look.header, **others, role: name})
+
+
+def _say(draft: _Draft, look: SheetLook, mapping: Mapping[str, str]) -> None:
+    """Take what a click says: at once where it is the job's own sheet, else as far as the form is filled in."""
+    read, choices = _attempt(draft, look, mapping)
+    if draft.mine and isinstance(read, Readings):
+        remember(lambda say: say("done.sheet_read_anew", name=draft.file.name))
+        _use(draft, read, choices)
+    else:
+        draft.anew(mapping, read)
+
+
+def _attempt(
+    draft: _Draft, look: SheetLook, mapping: Mapping[str, str]
+) -> tuple[Readings | AtleakError, dict[str, Any]]:
+    """Read the sheet so; return its readings, or why there are none, and the choices by which they are read."""
+    own = {name: getattr(draft.case, name) for name in FITTED["readings"]} if draft.mine else FITTED["readings"]
+    choices = {**own, "sheet_columns": tuple(mapping.items()), "sheet_unit": draft.unit or None}
+    try:
+        if SheetMapping(mapping) and len(look.sheets) > 1:
+            choices["sheet_name"] = look.sheet
+        return readings_of(replace(draft.case, **choices, remember=False), draft.file), choices
+    except AtleakError as error:
+        return error, choices
+
+
+def _use(draft: _Draft, readings: Readings, choices: Mapping[str, Any]) -> None:
+    try:
+        remember_sheet(default_path(), readings, draft.unit or None)
+        session().unkept = ("", "")
+    except OutputError as error:
+        session().unkept = (draft.file.sha256, error.problem)
+    st.session_state.pop(draft.stored, None)
+    put_file("readings", draft.file)
+    choose(**choices)
+
+
+def _said(role: str) -> str:
+    """Return what a column is, in the reader's words."""
+    part = diameter_said(role).get("part") if role.startswith("value") else None
+    say = reader.say()
+    return say(f"sheet_columns.{role}") if part is None else say(f"sheet_columns.value_{part}")
+
+
+def _ask_for_columns(draft: _Draft, look: SheetLook) -> None:
+    """Ask in a table, with a row for each column of the file, what it is; below, what holds for the whole sheet."""
+    say, key = reader.say(), f"columns-{draft.turn}"
+    titles = {name: say(f"sheet_columns.{name}") for name in ("column", "example", "is", *_OF_DIAMETER)}
+    planes = {plane for land in controller_of(draft.case).lands for plane in land.planes}
+    options: dict[str, dict[str, str]] = {
+        "part": {_part_said(part, say): part for part in PART_WORDS},
+        "plane": {plane: plane for plane in sorted(planes, key=lambda plane: (len(plane), plane))},
+        "direction": {angle: angle for angle in _DIRECTIONS},
+        "repeat": {number: number for number in _REPEATS},
+    }
+    roles = {_said(role): role for role in _ROLES}
+    if draft.base is None:
+        draft.base = _base(draft, look, titles, roles, options)
+    config: dict[str, Any] = {titles[name]: st.column_config.TextColumn(disabled=True) for name in titles}
+    config[titles["is"]] = st.column_config.MultiselectColumn(options=list(roles), width="medium")
+    for name, words in options.items():
+        known = list(dict.fromkeys([*words, *draft.base[titles[name]].dropna()]))
+        config[titles[name]] = st.column_config.SelectboxColumn(options=known, width="small")
+    edited = st.data_editor(draft.base, key=key, column_config=config, hide_index=True, width="stretch", placeholder="")
+    mapping, twice = _mapping(edited, look, titles, roles, options)
+    typed_header = f"{key}-header"
+    left, right = st.columns(2)
+    left.text_input(
+        say("sheet_columns.header"), look.header, key=typed_header, help=say("sheet_columns.header_help"),
+        on_change=lambda: _header(draft, look, st.session_state[typed_header]),
+    )  # fmt: skip
     units = [AS_STATED, *unit_names("length")]
-    mine = asked.file == asked.case.readings
-    now = units.index(asked.case.sheet_unit) if mine and asked.case.sheet_unit in units else 0
-    unit = st.selectbox(say("sheet_form.unit"), units, now, format_func=unit_said, key=f"{asked.key}-unit")
+    draft.unit = right.selectbox(
+        say("sheet_form.unit"), units, units.index(draft.unit) if draft.unit in units else 0, unit_said,
+        key=f"{key}-unit",
+    )  # fmt: skip
+    draft.typed = {**_of_all_rows(draft, look, key), **mapping}
+    if mapping:
+        draft.typed["header"] = look.header
+    if twice:
+        st.error(show.plain(twice))
     st.caption(say("sheet_columns.remembered_here"))
     left, right = st.columns(2)
-    preview = left.form_submit_button(say("sheet_columns.preview"), width="stretch")
-    used = right.form_submit_button(say("sheet_columns.use"), width="stretch", type="primary")
+    preview = left.button(say("sheet_columns.preview"), width="stretch", disabled=bool(twice))
+    used = right.button(say("sheet_columns.use"), width="stretch", type="primary", disabled=bool(twice))
     if preview or used:
-        mapping = {name: column for name, column in mapping.items() if column != AS_HEADED}
-        mapping |= {"header": asked.look.header} if mapping else {}
-        _read(asked, mapping, unit or None, used)
+        read, choices = _attempt(draft, look, draft.typed)
+        if used and isinstance(read, Readings):
+            _use(draft, read, choices)
+        else:
+            draft.anew(draft.typed, read)
+        st.rerun()
+    if isinstance(draft.tried, Readings):
+        _preview(draft.tried)
 
 
-def _read(asked: _Asked, mapping: Mapping[str, str], unit: str | None, used: bool) -> None:
-    """Read the sheet so, and show its readings with all that is said of them; use it so, where that is asked for."""
-    file, look = asked.file, asked.look
-    sheet = look.sheet if len(look.sheets) > 1 else None
-    choices: dict[str, Any] = {"sheet_columns": tuple(mapping.items()), "sheet_unit": unit, "sheet_name": sheet}
-    try:
-        readings = readings_of(replace(asked.case, **choices, remember=False), file)
-    except AtleakError as error:
-        st.error(show.plain(error))
-        return
-    if not used:
-        _preview(readings)
-        return
-    if mapping:
-        try:
-            remember_sheet(default_path(), readings, unit)
-            session().unkept = ("", "")
-        except OutputError as error:
-            session().unkept = (file.sha256, error.problem)
-    put_file("readings", file)
-    choose(**choices)
-    st.rerun()
+def _base(
+    draft: _Draft,
+    look: SheetLook,
+    titles: Mapping[str, str],
+    roles: Mapping[str, str],
+    options: Mapping[str, Mapping[str, str]],
+) -> pd.DataFrame:
+    """Return the table of columns as the mapping says it."""
+    named = look.chosen if any(text in look.chosen.values() for text in draft.mapping.values()) else {}
+    words = {role: said for said, role in roles.items()}
+    rows = []
+    for index, column in enumerate(look.columns):
+        of_column = [role for role, text in named.items() if text == column]
+        plain_roles = {role.split(" ")[0].replace("land", "plane"): role for role in of_column}
+        said = next((diameter_said(role) for role in of_column if role.startswith(("value", "deviation"))), {})
+        letter = column_letter(index)
+        row: dict[str, Any] = {
+            titles["column"]: letter if column == letter else f"{letter} · {column}",
+            titles["example"]: look.examples[index],
+            titles["is"]: [words[role] for role in plain_roles if role in words],
+        }
+        for name, known in options.items():
+            row[titles[name]] = next((word for word, value in known.items() if value == said.get(name)), said.get(name))
+        rows.append(row)
+    return pd.DataFrame(rows, columns=list(titles.values()), dtype=object)
+
+
+def _mapping(
+    edited: pd.DataFrame,
+    look: SheetLook,
+    titles: Mapping[str, str],
+    roles: Mapping[str, str],
+    options: Mapping[str, Mapping[str, str]],
+) -> tuple[dict[str, str], str]:
+    """Return what the table of columns says, and what is wrong with it: two columns that are the same."""
+    mapping: dict[str, str] = {}
+    twice = ""
+    for column, (_, row) in zip(look.columns, edited.iterrows(), strict=True):
+        of = {name: known.get(row[titles[name]], row[titles[name]]) for name, known in options.items()}
+        of = {name: text for name, text in of.items() if isinstance(text, str)}
+        for word in row[titles["is"]] if pd.api.types.is_list_like(row[titles["is"]]) else ():
+            role = roles[word]
+            name = diameter_role(of, role) if role in ("value", "deviation") else role
+            if name in mapping:
+                twice = reader.say()("sheet_columns.twice", first=mapping[name], second=column, what=word)
+            mapping[name] = column
+    return mapping, twice
+
+
+def _of_all_rows(draft: _Draft, look: SheetLook, key: str) -> dict[str, str]:
+    """Ask what holds for all rows of the sheet: which of them count, and its words; keep what is asked nowhere."""
+    say, told, rows = reader.say(), draft.mapping, rows_role(look.sheet)
+    asked = {rows: say("sheet_columns.rows"), **{name: say(f"sheet_columns.{name}") for name in _TEXTS}}
+    typed: dict[str, str] = {}
+    for (name, label), place in zip(asked.items(), st.columns(len(asked)), strict=True):
+        typed[name] = place.text_input(label, told.get(name, ""), key=f"{key}-{name}").strip()
+    left, right = st.columns(2)
+    parts = [f"{CONSTANT}{part}" for part in PART_WORDS]
+    constant = [told["part"]] if told.get("part") in parts else []
+    part = left.selectbox(
+        say("sheet_columns.all_rows_are"), parts, parts.index(constant[0]) if constant else None,
+        lambda text: _part_said(text[1:], say), key=f"{key}-constant", placeholder="–",
+    )  # fmt: skip
+    nowhere = ("plane", "part", "direction", "repeat")
+    absent = right.multiselect(
+        say("sheet_columns.no_column"), nowhere, [name for name in nowhere if told.get(name) == NOT_LOGGED],
+        key=f"{key}-no", format_func=_said, placeholder="–",
+    )  # fmt: skip
+    others = {name: text for name, text in told.items() if text.startswith(CONSTANT) and name != "part"}
+    others |= {name: text for name, text in told.items() if name.startswith("rows ") and name != rows}
+    typed = {name: text for name, text in typed.items() if text} | ({"part": part} if part else {})
+    return {**others, **typed, **dict.fromkeys(absent, NOT_LOGGED)}
 
 
 def _part_said(part: str, say: Wording) -> str:
@@ -242,7 +406,7 @@ def _preview(readings: Readings) -> None:
             say("sheet_columns.direction"): None if one.direction is None else f"{one.direction:g}°",
             say("sheet_columns.repeat"): one.repeat,
             say("sheet_columns.diameter"): round(one.diameter * MM, 6),
-            say("sheet_columns.place"): show.plain(one.place),
+            say("sheet_columns.place"): say.sentence(one.place),
         }
         for one in readings.readings[:_SHOWN]
     ]

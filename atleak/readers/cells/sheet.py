@@ -94,17 +94,27 @@ class Sheet:
 
 def rows_named(sheet: Sheet, rows: Sequence[int]) -> Sentence:
     """Name rows as a spreadsheet or an editor numbers them: "row 4", "rows 2–5, 9"."""
-    runs: list[list[int]] = []
-    for number in sorted({sheet.row_number(row) for row in rows}):
-        if runs and number == runs[-1][-1] + 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
+    runs = runs_of(sheet.row_number(row) for row in rows)
     shown = ", ".join(f"{run[0]}" if len(run) == 1 else f"{run[0]}–{run[-1]}" for run in runs[:_RUNS_SHOWN])
     numbers = shown + (" …" if len(runs) > _RUNS_SHOWN else "")
     if len(runs) > 1 or len(runs[0]) > 1:
         return Sentence("rows {numbers}", numbers=numbers)
     return Sentence("row {numbers}", numbers=numbers)
+
+
+def runs_of(numbers: Iterable[int]) -> list[list[int]]:
+    """Return numbers in order, those together that follow each other.
+
+    >>> runs_of([4, 1, 2])
+    [[1, 2], [4]]
+    """
+    runs: list[list[int]] = []
+    for number in sorted(set(numbers)):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return runs
 
 
 def column_letter(column: int) -> str:

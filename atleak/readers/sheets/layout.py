@@ -320,10 +320,11 @@ def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
     return table or HeadedTable(sheet, -1, -1, (), ())
 
 
-def looks_measured(sheet: Sheet, names: ControllerNames) -> bool:
+def looks_measured(sheet: Sheet, names: ControllerNames, least: int = 1) -> bool:
     """Return whether most rows name a component in one column and hold a diameter of it in another, whatever is headed.
 
-    A gear and a voltage look so as well: more than one plane is found, or a component by a word.
+    A gear and a voltage look so as well: more than one plane is found, or a component by a word; and at ``least`` so
+    many planes.
     """
     sizes, rows = Sizes(names.controller), [row for row in sheet.rows[:_LOOKED_AT] if any(True for _ in _exact(row))]
     for index in range(sheet.width):
@@ -339,7 +340,7 @@ def looks_measured(sheet: Sheet, names: ControllerNames) -> bool:
             ]
             near |= {(component, plane) for plane in of}
             found += [component] if of else []
-        if 2 * len(found) > len(rows) and (len(near) > 1 or any(map(str.isalpha, found[0]))):
+        if 2 * len(found) > len(rows) and len(near) >= least and (len(near) > 1 or any(map(str.isalpha, found[0]))):
             return True
     return False
 

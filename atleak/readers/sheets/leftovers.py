@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from atleak.common.errors import Message, MessageLevel, Place, ReadingsError
 from atleak.common.sentences import Sentence, all_of, any_of, counted
@@ -194,7 +194,8 @@ class Account:
             done = {(row, first.get(column, column)): meaning for (row, column), meaning in became}
             if page.name in around:
                 done = {(column, row): meaning for (row, column), meaning in done.items()}
-            made.append(sheet_cells(page, done, by_sheet[page.name]))
+            cells = sheet_cells(page, done, by_sheet[page.name])
+            made.append(replace(cells, turned=page.name in around))
         told = [cells for cells in made if any(one and one != _HEADING for row in cells.meanings for one in row)]
         return tuple(told or made)
 

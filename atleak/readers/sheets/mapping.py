@@ -15,9 +15,9 @@ from typing import Any
 from atleak.catalogue.instruments import Part
 from atleak.common.errors import Message, ReadingsError, nearest_name, unknown
 from atleak.common.sentences import Sentence
-from atleak.measurements.readings import Readings
+from atleak.measurements.readings import Readings, SheetCells
 from atleak.measurements.road_test import QUANTITIES
-from atleak.readers.cells.sheet import Cell, Sheet, column_letter
+from atleak.readers.cells.sheet import Cell, Sheet, column_letter, runs_of
 from atleak.readers.remembered_columns import CONSTANT, RememberedColumns, recall_all, remember, signature
 from atleak.readers.sheets.column_headings import (
     HeadedColumn,
@@ -145,11 +145,13 @@ class SheetMapping:
 
     def leaves_out(self, sheet: Sheet) -> frozenset[int]:
         """Return the rows of a sheet that are said not to count."""
-        ranges = self.lines.get(sheet.name or "") or self.lines.get("")
-        if not ranges:
-            return frozenset()
-        counted = {number for first, last in ranges for number in range(first, min(last, len(sheet.rows) * 2) + 1)}
-        return frozenset(row for row in range(len(sheet.rows)) if sheet.row_number(row) not in counted)
+        rows = range(len(sheet.rows)) if self.lines else ()
+        return frozenset(row for row in rows if not self.counts(sheet.name, sheet.row_number(row)))
+
+    def counts(self, sheet: str | None, number: int) -> bool:
+        """Tell whether a row of a sheet may count, by its number."""
+        ranges = self.lines.get(_words(rows_role(sheet))) or self.lines.get("")
+        return not ranges or any(first <= number <= last for first, last in ranges)
 
     @property
     def down(self) -> bool:
@@ -170,6 +172,11 @@ class SheetMapping:
     def fits(self, sheet: Sheet) -> bool:
         """Return whether a sheet has the columns that are named."""
         return self._found(sheet) is not None
+
+    def places(self, sheet: Sheet) -> dict[str, int]:
+        """Return the column of each role."""
+        found = self._found(sheet)
+        return {} if found is None else found[2]
 
     def _found(self, sheet: Sheet) -> tuple[range, tuple[str, ...], dict[str, int]] | None:
         """Return the rows of headings, the headings, and the column of each role; None where one is not there."""
@@ -329,6 +336,47 @@ class SheetMapping:
 
 
 NOTHING_SAID = SheetMapping({})
+
+
+def rows_role(sheet: str | None) -> str:
+    """Return the name under which is said which rows of a sheet count."""
+    return f"rows {sheet or ''}".strip()
+
+
+def with_row_turned(chosen: Mapping[str, str], sheet: SheetCells, number: int) -> dict[str, str]:
+    """Return what was said of a sheet, but that a row of it does not count, or that it counts again."""
+    said, role = SheetMapping(chosen), rows_role(sheet.name)
+    counted = [each for each in sheet.numbers if said.counts(sheet.name, each) != (each == number)]
+    others = {name: text for name, text in chosen.items() if name != role}
+    if len(counted) == len(sheet.numbers):
+        return others
+    ranges = (f"{run[0]}" if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs_of(counted))
+    return {**others, role: ",".join(ranges) or "none"}
+
+
+def diameter_said(name: str) -> dict[str, str]:
+    """Return of what the diameters of a role are, as far as it says.
+
+    >>> diameter_said("value spool plane 2 90° repeat 1")
+    {'part': 'spool', 'plane': '2', 'direction': '90°', 'repeat': '1'}
+    """
+    said = f"diameter {_words(name)}".strip()
+    read = read_heading(said)
+    if read is None or not is_explained(spot_of_heading(tokens_of(said))[1]):
+        return {}
+    direction = None if read.direction is None else f"{read.direction:g}°"
+    found = {"part": read.part, "plane": read.plane or read.land, "direction": direction, "repeat": read.repeat}
+    return {role: str(said) for role, said in found.items() if said is not None}
+
+
+def diameter_role(said: Mapping[str, str], role: str = "value") -> str:
+    """Return the role of diameters that are of this.
+
+    >>> diameter_role({"part": "spool", "plane": "2", "direction": "90°", "repeat": "1"})
+    'value spool plane 2 90° repeat 1'
+    """
+    words = {"part": "{}", "plane": "plane {}", "direction": "{}", "repeat": "repeat {}"}
+    return " ".join([role, *(word.format(said[name]) for name, word in words.items() if said.get(name))])
 
 
 def _role(name: str) -> Role:

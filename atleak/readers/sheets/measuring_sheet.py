@@ -38,7 +38,7 @@ from atleak.common.units import unit as unit_named
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.readings import Reading, Readings, SheetCells
 from atleak.readers.cells.extent import FAULTS
-from atleak.readers.cells.sheet import Sheet
+from atleak.readers.cells.sheet import Sheet, sheet_cells
 from atleak.readers.cells.sheet_file import read_bytes, read_sheets
 from atleak.readers.gauges.gauge_table import find_tabs, likeness_of
 from atleak.readers.remembered_columns import forget_columns
@@ -60,7 +60,6 @@ from atleak.readers.sheets.table import HeadedTable, best_header
 from atleak.readers.sheets.words import is_word, text_of
 
 _SHOWN = 10
-_LOOKED_AT = 15  # rows that are shown to a person
 
 
 class ReadingsRefused(ReadingsError):
@@ -374,10 +373,11 @@ class SheetLook:
 
     sheets: tuple[str, ...]  # of the workbook, that are shown
     sheet: str | None  # of which the rest is
-    rows: tuple[tuple[str, ...], ...]  # the first ones, as text
+    cells: SheetCells
     columns: tuple[str, ...]  # as a mapping names them
+    examples: tuple[str, ...]  # a cell of each
     header: str  # the rows of the headings, as a mapping names them
-    likely: Mapping[str, str]  # role → column
+    chosen: Mapping[str, str]  # role → column, as it is said, or else as is likely
     understood: bool  # by its headings alone
 
 
@@ -388,33 +388,37 @@ def look_at(
     *,
     name: str | None = None,
     sheet: str | None = None,
-    header: str = "",
+    mapping: Mapping[str, str] | None = None,
 ) -> SheetLook:
     """Return how a sheet looks, and which column most likely is what.
 
-    Parameters are those of `read_readings`; ``header`` says where the headings stand, unless they are to be found.
+    Parameters are those of `read_readings`; without a ``mapping`` rows of headings and columns are found.
 
     Raises
     ------
     ReadingsError
-        where the file cannot be read, or has no such rows.
+        where the file cannot be read, or has no such rows or columns.
     """
     data, file = read_bytes(source, name)
-    names, chosen = ControllerNames(controller), SheetMapping({"header": header} if header else {})
+    names, chosen = ControllerNames(controller), SheetMapping(mapping or {})
     pages = read_sheets(data, file, _score, is_word)
     pages = [page for page in pages if not page.hidden] or pages
     page = next((page for page in pages if page.name == sheet), max(pages, key=_score))
     understood = any(table.readable and not find_columns(table, names).problems for table in find_tables(page, names))
+    cells = sheet_cells(page, {})
     page = (chosen.down and turned(page)) or page
-    table = chosen.table(page, names) if header else likely_table(page, names)
+    table = chosen.table(page, names) if chosen else likely_table(page, names)
     first, last = page.row_number(max(table.first, 0)), page.row_number(max(table.last, 0))
-    found = header or ("none" if not any(table.texts) else f"{first}" if first == last else f"{first}-{last}")
-    columns = tuple(column_name(table, index) for index in range(page.width))
-    rows = tuple(tuple(map(text_of, cells)) for cells in page.rows[:_LOOKED_AT])
-    asked = {role: columns[index] for role, index in likely(table, names).items()}
-    return SheetLook(
-        tuple(page.name for page in pages if page.name), page.name, rows, columns, found, asked, understood
+    found = chosen.chosen.get("header", "") or (
+        "none" if not any(table.texts) else f"{first}" if first == last else f"{first}-{last}"
     )
+    columns = tuple(column_name(table, index) for index in range(page.width))
+    below = (list(table.cells(index).values()) for index in range(page.width))
+    examples = tuple(text_of(next(iter(filled), "")) for filled in below)
+    said = chosen.places(page) or likely(table, names)
+    asked = {role: columns[index] for role, index in said.items()}
+    shown = tuple(page.name for page in pages if page.name)
+    return SheetLook(shown, page.name, cells, columns, examples, found, asked, understood)
 
 
 def forget_sheet(source: str | Path | bytes, path: Path, name: str | None = None) -> None:

@@ -28,6 +28,7 @@ KIND_WORDS: Mapping[CellKind, Sentence] = {  # in the order of the legend
 }
 _PLAIN = re.compile(r"-?(0|[1-9]\d*)?([.,]\d+)?")  # a number that is the same without its text
 _DIAMETERS = (CellKind.SPOOL, CellKind.SLEEVE)
+_OF_ROWS = (*_DIAMETERS, CellKind.LABEL)
 _SHORT: Mapping[CellKind, Sentence] = {  # of a whole column
     **KIND_WORDS,
     CellKind.SPOOL: Sentence("spool"),
@@ -65,10 +66,10 @@ def row_said(sheet: SheetCells, row: int, say: Wording) -> str:
 
 
 def column_said(sheet: SheetCells, column: int, say: Wording) -> str:
-    """Return what most cells of a column became, in a word or two, headings and the sheet's head apart."""
-    cells = (row[column] for row in sheet.meanings if column < len(row))
-    counted = Counter(one for one in cells if one is not None and one.kind not in (CellKind.HEADING, CellKind.HEAD))
-    kinds = [meaning for meaning, _ in counted.most_common()]
+    """Return what most cells of a column became, in a word or two, in rows that say what a diameter is of."""
+    rows = (row for row in sheet.meanings if column < len(row) and any(one and one.kind in _OF_ROWS for one in row))
+    counted = Counter(row[column] for row in rows if row[column] is not None)
+    kinds = [meaning for meaning, _ in counted.most_common() if meaning is not None]
     first = next((meaning for meaning in kinds if meaning.kind in _DIAMETERS or meaning.kind is CellKind.LABEL), None)
     both = [meaning_said(CellMeaning(kind), say, short=True) for kind in _DIAMETERS if CellMeaning(kind) in counted]
     if len(both) == len(_DIAMETERS):

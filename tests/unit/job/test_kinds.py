@@ -124,3 +124,12 @@ def test_a_gear_and_a_voltage_are_no_component_with_its_diameter() -> None:
     assert kind_of(SourceFile("own.txt", log), study) is FileKind.ROAD_TEST
     sheet = b"N.;Sezione;Cursore\n5;1;13,999\n8;1;9,998\n8;2;11,997\n"
     assert kind_of(SourceFile("own.txt", sheet), study) is FileKind.READINGS
+
+
+def test_a_sheet_of_another_valve_body_under_unknown_headings_is_no_log(minimal: Controller) -> None:
+    rows = ["5;1;14.001;14.069", "6;1;9.937;9.967", "6;2;9.941;9.991", "7;1;13.999;14.066"]
+    for other in (minimal, load_controller("four_speed_2023")):
+        sheet = "\n".join(["N.;Sezione;Cursore;Sede", *rows])
+        assert kind_of(SourceFile("scheda.csv", sheet.encode()), other) is FileKind.READINGS
+    log = "\n".join(["a;b;c", *(f"{gear};{volt}" for gear in range(1, 7) for volt in (13.9, 14.1, 12.6))])
+    assert kind_of(SourceFile("log.csv", log.encode()), minimal) is FileKind.ROAD_TEST

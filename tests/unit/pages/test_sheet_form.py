@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller_file import load_controller
+from atleak.common.errors import ReadingsError
+from atleak.common.sentences import Sentence
 from atleak.job.case import SourceFile
 from atleak.readers.logs import default_path
 from atleak.readers.remembered_columns import recall_all
 from atleak.readers.sheets.mapping import remember_sheet
 from atleak.readers.sheets.measuring_sheet import read_readings
-from pages.shared.cases import PageCase
+from pages.shared import what_was_read
+from pages.shared.cases import PageCase, diagnosis_of
+from pages.shared.state import Refusal
 
 ROOT = Path(__file__).resolve().parents[3]
 ITALIAN = "Scheda di oggi\nN.;Sezione;Cursore;Sede\naccumulator;1;17.998;18.041\ntcc_regulator;1;10.998;11.031\n"
@@ -44,27 +50,61 @@ def press(form: AppTest, label: str) -> AppTest:
     return form
 
 
-def picked(form: AppTest) -> dict[str, object]:
-    return {box.label: box.value for box in form.selectbox}
+def columns(form: AppTest) -> dict[str, tuple[object, ...]]:
+    """Return what the table of columns says: of each column its role and of what its diameters are."""
+    table = next(one.value for one in form.dataframe if "Example" in one.value)
+    return {row[0]: (list(row[2]), *(None if pd.isna(cell) else cell for cell in row[3:])) for row in table.to_numpy()}
+
+
+@pytest.fixture
+def edit(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Change cells of the table of columns as a hand does, by its row and the title of its column."""
+
+    def change(**cells: object) -> None:
+        def edited(frame: pd.DataFrame, **_: object) -> pd.DataFrame:
+            frame = frame.copy()
+            for name, value in cells.items():
+                title, row = name.rsplit("_", 1)
+                frame[title] = [value if at == int(row) else cell for at, cell in enumerate(frame[title])]
+            return frame
+
+        monkeypatch.setattr("streamlit.data_editor", edited)
+
+    return change
+
+
+@pytest.fixture
+def choose(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Choose a row or a column of the file's own table, counted from 0."""
+
+    def spot(row: int | None = None, column: int | None = None) -> None:
+        monkeypatch.setattr("pages.shared.what_was_read._table", lambda *_: what_was_read.Spot(row, column))
+
+    return spot
 
 
 def test_a_refused_sheet_opens_it_filled_in_with_what_was_understood(form: AppTest) -> None:
     assert not form.exception
-    assert list(form.dataframe[0].value.iloc[1]) == ["N.", "Sezione", "Cursore", "Sede"]
+    assert list(form.dataframe[0].value.iloc[1])[1:] == ["N.", "Sezione", "Cursore", "Sede"]
     assert {text.label: text.value for text in form.text_input}["Rows of the headings"] == "2"
-    chosen = picked(form)
-    assert (chosen["Component"], chosen["Plane or land"]) == ("N.", "Sezione")
-    assert (chosen["Diameters 1"], chosen["Diameters 2"]) == ("Cursore", "Sede")
+    assert columns(form) == {
+        "A · N.": (["Component"], None, None, None, None),
+        "B · Sezione": (["Plane or land"], None, None, None, None),
+        "C · Cursore": (["Diameters"], "spool", None, None, None),
+        "D · Sede": (["Diameters"], "sleeve", None, None, None),
+    }
 
 
-def test_a_preview_shows_readings_or_what_a_guard_says_and_keeps_nothing(form: AppTest) -> None:
+def test_a_preview_shows_readings_or_what_a_guard_says_and_keeps_nothing(
+    form: AppTest, edit: Callable[..., None]
+) -> None:
     form = press(form, "Preview")
-    assert list(form.dataframe[1].value["Diameter [mm]"]) == [17.998, 18.041, 10.998, 11.031]
+    assert list(form.dataframe[-1].value["Diameter [mm]"]) == [17.998, 18.041, 10.998, 11.031]
     assert any("names no unit" in warning.value for warning in form.warning)
+    assert any(text.startswith("C · spool") for text in form.dataframe[0].value.columns)
     assert recall_all(default_path()) == {}
-    next(box for box in form.selectbox if box.label == "Diameters 1").select("Sede")
-    next(box for box in form.selectbox if box.label == "Diameters 2").select("Cursore")
-    form = press(form, "Preview")
+    edit(Part_2="sleeve", Part_3="spool")
+    form = press(form.run(), "Preview")
     assert any("swapped" in error.value for error in form.error)
     form = press(form, "Use")
     assert any("swapped" in error.value for error in form.error)
@@ -72,10 +112,31 @@ def test_a_preview_shows_readings_or_what_a_guard_says_and_keeps_nothing(form: A
     assert form.session_state["atleak"].case.readings is None
 
 
+def test_two_columns_that_nothing_tells_apart_are_told(form: AppTest, edit: Callable[..., None]) -> None:
+    edit(Part_3="spool")
+    form = form.run()
+    assert any("Cursore and Sede are both said to be" in error.value for error in form.error)
+    assert next(button for button in form.button if button.label == "Preview").disabled
+
+
+def test_twelve_columns_of_diameters_are_said_in_a_table(form: AppTest, edit: Callable[..., None]) -> None:
+    kinds = [(part, angle, n) for part in ("spool", "sleeve") for angle in ("0°", "90°") for n in "123"]
+    sizes = [size + 0.001 * int(n) for size in (17.99, 18.04) for _ in "ab" for n in "123"]
+    sheet = ";".join(["N.", "Sez.", *(f"k{n}" for n in range(12))]) + "\naccumulator;1;" + ";".join(map(str, sizes))
+    file = SourceFile("twelve.csv", sheet.encode())
+    form.session_state["atleak"].refused["readings"] = Refusal("twelve.csv", ReadingsError(Sentence("no")), file)
+    cells: dict[str, object] = {}
+    for row, (part, angle, repeat) in enumerate(kinds, 2):
+        cells |= {f"Part_{row}": part, f"Direction_{row}": angle, f"Repeat_{row}": repeat, f"Is_{row}": ["Diameters"]}
+    edit(**cells)
+    form = press(form.run(), "Use")
+    case = form.session_state["atleak"].case
+    assert dict(case.sheet_columns)["value sleeve 90° repeat 3"] == "k11"
+    assert len(diagnosis_of(case).readings.readings) == 12
+
+
 def test_what_is_used_is_remembered_and_makes_the_job(form: AppTest) -> None:
-    next(
-        box for box in form.selectbox if box.label == "Unit of the diameters" and box.form_id == "sheet-columns"
-    ).select("mm")
+    [box for box in form.selectbox if box.label == "Unit of the diameters"][-1].select("mm").run()
     form = press(form, "Use")
     case = form.session_state["atleak"].case
     assert case.readings is not None
@@ -83,20 +144,66 @@ def test_what_is_used_is_remembered_and_makes_the_job(form: AppTest) -> None:
     assert (dict(case.sheet_columns)["value sleeve"], case.sheet_unit) == ("Sede", "mm")
     (kept,) = recall_all(default_path()).values()
     assert (kept.mapping["component"], dict(kept.units)) == ("N.", {"value": "mm"})
-    from pages.shared.cases import diagnosis_of
-
     assert len(diagnosis_of(case).readings.readings) == 4
 
 
+def test_a_click_leaves_a_row_out_or_fills_in_the_form_of_a_refused_sheet(
+    form: AppTest, choose: Callable[..., None]
+) -> None:
+    choose(row=3)
+    form = press(form.run(), "Row 4 does not count")
+    assert {text.label: text.value for text in form.text_input}["Rows that count"] == "1-3"
+    assert len(form.dataframe[-1].value) == 2
+    assert form.session_state["atleak"].case.readings is None
+    choose(column=3)
+    next(box for box in form.run().selectbox if box.label == "Column D is").select("new").run()
+    assert columns(form)["D · Sede"][0] == ["When new, or nominal"]
+    choose(row=0)
+    form = press(form.run(), "The headings are in row 1")
+    assert "A · Scheda di oggi" in columns(form)
+
+
+OWN = "Valve;Land;Part;Diameter [mm]\n" + "".join(
+    f"{row}\n" for row in ("accumulator;1;spool;17.998", "accumulator;1;spool;17.990", "accumulator;1;sleeve;18.041")
+)
+
+
+@pytest.mark.page("3_Readings")
+def test_a_row_of_the_jobs_own_sheet_counts_no_more_and_again_by_one_click(
+    app: AppTest, own_home: Path, choose: Callable[..., None]
+) -> None:
+    sheet = SourceFile("own.csv", OWN.encode())
+    app.session_state["atleak"].case = PageCase(controller="minimal_example", readings=sheet)
+    choose(row=2)
+    app.session_state["folds"] = {f"sheet-columns-{sheet.sha256}-False": True}
+    app.run()
+    app = press(app, "Row 3 does not count")
+    case = app.session_state["atleak"].good
+    assert case.sheet_columns == (("rows", "1-2,4"),)
+    assert [round(one.diameter * 1e3, 3) for one in diagnosis_of(case).readings.readings] == [17.998, 18.041]
+    assert recall_all(default_path()) == {}
+    app = press(app, "Row 3 counts again")
+    assert app.session_state["atleak"].good.sheet_columns == ()
+    press(app, "Undo")
+    assert app.session_state["atleak"].good.sheet_columns == (("rows", "1-2,4"),)
+
+
 def test_other_rows_of_headings_are_shown_and_wrong_ones_told(form: AppTest) -> None:
-    header = next(text for text in form.text_input if text.label == "Rows of the headings")
-    header.set_value("1")
-    form = press(form, "Show it so")
-    assert picked(form)["Component"] == "Scheda di oggi"
-    assert "B · B: 1" in next(box for box in form.selectbox if box.label == "Plane or land").options
-    next(text for text in form.text_input if text.label == "Rows of the headings").set_value("here")
-    form = press(form, "Show it so")
+    next(text for text in form.text_input if text.label == "Rows of the headings").set_value("1").run()
+    assert columns(form)["A · Scheda di oggi"][0] == ["Component"]
+    next(text for text in form.text_input if text.label == "Rows of the headings").set_value("here").run()
     assert any("no rows" in error.value for error in form.error)
+
+
+def test_a_cell_a_row_or_a_column_of_the_table_is_what_is_chosen() -> None:
+    headings = ["A · component", "B"]
+    for selection, spot in (
+        ({"rows": [1], "columns": []}, (301, None)),
+        ({"rows": [], "columns": ["B"]}, (None, 1)),
+        ({"rows": [], "columns": [], "cells": [(0, "A · component")]}, (300, 0)),
+        ({"rows": [], "columns": [], "cells": [(0, "What became of it")]}, (300, None)),
+    ):
+        assert what_was_read.spot_of({"selection": selection}, range(300, 400), headings) == spot
 
 
 @pytest.mark.page("3_Readings")
