@@ -27,13 +27,12 @@ from atleak.readers.controller_workbook import describes_controller
 from atleak.readers.gauges import gauge_table
 from atleak.readers.gauges.flow_table import flow_finder
 from atleak.readers.gauges.vacuum_table import vacuum_finder
+from atleak.readers.logs.log_file import form_of
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.layout import find_tables, looks_measured
 from atleak.readers.sheets.words import is_word
 
 _WORKBOOK = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
-_LOG_OF_BUS = (b"MDF     ", b"UnFinMF ")  # ASAM MDF, finished and unfinished
-_PARQUET = b"PAR1"
 _REFUSED: tuple[type[Exception], ...] = (ReadingsError, *DAMAGE)
 _SHORT, _SURE = 400, 4  # rows of a sheet that may be of another valve body, and planes of that found in it
 _START = 60_000  # bytes of a text that are looked at
@@ -61,7 +60,7 @@ def table_kind(data: bytes, controller: Controller) -> TableKind:
     Table
         a workbook in which nothing is understood counts as a measuring sheet, any other file as a log.
     """
-    if data.startswith((*_LOG_OF_BUS, _PARQUET)):
+    if form_of(data) not in ("text", "workbook"):
         return TableKind.ROAD_TEST
     is_workbook = data.startswith(_WORKBOOK)
     if not is_workbook:

@@ -232,7 +232,8 @@ def text_clock(column: pd.Series) -> Clock | None:
         return None
     parts = 3 if three >= two else 2
     good = read.parts == parts
-    dates, halves = [_date_text(text) for text in read.texts], [half_day(text) for text in read.texts]
+    dates = [re.sub(r"(?<!\d)[+-]\d{2}:?\d{2}\s*$", " ", text) for text in read.texts]  # without a zone
+    halves = [half_day(text) for text in read.texts]
     order, beside = likely_order(dates, halves), np.unique(read.dates[good]).tolist()
     days = [day_number(text, order) for text in dates]
     dated = all(days[index] is not None for index in beside)
@@ -417,10 +418,6 @@ def _read_alike(read: ClockParts, table: np.ndarray, rows: np.ndarray, length: i
         read.dates[target] = np.repeat(len(read.texts) + codes, np.diff([*starts, len(rows)]))
         read.texts += different.tolist()
     return rest
-
-
-def _date_text(text: str) -> str:
-    return re.sub(r"(?<!\d)[+-]\d{2}:?\d{2}\s*$", " ", text)
 
 
 def from_datetimes(values: Sequence[object]) -> np.ndarray:

@@ -1,23 +1,21 @@
 """Says what each column of a log's table is called.
 
-Names, units and sources stand in the rows above the data, or in blocks that define channels.
+Names, units and sources stand in the rows above the data.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from atleak.readers.dates import words
-from atleak.readers.logs.log_cells import is_clock
 from atleak.readers.logs.names import clean_unit, is_unit, match_name, split_unit
 
 HeadRow = list[str]
 _LONGEST_UNIT = 10  # characters; what is longer is a name
 # names that spreadsheets give to columns without any
 _NAMELESS = re.compile(r"(?:column|spalte|kolumna|colonne|coluna|columna|столбец)[ _]?\d+\Z")
-_SOURCE = re.compile(r"\d+\s*:\s*[a-z ]+\Z|(?:calc|gps|can ?bus|can|obd2?|obd-ii|accelerometer|gyroscope)\Z")
 _NOT_OF_THE_CAR = re.compile(r"\b(?:gps|calc|accelerometer|gyroscope|phone)\b")
 
 
@@ -27,7 +25,7 @@ class Heading:
 
     ``label`` is the name as written (the caller maps by it), ``names`` every name that may tell the quantity,
     the most telling first, without unit; ``unit`` the unit's text or None. ``source`` is the device that a row of
-    sources names; ``stamped``: in place of a unit it is said that the column holds the time stamps of a group.
+    sources names.
     """
 
     index: int
@@ -35,7 +33,6 @@ class Heading:
     names: tuple[str, ...]
     unit: str | None
     source: str = ""
-    stamped: bool = False
 
     @property
     def numbered(self) -> str:
@@ -50,28 +47,29 @@ class Heading:
 
 def headings_of(header: Sequence[HeadRow], width: int) -> tuple[Heading, ...]:
     """Return the headings of a table's columns from the rows above its data."""
-    names = [row for row in header if not _is_sources(row)]
-    sources = next((row for row in header if _is_sources(row)), [])
+    names = list(header)
     place = _units_place(names)
     units = names.pop(place) if place is not None else []
-    names = _straight(names, width)
+    return headings_by_rows(names, units, [], width)
+
+
+def headings_by_rows(names: Sequence[HeadRow], units: HeadRow, sources: HeadRow, width: int) -> tuple[Heading, ...]:
+    """Return the headings of a table's columns from rows of which it is known what they hold."""
     names = sorted(names, key=known_names, reverse=True)
-    columns = max([width, *(filled_width(row) for row in names)])
-    return tuple(_heading(index, names, units, sources) for index in range(columns))
+    filled = (index + 1 for row in names for index, cell in enumerate(row) if cell)
+    return tuple(_heading(index, names, units, sources) for index in range(max(width, *filled, 0)))
 
 
 def _heading(index: int, names: Sequence[HeadRow], units: HeadRow, sources: HeadRow) -> Heading:
     written = [row[index] for row in names if index < len(row) and row[index]]
     split = [split_unit(name) for name in written]
     unit = next((part.unit for part in split if part.unit is not None), None)
-    below = clean_unit(units[index]) if index < len(units) else ""
-    stamped = _is_stamp(below)
-    if unit is None and below and not stamped:
-        unit = below
+    if unit is None and index < len(units):
+        unit = clean_unit(units[index]) or None
     label = written[0].replace("\ufeff", "").strip() if written else f"column {index + 1}"
     label = split[0].text if label.count("|") >= 2 else label
     source = sources[index].strip().lower() if index < len(sources) else ""
-    return Heading(index, label, tuple(dict.fromkeys(part.text for part in split)), unit, source, stamped)
+    return Heading(index, label, tuple(dict.fromkeys(part.text for part in split)), unit, source)
 
 
 def names_columns(header: Sequence[HeadRow]) -> bool:
@@ -82,17 +80,6 @@ def names_columns(header: Sequence[HeadRow]) -> bool:
 def nameless(heading: Heading) -> bool:
     """Return whether nothing names a column, or only a spreadsheet's own *Column1*."""
     return not heading.names or bool(_NAMELESS.match(words(heading.names[0])))
-
-
-def _is_stamp(cell: str) -> bool:
-    """Return whether a cell in a row of units says *STAMP*, *MARKE*: the column holds the time of a group."""
-    match = match_name(cell) if len(cell) > 2 and not is_unit(cell) else None
-    return match is not None and match.quantity == "time"
-
-
-def _is_sources(row: HeadRow) -> bool:
-    filled = [cell.strip().lower() for cell in row if cell]
-    return bool(filled) and all(map(_SOURCE.match, filled)) and any(cell[0].isdigit() for cell in filled)
 
 
 def _units_place(header: Sequence[HeadRow]) -> int | None:
@@ -119,19 +106,10 @@ def _clear_units(row: HeadRow) -> int:
     filled = [clean_unit(cell) for cell in row if cell.strip()]
     units = [cell for cell in filled if is_unit(cell) and (len(cell) > 1 or cell in "%°")]
     for cell in filled:
-        if len(cell) > _LONGEST_UNIT or (not is_unit(cell) and not _is_stamp(cell) and match_name(cell) is not None):
+        match = match_name(cell)  # a unit of time may be a name of the time
+        if len(cell) > _LONGEST_UNIT or (not is_unit(cell) and match is not None and match.quantity != "time"):
             return 0
     return len(units)
-
-
-def _straight(names: list[HeadRow], width: int) -> list[HeadRow]:
-    """Leave out rows of descriptions that are shifted against the data: shorter than the table, without a blank."""
-
-    def straight(row: HeadRow) -> bool:
-        end = filled_width(row)
-        return abs(end - width) <= 1 or not all(row[:end])
-
-    return [row for row in names if straight(row)] or names
 
 
 def units_share(row: HeadRow) -> float:
@@ -145,95 +123,3 @@ def units_share(row: HeadRow) -> float:
 def known_names(row: HeadRow) -> int:
     """Return how many cells of a row name a quantity."""
     return sum(match_name(split_unit(cell).text) is not None for cell in row if cell)
-
-
-def filled_width(row: HeadRow) -> int:
-    """Return the number of cells up to the last one that is not blank."""
-    return max((index + 1 for index, cell in enumerate(row) if cell), default=0)
-
-
-def named_by_a_date(heading: Heading) -> bool:
-    """Return whether a column's header is itself a date, which one app writes above its clock."""
-    return bool(heading.names) and is_clock(heading.names[0])
-
-
-# raw whole numbers by the channel's type; pressures are absolute, their zero on the gauge is 1013
-_TYPE_UNITS = {
-    "enginespeed": "rpm", "temperature": "0.1 K", "pressure": "0.1 kPa abs", "abspressure": "0.1 kPa abs",
-    "speed": "0.1 km/h", "gear": "gear",
-}  # fmt: skip
-
-
-def defined_above(rows: Sequence[HeadRow], width: int) -> tuple[Heading, ...] | None:
-    """Return the headings that the lines above a table define instead of a row of names; None where they do not."""
-    return _in_blocks(rows, width) or _in_sections(rows, width)
-
-
-def _in_blocks(rows: Sequence[HeadRow], width: int) -> tuple[Heading, ...] | None:
-    """Return the channels defined in blocks ``Channel : …``, ``ID : …``, ``Type : …`` above data without names.
-
-    The first column of the data is the clock, the others follow the order of the blocks.
-    """
-    channels: list[list[str]] = []
-    for row in rows:
-        key, _, value = ",".join(row).partition(":")
-        key = key.strip().lower()
-        if key == "channel" and value.strip():
-            channels.append([value.strip(), ""])
-        elif key == "type" and channels:
-            channels[-1][1] = value.strip()
-    if not channels or abs(len(channels) + 1 - width) > 1:
-        return None
-    headings = [Heading(0, "time of day", ("time",), None)]
-    for index, (name, kind) in enumerate(channels, start=1):
-        unit = _TYPE_UNITS.get(kind.lower(), kind or None)
-        headings.append(Heading(index, name, (name,), unit))
-    return tuple(headings)
-
-
-_SECTION = re.compile(r"\[([^\[\]]+)\]\Z")
-
-
-def _in_sections(rows: Sequence[HeadRow], width: int) -> tuple[Heading, ...] | None:
-    """Return the channels that sections ``[header]`` or ``[column names]`` name, with ``[channel units]``.
-
-    Names with blanks stand whole in ``[header]``, a line each; the units are those of the last channels.
-    """
-    sections: dict[str, list[str]] = {}
-    section = ""
-    for row in rows:
-        line = " ".join(cell for cell in row if cell)
-        if match := _SECTION.match(line):
-            section = match[1].strip().lower()
-        elif line:
-            sections.setdefault(section, []).append(line)
-    if "header" not in sections and "column names" not in sections:
-        return None
-    torn = " ".join(sections.get("column names", [])).split()
-    names = next((each for each in (sections.get("header", []), torn) if len(each) == width), None)
-    if names is None:
-        return None
-    units = sections.get("channel units", [])[:width]
-    stated = [None] * (width - len(units)) + [clean_unit(unit) or None for unit in units]
-    headings = []
-    for index, (name, unit) in enumerate(zip(names, stated, strict=True)):
-        split = split_unit(name)
-        headings.append(Heading(index, name, (split.text,), split.unit or unit))
-    return tuple(headings)
-
-
-def with_stated_units(headings: tuple[Heading, ...], rows: Sequence[HeadRow]) -> tuple[Heading, ...]:
-    """Return the headings with the units that a measurement file's head states, ``Y_Unit_Label``, where they have none.
-
-    One column of x stands before all others, or before each (``X_Columns Multi``).
-    """
-    keyed = {row[0].strip().lower(): row[1:] for row in rows if len(row) > 1}
-    units = [clean_unit(unit) for unit in keyed.get("y_unit_label", [])]
-    if not any(units):
-        return headings
-    before_each = "".join(keyed.get("x_columns", [])[:1]).strip().lower() == "multi"
-    of_column = {(2 * place + 1 if before_each else place + 1): unit for place, unit in enumerate(units) if unit}
-    return tuple(
-        heading if heading.unit is not None else replace(heading, unit=of_column.get(heading.index))
-        for heading in headings
-    )

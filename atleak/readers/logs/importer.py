@@ -6,10 +6,9 @@ What every column holds, its range and its course, is shown so that a person can
 from __future__ import annotations
 
 import math
-import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -35,20 +34,18 @@ from atleak.readers.logs.columns import (
 )
 from atleak.readers.logs.delimited import Delimited, must_be_held, numbers, open_delimited
 from atleak.readers.logs.headings import Heading
+from atleak.readers.logs.json_log import as_text
 from atleak.readers.logs.log_file import HEAD_BYTES, TIMES, LogFile, of_measured_parts, open_source, without_a_table
 from atleak.readers.logs.log_sheets import LogSheet, open_log_sheets
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.mdf_log import mdf_columns, understand_mdf
+from atleak.readers.logs.mlg_log import open_mlg
 from atleak.readers.logs.parquet_log import open_parquet
 from atleak.readers.logs.table_reader import long_columns, long_shape, read_table
 from atleak.readers.logs.timeline import Timeline
 from atleak.readers.logs.timeline import build as build_timeline
 from atleak.readers.logs.understood import TableResult, Understood, finish, labels_of
 
-_BUS_TRACE = re.compile(
-    rb"^;\$FILEVERSION=|^\s*\(\d+\.\d+\)\s+\w*can\d+\s|^date .*\nbase (?:hex|dec)|^\s*\d+\)\s+[\d.]+\s+(?:Rx|Tx)\s",
-    re.MULTILINE,
-)
 _Written = tuple[str | None, str | None, str | None]
 """Encoding, delimiter and decimal sign of a text."""
 _POINTS = 60  # of a small curve
@@ -66,6 +63,7 @@ class _Job:
     memory: Path | None
     every: int = 1
     room: float = math.inf  # bytes of memory that may be taken
+    notes: list[Message] = field(default_factory=list)  # said of the file before its table is read
 
     @property
     def interval(self) -> float | None:
@@ -147,7 +145,11 @@ def _by_form(job: _Job) -> Understood:
         return understand_mdf(source, job.mapping, job.units, job.constants, job.every, job.room)
     if source.form == "parquet":
         return _one_table(open_parquet(source), "Parquet", job)
+    if source.form == "mlg":
+        return _one_table(open_mlg(source), "MLG", job)
     table = _located(job)
+    if source.form == "json":
+        return _one_table(table, "JSON", job)
     understood = _one_table(table, "delimited text", job, (table.encoding, table.delimiter, table.decimal))
     if understood.road_test is not None or job.mapping:
         return understood
@@ -162,14 +164,8 @@ def _located(job: _Job) -> Delimited:
     RoadTestError
         where there is none, or the text is held as a whole to be read and would take more memory than there is.
     """
-    if _BUS_TRACE.search(job.source.head[:8192]):
-        raise RoadTestError(
-            Sentence("is a recording of a CAN bus: turning its frames into quantities needs the car's database (DBC)"),
-            place=Place(file=job.source.file),
-            expected=Sentence("the logger's export with decoded channels"),
-        )
     held = TIMES * job.source.size
-    if held > own_part_of(job.room) and must_be_held(job.source):
+    if held > own_part_of(job.room) and (job.source.form == "json" or must_be_held(job.source)):
         raise RoadTestError(
             Sentence(
                 "takes up to {needed:.1f} GB of memory where it is read whole, and {room:.1f} GB are free",
@@ -179,7 +175,10 @@ def _located(job: _Job) -> Delimited:
             place=Place(file=job.source.file),
             expected=Sentence("UTF-8 or a code page of one byte a sign, with a line feed behind every line"),
         )
-    table = open_delimited(job.source)
+    source = job.source
+    if source.form == "json":
+        source, job.notes = as_text(source)
+    table = open_delimited(source)
     if table is None:
         raise without_a_table(job.source.head[:HEAD_BYTES], job.source.file)
     return table
@@ -190,6 +189,9 @@ def _one_table(table: LogTable, form: str, job: _Job, written: _Written = (None,
     mapping, units, notes = _with_memory(job, blank.signature)
     assigner = Assigner(job.source.file, units, stated_units(table.headings), job.interval, job.every, job.room)
     assigner.messages += notes
+    if table.layout.note is not None:
+        assigner.say("logger", table.layout.note)
+    assigner.messages += job.notes
     assigner.leave_out(mapping)
     try:
         reading = read_table(table, assigner, mapping)
@@ -354,7 +356,9 @@ def _read(opened: LogFile) -> Iterator[tuple[Heading, np.ndarray, Iterable[str]]
         tables += open_log_sheets(opened)
     elif opened.form == "parquet":
         tables.append(open_parquet(opened))
-    elif (text := open_delimited(opened)) is not None:
+    elif opened.form == "mlg":
+        tables.append(open_mlg(opened))
+    elif (text := open_delimited(as_text(opened)[0] if opened.form == "json" else opened)) is not None:
         tables.append(text)
     for table in tables:
         shape = long_shape(table, find_candidates(table.headings), {})

@@ -77,11 +77,6 @@ def _with_unit(text: str, decimal: Decimal) -> str | None:
     return match[2] if match and _NUMBER[decimal].match(match[1]) and is_unit(match[2]) else None
 
 
-def unit_behind(text: str) -> str | None:
-    """Return the unit behind the number of a cell, with either decimal sign; None where there is none."""
-    return _with_unit(text, ".") or _with_unit(text, ",")
-
-
 def unit_in_cells(cells: Iterable[str], decimal: Decimal) -> str | None:
     """Return the unit that stands behind the number in nearly all cells of a column, None where there is no one.
 
@@ -158,7 +153,7 @@ def cause(cells: pd.Series, values: np.ndarray, decimal: Decimal) -> tuple[Sente
     destroyed = next(filter(is_destroyed, few), None)
     if destroyed is not None:
         return Sentence("numbers a spreadsheet has destroyed"), destroyed
-    units = {unit: text for text in few if (unit := unit_behind(text))}
+    units = {unit: text for text in few if (unit := _with_unit(text, ".") or _with_unit(text, ","))}
     if len(units) > 1:
         return Sentence("numbers in several units"), ", ".join(map(quoted, list(units.values())[:2]))
     numbers = [match for text in few if (match := _THOUSANDS.match(text))]

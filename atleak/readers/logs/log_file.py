@@ -14,11 +14,12 @@ import zlib
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import Literal
 
 from atleak.common.errors import Place, RoadTestError, reason_of
 from atleak.common.sentences import Sentence
+from atleak.readers.logs.loggers import known_logger, logger_by_name
 
 _FORMS = Sentence("delimited text, xlsx, Parquet or MDF4 as the logger exports it")
 _MAGIC = {
@@ -32,21 +33,17 @@ _MAGIC = {
     b"{\\rtf": Sentence("a formatted text document"),
     b"Rar!": Sentence("a RAR archive"),
     b"7z\xbc\xaf": Sentence("a 7z archive"),
-    b"TDSm": Sentence("a TDMS file of LabVIEW"),
     b"\x7fELF": Sentence("a program"),
     b"MZ\x90": Sentence("a program"),
     b"SQLite format 3": Sentence("a database"),
     b"PARE": Sentence("an encrypted Parquet file"),
     b"\x89HDF": Sentence("an HDF5 file"),
     b"MATLAB 5.0": Sentence("a MATLAB file"),
-    b"MLVLG": Sentence("a binary log of {logger}", logger="MegaLogViewer"),
-    b"LOGG": Sentence("a binary log of {logger}", logger="Vector (BLF)"),
-    b"\xd7\x00\x00\x00lf": Sentence("a binary log of {logger}", logger="Link"),
     b"<?xml": Sentence("an XML document"),
     b"<!DOCTYPE": Sentence("a web page"),
     b"<html": Sentence("a web page"),
 }
-_DIADEM = re.compile(rb"\A\s*DIAEXTENDED|#BEGIN(?:GLOBAL|CHANNEL)HEADER")
+_JSON_LINES = re.compile(rb"\A(?:\xef\xbb\xbf)?\s*\{.*\}[ \t\r]*\n\s*\{.*\}[ \t\r]*(?:\n|\Z)")
 _JSON = re.compile(rb'\A\s*(?:\{\s*["}]|\[\s*[\[{"\]])')
 _Q_DAS = re.compile(rb"\A\s*K\d{4}(?:/\d+)?[ \t]", re.MULTILINE)
 # what reports of coordinate measuring machines call their columns, in five languages
@@ -58,16 +55,16 @@ _PARTS = re.compile(
     re.IGNORECASE,
 )
 _SEVERAL = 4  # such words make a report
+_SHOWN = 8192  # bytes that show which logger wrote them
 _TEXT = bytes({7, 8, 9, 10, 12, 13, 27} | set(range(0x20, 0x100)))
-_BINARY_LOGS = {  # whose, by the ending of the name, of files that are no text
-    ".emulog": "ECUMaster", ".emublog": "ECUMaster", ".emuprolog": "ECUMaster", ".fsl": "FORScan", ".llg": "Link",
-    ".llg5": "Link", ".llgx": "Link", ".blf": "Vector (BLF)", ".hpl": "HP Tuners", ".xrk": "AiM", ".ld": "MoTeC",
-}  # fmt: skip
 
 
 def refuse_what_is_no_log(head: bytes, file: str) -> None:
     """Refuse a file whose first bytes show that it is no log, or none that can be read."""
     place = Place(file=file)
+    shown = head[:_SHOWN].decode("latin-1").replace("\r", "") if form_of(head) == "text" else ""
+    if (logger := known_logger(shown)) is not None and (refusal := logger.refusal(file)) is not None:
+        raise refusal
     if not head.strip(b" \t\r\n\x00\xef\xbb\xbf\xff\xfe"):
         if head.strip(b" \t\r\n"):
             raise RoadTestError(
@@ -79,10 +76,7 @@ def refuse_what_is_no_log(head: bytes, file: str) -> None:
         if head.startswith(magic) and (magic != b"BM" or b"\x00" in head[:32]):
             problem = Sentence("is {what}, no road-test log, whatever its name says", what=what)
             raise RoadTestError(problem, place=place, expected=_FORMS)
-    if _DIADEM.search(head):
-        problem = Sentence("is the header file of a DIAdem recording: its numbers stand in another file")
-        raise RoadTestError(problem, place=place, expected=Sentence("its channels exported as text"))
-    if _JSON.match(head):
+    if _JSON.match(head) and form_of(head) != "json":
         problem = Sentence("is JSON: nothing tells which of its values are the rows of a log")
         raise RoadTestError(problem, place=place, expected=_FORMS)
     if _Q_DAS.match(head):
@@ -94,12 +88,9 @@ def without_a_table(head: bytes, file: str) -> RoadTestError:
     """Return the error for a text in which no table was found, naming what it is where that can be told."""
     place, binary = Place(file=file), len(head.translate(None, _TEXT)) > 0.02 * len(head)
     if binary:
-        logger = _BINARY_LOGS.get(PurePath(file).suffix.lower())
+        logger = logger_by_name(file)
         problem = Sentence("is no text: a binary file of a form that is not known")
-        if logger is not None:
-            what = Sentence("a binary log of {logger}", logger=logger)
-            problem = Sentence("is {what}, no road-test log, whatever its name says", what=what)
-        return RoadTestError(problem, place=place, expected=_FORMS)
+        return (logger and logger.refusal(file)) or RoadTestError(problem, place=place, expected=_FORMS)
     return of_measured_parts(head, file) or RoadTestError(
         Sentence("no table of numbers was found in it"),
         place=place,
@@ -128,7 +119,7 @@ _GROWTH = 4
 TIMES = 6
 """How many times its size a text takes at most while it is read whole."""
 
-_Form = Literal["text", "workbook", "mdf", "parquet"]
+Form = Literal["text", "workbook", "mdf", "parquet", "json", "mlg"]
 _READ_FROM_DISK = ("text", "parquet", "mdf")  # forms of which a large file is not held
 
 
@@ -181,7 +172,7 @@ class LogFile:
     file: str
     digest: Digest
     head: bytes
-    form: _Form
+    form: Form
     size: int
     path: Path | None = None
     content: bytes | None = field(default=None, repr=False)
@@ -244,7 +235,7 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> LogFile:
             head = stream.read(LARGE)
             refuse_what_is_no_log(head[:HEAD_BYTES], file)
             size = path.stat().st_size
-            form = _form_of(head)
+            form = form_of(head)
             if size > LARGE and form in _READ_FROM_DISK and head[:2] != b"\x1f\x8b":
                 return LogFile(file, Digest(path), head, form, size, path)
             data = head + stream.read()
@@ -256,7 +247,7 @@ def open_source(source: str | Path | bytes, name: str | None = None) -> LogFile:
 
 def _packed_or_not(data: bytes, file: str, digest: Digest, path: Path | None) -> LogFile:
     if data[:2] != b"\x1f\x8b":
-        return LogFile(file, digest, data[:LARGE], _form_of(data), len(data), path, data)
+        return LogFile(file, digest, data[:LARGE], form_of(data), len(data), path, data)
     folder = tempfile.TemporaryDirectory(prefix="atleak-")
     try:
         unpacked = Path(folder.name) / "log"
@@ -264,7 +255,7 @@ def _packed_or_not(data: bytes, file: str, digest: Digest, path: Path | None) ->
         size = unpacked.stat().st_size
         with unpacked.open("rb") as stream:
             head = stream.read(LARGE)
-        form = _form_of(head)
+        form = form_of(head)
         if form in _READ_FROM_DISK and size > LARGE:
             return LogFile(file, digest, head, form, size, unpacked, None, folder)
         content = unpacked.read_bytes()
@@ -275,12 +266,17 @@ def _packed_or_not(data: bytes, file: str, digest: Digest, path: Path | None) ->
     return LogFile(file, digest, head, form, size, None, content)
 
 
-def _form_of(data: bytes) -> _Form:
+def form_of(data: bytes) -> Form:
+    """Return what the first bytes of a log show it to be."""
     if data[:4] == b"PK\x03\x04" or data[:8] == b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1":
         return "workbook"
     if data[:3] == b"MDF" or data[:8] == b"UnFinMF ":
         return "mdf"
-    return "parquet" if data[:4] == b"PAR1" else "text"
+    if data[:5] == b"MLVLG":
+        return "mlg"
+    if data[:4] == b"PAR1":
+        return "parquet"
+    return "json" if _JSON_LINES.match(data) else "text"
 
 
 def _unpack(data: bytes, file: str, target: Path) -> None:

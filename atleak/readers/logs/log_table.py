@@ -10,16 +10,9 @@ from dataclasses import dataclass, field, replace
 
 import pandas as pd
 
+from atleak.common.sentences import Sentence
 from atleak.readers.cells.extent import cut
-from atleak.readers.logs.headings import (
-    Heading,
-    HeadRow,
-    defined_above,
-    headings_of,
-    names_columns,
-    units_share,
-    with_stated_units,
-)
+from atleak.readers.logs.headings import Heading, HeadRow, headings_of, names_columns, units_share
 from atleak.readers.logs.log_cells import CellKind, Decimal, kind_of_cells, to_float, unit_in_cells
 
 WHITESPACE = " "
@@ -32,7 +25,8 @@ _COMMENTS = ("#", "%", "//", "'", "*")
 class Layout:
     """The place of the table: ``start`` is the index of the first data row among the rows looked at.
 
-    ``cell_units`` are the units that stand in every cell of a column; ``above`` counts rows of another table above.
+    ``cell_units`` are the units that stand in every cell of a column; ``above`` counts rows of another table above;
+    ``note`` says what was known of the logger.
     """
 
     start: int
@@ -43,6 +37,7 @@ class Layout:
     header_rows: tuple[HeadRow, ...]
     cell_units: Mapping[int, str] = field(default_factory=dict)
     above: int = 0
+    note: Sentence | None = None
 
 
 class LogTable:
@@ -67,16 +62,6 @@ class LogTable:
     def width(self) -> int:
         """Return the number of cells in a data row."""
         return self.layout.width
-
-    @property
-    def preamble(self) -> tuple[HeadRow, ...]:
-        """Return the rows above the header."""
-        return self.layout.preamble
-
-    @property
-    def above(self) -> int:
-        """Return the number of rows of another table above this one."""
-        return self.layout.above
 
     def sampled(self, index: int) -> list[str]:
         """Return the cells of a column in the sample."""
@@ -202,14 +187,10 @@ def find_table(rows: Sequence[HeadRow], decimal: Decimal, width: int | None = No
     # rows of numbers, as wide as the table, stand above it under a header of their own
     above = sum(flag and len(row) == width for row, flag in zip(rows[:top], flags, strict=False))
     preamble, above = tuple(rows[:top]), above if above >= _FEW else 0
-    defined = defined_above(rows[:start], width)
-    if defined is not None:
-        return Layout(start, width, defined, True, preamble, (), above=above)
     columns = ([row[index] for row in rows[start:] if index < len(row)] for index in range(width))
     cell_units = {index: unit for index, cells in enumerate(columns) if (unit := unit_in_cells(cells, decimal))}
     headings = tuple(
-        replace(heading, unit=cell_units.get(heading.index, heading.unit))
-        for heading in with_stated_units(headings_of(header, width), preamble)
+        replace(heading, unit=cell_units.get(heading.index, heading.unit)) for heading in headings_of(header, width)
     )
     return Layout(start, width, headings, names_columns(header), preamble, tuple(header), cell_units, above)
 

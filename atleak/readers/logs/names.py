@@ -7,18 +7,16 @@ The unit is taken out of the name first; the rest is compared, as a whole and lo
 from __future__ import annotations
 
 import re
-import tomllib
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from importlib import resources
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import pandas as pd
 
 from atleak.common.units import find_unit, kinds_of
 from atleak.measurements.road_test import QUANTITIES, ChannelKind
-from atleak.readers.dates import words
+from atleak.readers.dates import vocabulary, words
 
 Tier = Literal[0, 1, 2]
 """0: the quantity's own name; 1: a second choice (a GPS speed); 2: only offered to the user, never chosen."""
@@ -107,6 +105,9 @@ class Match:
     unit: str | None = None
 
 
+_SYNONYMS = ("atleak.readers.logs", "synonyms.toml")
+
+
 @dataclass(frozen=True)
 class _Table:
     exact: dict[str, tuple[str, Tier, ChannelKind]]
@@ -118,14 +119,9 @@ class _Table:
 
 
 @cache
-def _said() -> dict[str, Any]:
-    return tomllib.loads(resources.files(__package__).joinpath("synonyms.toml").read_text(encoding="utf-8"))
-
-
-@cache
 def synonyms() -> _Table:
     """Load the table of synonyms, by spelling without blanks."""
-    data, with_unit = _said(), dict[str, str]()
+    data, with_unit = vocabulary(*_SYNONYMS), dict[str, str]()
     exact: dict[str, tuple[str, Tier, ChannelKind]] = {}
     lists: tuple[tuple[str, Tier, ChannelKind], ...] = (
         ("names", 0, "unknown"), ("measured", 0, "measured"), ("commanded", 0, "commanded"),
@@ -143,7 +139,7 @@ def synonyms() -> _Table:
 
 @cache
 def _words_of_names() -> frozenset[str]:
-    names = (name for own in _said().values() for said in own.values() for name in said if isinstance(name, str))
+    names = (name for own in vocabulary(*_SYNONYMS).values() for said in own.values() for name in said)
     return frozenset(word for name in names for word in words(name).split())
 
 
@@ -277,7 +273,7 @@ def _phrases() -> tuple[tuple[str, tuple[str, Tier, ChannelKind]], ...]:
     phrases = [
         words(name)
         for quantity in QUANTITIES
-        for key, names in _said().get(quantity, {}).items()
+        for key, names in vocabulary(*_SYNONYMS).get(quantity, {}).items()
         if key != "with_unit"
         for name in names
     ]

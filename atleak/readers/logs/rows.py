@@ -42,11 +42,6 @@ class _Cell(NamedTuple):
             words(name) for name in heading.names
         ]
 
-    @property
-    def names_a_quantity(self) -> bool:
-        """Return whether it is a name that columns of logs bear."""
-        return match_name(split_unit(self.text).text) is not None
-
 
 def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: Assigner) -> None:
     """Refuse a log with a header among its rows that names other columns, or the same ones in other units.
@@ -96,7 +91,7 @@ def _others(cells: list[_Cell], alone: bool) -> list[_Cell]:
     """
     repeated = sum(cell.repeats for cell in cells)
     odd = [cell for cell in cells if not cell.repeats]
-    named = [cell for cell in odd if cell.names_a_quantity]
+    named = [cell for cell in odd if match_name(split_unit(cell.text).text) is not None]
     if len(named) >= 2 or (named and (alone or (repeated and len(named) == len(odd)))):
         return named
     return odd if repeated >= 2 and repeated > len(odd) else []
@@ -204,7 +199,7 @@ class LeftOutRow:
     def of(cls, frame: pd.DataFrame, table: LogTable) -> LeftOutRow:
         """Return what was met when the file was read."""
         too_wide, short = (int(frame.attrs.get(name, 0)) for name in ("too_wide", "short"))
-        return cls(table.above, too_wide, short, bool(frame.attrs.get("breaks_off")))
+        return cls(table.layout.above, too_wide, short, bool(frame.attrs.get("breaks_off")))
 
     @property
     def rows(self) -> int:

@@ -6,7 +6,7 @@ unit. Units may stand in a column of their own beside the numbers; of several no
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -23,10 +23,10 @@ from atleak.readers.logs.channels import say_strays
 from atleak.readers.logs.clock import Clock, Motion, numeric_clock
 from atleak.readers.logs.columns import Assigner, Candidate, OfferedColumn, find_candidates, map_columns
 from atleak.readers.logs.delimited import Cells, numbers
-from atleak.readers.logs.headings import Heading, named_by_a_date
+from atleak.readers.logs.headings import Heading
 from atleak.readers.logs.log_cells import is_clock, kind_of_cells
 from atleak.readers.logs.log_table import LogTable
-from atleak.readers.logs.names import Tier, clean_unit, is_unit, match_name, split_unit
+from atleak.readers.logs.names import clean_unit, is_unit, match_name, split_unit
 from atleak.readers.logs.rows import (
     LeftOutRow,
     LogRows,
@@ -364,13 +364,13 @@ def refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
 def time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candidate]:
     """Return the columns that may be the clock, the likeliest first."""
     times = [candidate for candidate in candidates if candidate.quantity == "time" and _may_be_time(candidate)]
-    if any(candidate.heading.stamped for candidate in times):
-        times = [candidate for candidate in times if candidate.mapped or candidate.heading.stamped]
-    if not any(candidate.mapped for candidate in times):
-        times += _unnamed_times(table, times, named_by_a_date, 0)
     if not any(candidate.mapped or _runs_in_sample(candidate, table) for candidate in times):
         # columns without a telling name that hold clock readings serve where no other does
-        times += _unnamed_times(table, [*candidates, *times], lambda heading: _shows_a_clock(table, heading), 2)
+        taken = {candidate.heading.index for candidate in candidates}
+        headings = [heading for heading in table.headings[: table.width] if heading.index not in taken]
+        times += [
+            Candidate(heading, "time", 2, "unknown", None) for heading in headings if _shows_a_clock(table, heading)
+        ]
     return sorted(times, key=lambda candidate: (not candidate.mapped, candidate.tier))
 
 
@@ -378,15 +378,6 @@ def _may_be_time(candidate: Candidate) -> bool:
     """Return whether the unit of a column is one of time: a column T in °C is none."""
     kinds = kinds_of(clean_unit(candidate.unit or ""))
     return candidate.mapped or not kinds or "time" in kinds or kinds == ["ratio"]
-
-
-def _unnamed_times(
-    table: LogTable, named: Sequence[Candidate], is_time: Callable[[Heading], bool], tier: Tier
-) -> list[Candidate]:
-    """Return the columns beside those that are named which may be the clock."""
-    taken = {candidate.heading.index for candidate in named}
-    headings = (heading for heading in table.headings[: table.width] if heading.index not in taken)
-    return [Candidate(heading, "time", tier, "unknown", None) for heading in headings if is_time(heading)]
 
 
 def _shows_a_clock(table: LogTable, heading: Heading) -> bool:

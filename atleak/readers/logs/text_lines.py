@@ -79,16 +79,10 @@ def _single_byte(data: bytes) -> str:
         valid_before = any(byte >= 0x80 for byte in head[: error.start])
         if cut_at_the_end and valid_before:
             return "utf-8"
-        return _code_page(head)
+        if _CYRILLIC_RUN.search(head):
+            return "cp1251"
+        return "cp1250" if len(_POLISH.findall(head)) > len(_WESTERN.findall(head)) else "cp1252"
     return "utf-8"
-
-
-def _code_page(head: bytes) -> str:
-    if _CYRILLIC_RUN.search(head):
-        return "cp1251"
-    if len(_POLISH.findall(head)) > len(_WESTERN.findall(head)):
-        return "cp1250"
-    return "cp1252"
 
 
 QUOTE = b'"'

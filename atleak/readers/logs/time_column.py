@@ -261,7 +261,7 @@ _RATE = re.compile(
 
 def _interval_in_preamble(table: LogTable) -> float | None:
     """Return the sampling interval [s] that the lines above the table state, or None."""
-    for row in table.preamble:
+    for row in table.layout.preamble:
         cells = [*re.split(r"[:=]", row[0], maxsplit=1), *row[1:]] if row else []
         cells = [cell.strip() for cell in cells if cell.strip()]
         if len(cells) < 2:
