@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import Any
 
 from atleak.common.errors import Message, Place, RoadTestError
-from atleak.common.sentences import Sentence, counted
+from atleak.common.sentences import Sentence
 from atleak.readers.logs.log_cells import quoted
 from atleak.readers.logs.log_file import LARGE, LogFile
 from atleak.readers.logs.text_lines import one_line_end, to_text
@@ -48,9 +48,7 @@ def as_text(source: LogFile) -> tuple[LogFile, list[Message]]:
     rows.writeheader()
     rows.writerows(filter(None, map(_record, lines)))
     data = written.getvalue().encode("utf-8")
-    said = counted(
-        len(bad), "{count} line is no JSON object and left out", "{count} lines are no JSON objects and left out"
-    )
+    said = Sentence("{count} line(s) that are no JSON object left out", count=len(bad))
     notes = [Message("warning", "lines_left_out", said, Place(file=source.file))] if bad else []
     return replace(source, head=data[:LARGE], form="text", size=len(data), path=None, content=data), notes
 

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from atleak.common.errors import Place, RoadTestError
-from atleak.common.sentences import Sentence, counted
+from atleak.common.sentences import Sentence
 from atleak.readers.logs.headings import Heading, HeadRow
 from atleak.readers.logs.log_cells import Decimal
 from atleak.readers.logs.log_file import LogFile
@@ -78,7 +78,7 @@ def open_mlg(source: LogFile) -> MlgLog:
     version = int.from_bytes(data[6:8], "big")
     if version not in _HEADS:
         expected = Sentence("the log exported as CSV or text by {program}", program="MegaLogViewer")
-        problem = Sentence("is a log of {logger} in a form that is not known", logger="TunerStudio")
+        problem = Sentence("is a log of {logger} in a binary form that is not read", logger="TunerStudio")
         raise RoadTestError(problem, place=place, value=version, expected=expected)
     form = _FIELDS[version]
     at = _HEADS[version].itemsize
@@ -99,10 +99,7 @@ def open_mlg(source: LogFile) -> MlgLog:
         raise damaged
     note = Sentence("read as a log of {logger}", logger="TunerStudio")
     if wrong := int(np.count_nonzero(~good)):
-        note = counted(
-            wrong, "{note}: {count} row is damaged, by its checksum, and left out",
-            "{note}: {count} rows are damaged, by their checksums, and left out", note=note,
-        )  # fmt: skip
+        note = Sentence("{note}: {count} row(s) with a wrong checksum left out", note=note, count=wrong)
         blocks = blocks[good]
     used = [place for place, kind in enumerate(fields["type"]) if kind < _FIRST_OF_BITS]
     headings = tuple(_heading(index, fields[place]) for index, place in enumerate(used))

@@ -305,7 +305,7 @@ def test_a_sample_a_line_is_read_with_what_stands_in_objects_within() -> None:
 def test_a_line_that_breaks_off_is_left_out_and_many_are_refused() -> None:
     found = read(lines(signals()) + '{"name":"engine_sp')
     assert [message.text for message in found.messages if message.code == "lines_left_out"] == [
-        "1 line is no JSON object and left out"
+        "1 line(s) that are no JSON object left out"
     ]
     with pytest.raises(RoadTestError, match=r"row 3.*is no JSON object.*found 'rpm 900'"):
         read(lines(signals(1)[:2]) + "rpm 900\n" * 40)
@@ -367,7 +367,7 @@ def test_rows_of_a_binary_log_with_a_wrong_checksum_are_left_out() -> None:
     data = bytearray(binary())
     data[-5] ^= 0x40
     found = read(bytes(data))
-    assert logger_of(found) == "read as a log of TunerStudio: 1 row is damaged, by its checksum, and left out"
+    assert logger_of(found) == "read as a log of TunerStudio: 1 row(s) with a wrong checksum left out"
     assert found.road_test.rows == ROWS - 1
     assert read(binary()[:-3]).road_test.rows == ROWS - 1
 
