@@ -15,6 +15,7 @@ from pathlib import PurePath
 from atleak.common.errors import Place, RoadTestError
 from atleak.common.sentences import Sentence
 from atleak.common.units import HHMMSS
+from atleak.measurements.road_test import QUANTITIES
 from atleak.readers.dates import vocabulary
 from atleak.readers.logs.headings import Heading, HeadRow, headings_by_rows
 from atleak.readers.logs.log_cells import to_float
@@ -106,18 +107,22 @@ class Logger:
         if self.clock is not None:
             above = (row[heading.index] for row in layout.header_rows if heading.index < len(row))
             if any(re.fullmatch(self.clock, cell, _FLAGS) for cell in above):
-                is_time = Sentence("{column!r} is the time", column=heading.label)
-                return replace(heading, names=("time",), unit=None), is_time
+                return replace(heading, names=("time",), unit=None), _fact(heading, "time")
             heading = replace(heading, names=tuple(name for name in heading.names if _quantity(name) != "time"))
-        if (meant := self.means.get(heading.label)) is not None:
-            heading = replace(heading, names=(meant,) if meant else ())
+        fact, meant = None, self.means.get(heading.label)
+        if meant is not None:
+            heading, fact = replace(heading, names=(meant,)), _fact(heading, meant)
         match = next(filter(None, map(match_name, heading.names)), None)
         unit = self.stated.get(match.quantity) if match and (heading.unit or match.unit) is None else None
         # numbers with 60 seconds or minutes are no digits of a clock
         values = [to_float(cell, ".") % 10_000 for cell in cells] if unit == HHMMSS else []
         if unit is None or any(value % 100 >= 60 or value >= 6000 for value in values):
-            return heading, None
+            return heading, fact
         return replace(heading, unit=unit), Sentence("{column!r} in {unit}", column=heading.label, unit=unit)
+
+
+def _fact(heading: Heading, quantity: str) -> Sentence:
+    return Sentence("{column!r} is {quantity}", column=heading.label, quantity=QUANTITIES[quantity].said)
 
 
 def _names_in(row: HeadRow) -> int:

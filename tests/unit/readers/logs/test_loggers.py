@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import time
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from atleak.common.errors import RoadTestError
 from atleak.readers.logs import Understood, describe, log_columns, read_road_test, understand
+from atleak.readers.logs.loggers import known_logger
 
 ROWS = 40
 
@@ -64,7 +66,7 @@ KNOWN: dict[str, tuple[str, str, float, dict[str, tuple[float, str]]]] = {
                 {"main_pressure": (539 * 6.894757, "psi"), "atf_temperature": ((164 - 32) / 1.8, "°F")}),
     "LabVIEW, an x before each": ("LabVIEW: names and units as its head gives them", LABVIEW.format(x="Multi") + "X_Value\tLine Pressure\tX_Value\tATF\tComment\n" + table("{t}\t{kpa}.0\t{t}\t1{temp}.0"), 19.5,
                                   {"main_pressure": (539 * 6.894757, "psi"), "atf_temperature": ((164 - 32) / 1.8, "°F")}),
-    "VCDS": ("VCDS: names and units as its head gives them, 'TIME' is the time", VCDS + table(",{t},{rpm},4.5,{t},{kmh},7"), 19.5,
+    "VCDS": ("VCDS: names and units as its head gives them, 'TIME' is time", VCDS + table(",{t},{rpm},4.5,{t},{kmh},7"), 19.5,
              {"engine_speed": (1190.0, "rpm"), "vehicle_speed": (39.0, "km/h")}),
     "RaceChrono": ("RaceChrono: names and units as its head gives them",
                    "This file is created using RaceChrono v7.0.0.\nFormat,3\nSession title,Made up\n\ntimestamp,speed,speed,rpm\nunix time,m/s,km/h,rpm\n,100: gps,201: obd,201: obd\n" + table("{t},99,{kmh},{rpm}"), 19.5,
@@ -82,7 +84,7 @@ KNOWN: dict[str, tuple[str, str, float, dict[str, tuple[float, str]]]] = {
     "TunerStudio": ("TunerStudio: names and units as its head gives them",
                     '"Made-up firmware 1.0"\n"Capture Date: Fri Feb 02 10:00:00 2024"\nTime\tRPM\tVSS1\tgammae\nsec\trpm\tmph\t°KW\n' + table("{t}\t{rpm}\t{kmh}\t100").replace("\n10.0\t", "\nMARK 001\n10.0\t"), 19.5,
                     {"engine_speed": (1190.0, "rpm"), "vehicle_speed": (39 * 1.609344, "mph")}),
-    "Carly": ("Carly: '02.02.2024 10:00' is the time", "02.02.2024 10:00\tMotordrehzahl [1/min]\tGeschwindigkeit [km/h]\n" + table("02.02.2024 {clock}\t{rpm}\t{kmh}"), 19.5,
+    "Carly": ("Carly: '02.02.2024 10:00' is time", "02.02.2024 10:00\tMotordrehzahl [1/min]\tGeschwindigkeit [km/h]\n" + table("02.02.2024 {clock}\t{rpm}\t{kmh}"), 19.5,
               {"engine_speed": (1190.0, "rpm"), "vehicle_speed": (39.0, "km/h")}),
     "Torque": ("Torque", "GPS Time, Device Time,Engine RPM(rpm),Speed (OBD)(km/h)\n" + table("-,02-Feb-2024 {clock},{rpm},{kmh}"), 19.5,
                {"engine_speed": (1190.0, "rpm"), "vehicle_speed": (39.0, "km/h")}),
@@ -276,7 +278,7 @@ def test_a_signal_a_line_is_read_with_a_stamp_of_its_own() -> None:
     test = found.road_test
     assert (found.format, logger_of(found)) == (
         "JSON",
-        "read as a log of OpenXC: 'engine_speed' in rpm, 'vehicle_speed' in km/h",
+        "read as a log of OpenXC: 'engine_speed' in rpm, 'vehicle_speed' in km/h, 'transmission_gear_position' is gear",
     )
     assert test.duration == pytest.approx(19.54, rel=1e-6, abs=0.0)
     assert test.channels["engine_speed"].values[-1] * 60 == pytest.approx(1190, rel=1e-9, abs=0.0)
@@ -386,3 +388,12 @@ def test_rows_of_a_binary_log_with_a_wrong_checksum_are_left_out() -> None:
 def test_a_damaged_binary_log_is_refused(data: bytes, said: str) -> None:
     with pytest.raises(RoadTestError, match=said):
         read(data)
+
+
+@pytest.mark.parametrize(
+    "part", ["can", " can", "a,", "1.5 ", "(1.2) ", " \n", "ID DLC ", "[header]\na\n", "timestamp,odometer,", "x: 1 "]
+)
+def test_no_expression_takes_long_on_a_text_made_to_delay_it(part: str) -> None:
+    begun = time.process_time()
+    assert known_logger(part * (1 << 16 >> (len(part) - 1).bit_length())) is None
+    assert time.process_time() - begun < 3
