@@ -6,6 +6,8 @@ import gc
 import importlib
 import io
 import os
+import shutil
+import subprocess
 import sys
 import tempfile
 import zipfile
@@ -240,3 +242,18 @@ def bare_workbook() -> Callable[..., bytes]:
 def stray_workbook(bare_workbook: Callable[..., bytes]) -> bytes:
     """An xlsx of which one cell stands in the last corner, its place between single quotes."""
     return bare_workbook("<sheetData><row r='1'><c r='A1'><v>1</v></c><c r='XFD1048576'><v>1</v></c></row></sheetData>")
+
+
+@pytest.fixture(scope="session")
+def convert(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Path, str], None]:
+    """LibreOffice, writing a workbook anew beside itself; its profile, which takes it longest, is made once."""
+    soffice = shutil.which("soffice") or shutil.which("libreoffice")
+    if soffice is None:
+        pytest.skip("LibreOffice is not installed; other tests check the same cells")
+    profile = tmp_path_factory.mktemp("office").as_uri()
+
+    def run(workbook: Path, kind: str) -> None:
+        command = [soffice, f"-env:UserInstallation={profile}", "--headless", "--convert-to", kind]
+        subprocess.run([*command, "--outdir", workbook.parent, workbook], check=True, capture_output=True, timeout=600)
+
+    return run

@@ -25,7 +25,8 @@ from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.measurements.job_card import InstrumentUsed, Job, RepairDecision
-from atleak.measurements.readings import TYPED_MARK, Readings, SheetIdentity
+from atleak.measurements.own_forms import TYPED
+from atleak.measurements.readings import Readings, SheetIdentity
 from atleak.readers.sheets.words import plain, text_of
 
 
@@ -136,7 +137,7 @@ def _number_of_plan(sheet: bytes) -> str | None:
         row = next(csv.reader(lines, delimiter=";"), [])
     except (UnicodeDecodeError, csv.Error):
         return None
-    number = text_of(row[1].partition(":")[2]) if row[:1] == [TYPED_MARK] and len(row) > 1 else ""
+    number = text_of(row[1].partition(":")[2]) if row[:1] == [TYPED.mark] and len(row) > 1 else ""
     return number if 0 < len(number) <= 200 else None  # signs: 0.2.0 took no longer text for a field
 
 

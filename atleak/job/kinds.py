@@ -21,6 +21,7 @@ from atleak.common.damage import DAMAGE, is_own_fault, own_errors_only
 from atleak.common.errors import InputError, ReadingsError
 from atleak.job.case import SLOTS, SourceFile
 from atleak.measurements.job_card import Job
+from atleak.measurements.own_forms import FLOWS, GAUGES, MEASUREMENTS, PRESSURES, TYPED, VACUUM
 from atleak.readers.cells.sheet import Sheet
 from atleak.readers.cells.sheet_file import read_sheets
 from atleak.readers.controller_workbook import describes_controller
@@ -28,6 +29,7 @@ from atleak.readers.gauges import gauge_table
 from atleak.readers.gauges.flow_table import flow_finder
 from atleak.readers.gauges.vacuum_table import vacuum_finder
 from atleak.readers.logs.log_file import form_of
+from atleak.readers.own_forms import own_form_of
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.layout import find_tables, looks_measured
 from atleak.readers.sheets.words import is_word
@@ -50,6 +52,14 @@ class TableKind(StrEnum):
     VACUUM = "vacuum"
     FLOWS = "flows"
     CONTROLLER = "controller"
+
+
+_OF_FORM = {
+    **dict.fromkeys((MEASUREMENTS.mark, TYPED.mark), TableKind.READINGS),
+    **dict.fromkeys((PRESSURES.mark, GAUGES.mark), TableKind.PRESSURES),
+    VACUUM.mark: TableKind.VACUUM,
+    FLOWS.mark: TableKind.FLOWS,
+}
 
 
 def table_kind(data: bytes, controller: Controller) -> TableKind:
@@ -82,6 +92,9 @@ def table_kind(data: bytes, controller: Controller) -> TableKind:
         return TableKind.READINGS if is_workbook else TableKind.ROAD_TEST  # whoever reads it says what is wrong with it
     if describes_controller(sheets):
         return TableKind.CONTROLLER
+    own = [_OF_FORM[form.mark] for form in map(own_form_of, sheets) if form is not None and form.mark in _OF_FORM]
+    if own:
+        return own[0]
     if any(map(diameters, sheets)):
         return TableKind.READINGS
     if gauge_table.find_tabs(sheets, controller).tables:

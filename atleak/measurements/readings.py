@@ -20,8 +20,6 @@ from atleak.common.sentences import Sentence
 from atleak.measurements.gauge_readings import FileOfReadings, PressureTable
 
 LENGTHS_MEASURED, REPAIR_FITTED = "contact_length_measured", "repair_fitted"  # codes of the messages that say so
-NOMINAL_HEADING = Sentence("Nominal\ndiameter")  # of the printed form, a unit behind it: it marks a sheet made from it
-TYPED_MARK = "atleak: readings typed in"  # the first cell of a sheet that was: it may hold nothing yet that counts
 
 
 @dataclass(frozen=True)

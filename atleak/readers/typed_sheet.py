@@ -28,7 +28,8 @@ from atleak.common.sentences import Sentence
 from atleak.common.units import MM, unit, unit_names
 from atleak.measurements.clearances import LandClearance, clearances, far_from_nominal
 from atleak.measurements.measuring_plan import PLAN_PARTS, CellKey, Plan, PlanCell
-from atleak.measurements.readings import TYPED_MARK, Reading, Readings
+from atleak.measurements.own_forms import LANDS, TYPED, OwnForm
+from atleak.measurements.readings import Reading, Readings
 from atleak.readers.cells.sheet_file import csv_bytes, csv_rows
 from atleak.readers.sheets.plausibility import contradictions, off_by_factor
 from atleak.readers.sheets.words import diameter, is_blank
@@ -321,12 +322,10 @@ def _said(error: InputError) -> Sentence:
 
 TYPED_FILE = "typed readings.csv"
 _SEPARATED = b"sep=;\r\n"  # so that a spreadsheet program, and atleak's own reader, need not guess
-_KEYS = ("No.", "Part", "Plane", "Direction", "Repeat")
-_COORDINATES = ("Coordinate x1 [mm]", "Coordinate x2 [mm]")
-_LAST = ("Counts", "Taken at")
 _UNWORN = "unworn end"
 _MM = unit("mm", "length")
-_OF_LANDS = ("No.", "Land", "Contact length [mm]", "Position from left end [mm]", "Fitted repair")
+_OF_LANDS = ("component", "land", "contact length", "position", "fitted repair")
+_IN_MM = ("coordinate 1", "coordinate 2", "contact length", "position")
 
 
 def written_sheet(typed: Typed, counting: Collection[PlanCell], controller: Controller) -> bytes | None:
@@ -339,7 +338,7 @@ def written_sheet(typed: Typed, counting: Collection[PlanCell], controller: Cont
     """
     if not typed.entries:
         return None
-    rows = [[TYPED_MARK, json.dumps(asdict(typed.plan))], [f"Controller {controller.id}"]]
+    rows = [[TYPED.mark, json.dumps(asdict(typed.plan))], [f"Controller {controller.id}"]]
     rows += [*_head(typed.sheet), _headings(typed.unit)]
     for cell in typed.plan.in_order(controller, typed.entries):
         rows.append([*_labels(cell), *_values(typed.entries[cell]), "yes" if cell in counting else "no", ""])
@@ -350,7 +349,12 @@ def written_sheet(typed: Typed, counting: Collection[PlanCell], controller: Cont
 
 
 def _headings(unit: str) -> list[str]:
-    return [*_KEYS, *_COORDINATES, f"Diameter [{unit}]", *_LAST]
+    return [_heading(TYPED, key, unit) for key in TYPED.headings]
+
+
+def _heading(form: OwnForm, key: str, unit: str = BASE_UNIT) -> str:
+    text = " ".join(form.headings[key].split())
+    return f"{text} [{BASE_UNIT if key in _IN_MM else unit}]" if key in (*_IN_MM, "diameter") else text
 
 
 def _labels(cell: PlanCell) -> list[str]:
@@ -382,7 +386,7 @@ def _of_lands(sheet: Readings | None) -> Iterator[list[str]]:
     if sheet is None or not (sheet.own_lands.lengths or sheet.own_lands.fitted):
         return
     yield []
-    yield [*_OF_LANDS]
+    yield [_heading(LANDS, key) for key in _OF_LANDS]
     for length in sheet.own_lands.lengths:
         sizes = (length.contact_length, length.position)
         yield [length.component, str(length.land), *("" if size is None else _in_mm(size) for size in sizes), ""]
@@ -405,7 +409,7 @@ def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed |
         where atleak itself fails on it.
     """
     rows = csv_rows(content.removeprefix(_SEPARATED))
-    if not rows or rows[0][:1] != [TYPED_MARK]:
+    if not rows or rows[0][:1] != [TYPED.mark]:
         return None
     units = {tuple(_headings(name)): name for name in unit_names("length")}
     head = next((number for number, row in enumerate(rows) if tuple(row) in units), None)

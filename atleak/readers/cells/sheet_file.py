@@ -15,6 +15,7 @@ from pathlib import Path
 
 from atleak.common.errors import InputError, Place, ReadingsError, reason_of
 from atleak.common.sentences import Sentence
+from atleak.measurements.own_forms import OWN_FORMS
 from atleak.readers.cells.extent import EXPECTED, MOST_TEXT, bounded, excess
 from atleak.readers.cells.sheet import NO_WIDTH, Cell, Sheet
 from atleak.readers.cells.workbook_marks import Marks
@@ -40,6 +41,8 @@ _MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff",
 _USUAL = ("cp1252", "cp1250")
 _CODE_PAGES = ("cp1252", "cp1250", "cp1251", "cp850", "cp852", "cp866")
 _RULE = re.compile(r"\s*:?[-=]{2,}:?\s*")  # between the headings and the rows of a table in Markdown
+_MARK = rf'"?(?:{"|".join(OWN_FORMS)})"?'
+_BESIDE_MARK = re.compile(rf"([;|,\t]){_MARK}|{_MARK}([;|,\t])")  # what parts the cells of a form of atleak's own
 _WORD = re.compile(r"[^\W\d_]+")
 _SIGNS = tuple(map(re.compile, (r"(?<!\w)µm", r"\d°", r"(?<!\w)[Øø](?!\w)", "±")))
 _UNREADABLE = re.compile(r"[\ufffd\x80-\x9f\u2500-\u259f]|(?<=\d)[øш](?!\w)")  # "0°" of another code page ends in ø
@@ -149,6 +152,8 @@ def _delimiters(text: str) -> tuple[str, ...]:
     first = text.split("\n", 1)[0].strip().strip('"').lower()
     if first.startswith("sep=") and len(first) == 5 and first[4] in _DELIMITERS:
         return (first[4],)
+    if (beside := _BESIDE_MARK.search(text)) is not None:
+        return (beside[1] or beside[2],)
     return tuple(delimiter for delimiter in _DELIMITERS if len(delimiter) == 1 and delimiter in text) or (",",)
 
 

@@ -21,6 +21,7 @@ from atleak.common.sentences import Sentence
 from atleak.common.translations import languages
 from atleak.common.wording import wording
 from atleak.measurements.flow_readings import FlowReading, FlowTable
+from atleak.measurements.own_forms import FLOWS
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Cell, text_of
 from atleak.readers.dates import words
@@ -103,7 +104,7 @@ _NOT_UNDERSTOOD = {  # what is said of an empty cell, and of one that names noth
 
 def flow_finder(controller: Controller) -> ValueFinder:
     """Return what finds tables of flows."""
-    return ValueFinder("flow_columns", ("condition", "what", "value"), _ORDER, _Names.of(controller).begins)
+    return ValueFinder(FLOWS, "flow_columns", ("condition", "what", "value"), _ORDER, _Names.of(controller).begins)
 
 
 @own_errors_only(FlowTableError, "name", "source")

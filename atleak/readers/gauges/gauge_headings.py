@@ -18,10 +18,12 @@ from atleak.common.translations import languages
 from atleak.common.units import Unit, find_unit
 from atleak.common.wording import wording
 from atleak.measurements.gauge_readings import LINE_TAP, Engine
+from atleak.measurements.own_forms import ATF_TEMPERATURE, GAUGES, PRESSURES
 from atleak.readers.cells.extent import MOST_TABLES
 from atleak.readers.cells.sheet import BRACKETS, Cell, Sheet, text_of
 from atleak.readers.cells.sheet import Cell as SheetCell
 from atleak.readers.dates import vocabulary, words
+from atleak.readers.own_forms import FormTable, form_tables
 
 ColumnKind = Literal[
     "range", "engine", "tap", "temperature", "engine_speed", "repeat", "time", "gauge", "unit", "aside", "value"
@@ -32,6 +34,7 @@ _SQUARE = re.compile(r"\[([^\]]*)\]")
 _SPEED = re.compile(r"(\d[\d.,' ]*)\s*(?:rpm|1/min|min-1|r/min|u/min|obr\.?/min)", re.IGNORECASE)
 _SEPARATORS = re.compile(r"[\s,;:_/|]+")
 _NOTHING = frozenset(("", "-", "–", "—", "−", "/", "x", "?", "…", "..."))
+_KINDS = {"temperature": "temperature", "engine_speed": "rotational_speed"}  # of columns other than of pressures
 _UNIT_KINDS = ("pressure", "temperature", "rotational_speed")
 
 
@@ -260,7 +263,7 @@ class _Head:
 
     said: Said = Said()
     unit: tuple[str, int, int] | None = None  # text, row, column
-    temperature: tuple[Cell, int, int] | None = None
+    temperature: tuple[Cell, int, int, Unit | None] | None = None  # with the unit that its label says
 
     @property
     def in_pressure(self) -> bool:
@@ -299,6 +302,9 @@ class GaugeTable:
 
 def find_gauge_tables(sheet: Sheet, words: GaugeWords) -> list[GaugeTable]:
     """Return the tables of gauge readings on a sheet: headings that give range, engine and pressure of each reading."""
+    own = form_tables(sheet, PRESSURES, GAUGES)
+    if own is not None:
+        return [_of_form(table) for table in own]
     texts = {cell for row in sheet.rows for cell in row if isinstance(cell, str)}
     if not any((heading := words.heading(text)).said.engine or heading.kind == "engine" for text in texts):
         return []  # as on every sheet of diameters
@@ -319,6 +325,24 @@ def find_gauge_tables(sheet: Sheet, words: GaugeWords) -> list[GaugeTable]:
     return [
         GaugeTable(sheet, row, end, headings, head) for (row, headings, head), end in zip(headers, ends, strict=False)
     ]
+
+
+def _of_form(table: FormTable) -> GaugeTable:
+    """Return the table of a form that atleak wrote, whose columns are known."""
+    sheet, headings = table.sheet, dict[int, _Heading]()
+    for key, at in table.columns.items():
+        said = Said(engine=Engine(key)) if key in {*Engine} else Said()
+        kind = "value" if said.engine else "aside" if key.startswith("permissible") else key
+        heading = _Heading(table.heading(key), cast("ColumnKind", kind), said)
+        headings[at] = replace(heading, unit=table.unit(key, _KINDS.get(kind, "pressure")))
+    labels = {wording(language).sentence(ATF_TEMPERATURE) for language in languages()}
+    warm = (
+        (*place, _unit_of_label(cell))
+        for row in range(table.row)
+        for column, cell in enumerate(sheet.rows[row])
+        if text_of(cell).partition(" [")[0] in labels and (place := _beside(sheet, row, column, ""))
+    )
+    return GaugeTable(sheet, table.row, len(sheet.rows) - 1, headings, _Head(temperature=next(warm, None)))
 
 
 def likeness(sheet: Sheet, words: GaugeWords) -> float:
@@ -424,10 +448,16 @@ def _head(sheet: Sheet, rows: Sequence[int], words: GaugeWords) -> _Head:
             for kind in ("unit", "temperature"):
                 value = _beside(sheet, row, column, label_and_value(cell, kind))
                 if value is not None:
-                    head = replace(head, unit=value) if kind == "unit" else replace(head, temperature=value)
+                    changed: dict[str, Any] = {kind: value if kind == "unit" else (*value, _unit_of_label(cell))}
+                    head = replace(head, **changed)
         if len(filled) == 1 and isinstance(filled[0][1], str):
             head = replace(head, said=words.title(filled[0][1]).over(head.said))
     return head
+
+
+def _unit_of_label(label: str) -> Unit | None:
+    inside = BRACKETS.search(label)
+    return find_unit(inside[1], "temperature") if inside else None
 
 
 def _beside(sheet: Sheet, row: int, column: int, value: str | None) -> tuple[Any, int, int] | None:

@@ -26,10 +26,12 @@ from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence, counted
 from atleak.common.units import MM, UM, Quantity, Unit, find_unit, unit
 from atleak.measurements.gauge_study import FEWEST, GaugeStudyError, StudyReadings
+from atleak.measurements.own_forms import STUDY
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import BRACKETS, Sheet, text_of
 from atleak.readers.cells.sheet_file import open_sheets
 from atleak.readers.dates import vocabulary, words
+from atleak.readers.own_forms import FormTable, form_doubts, form_tables
 
 STUDY_KEYS = ("part", "operator", "trial")
 _PERSON_AND_TRIAL = re.compile(r"(?P<operator>.*?)[\s_./·#-]*(?P<trial>\d+)")
@@ -67,11 +69,19 @@ def _likeness(sheet: Sheet) -> float:
 
 def _find_table(sheet: Sheet) -> StudyTable | None:
     """Return the table of a sheet; None where no row holds its headings."""
+    if (own := form_tables(sheet, STUDY)) is not None:
+        return _of_form(own[0]) if own else None
     for row in range(min(len(sheet.rows), _SEARCHED)):
         table = _at(sheet, row)
         if table is not None:
             return table
     return None
+
+
+def _of_form(form: FormTable) -> StudyTable:
+    column, unit = form.columns["reading"], form.unit("reading", "length")
+    keys = {key: form.columns[key] for key in STUDY_KEYS}
+    return StudyTable(form.sheet, form.row, keys, {column: {}}, {column: unit} if unit else {})
 
 
 def _at(sheet: Sheet, row: int) -> StudyTable | None:
@@ -268,6 +278,7 @@ def _messages(table: StudyTable, stated: Unit | None, values: np.ndarray) -> Ite
     place = Place(table.sheet.file, table.sheet.name)
     if table.sheet.note:
         yield Message("info", "read_as", table.sheet.note, place)
+    yield from form_doubts([table.sheet])
     if stated is None and not table.units:
         text = Sentence("No heading states a unit: the readings are taken as mm.")
         yield Message("info", "unit_assumed", text, place)

@@ -39,6 +39,7 @@ from atleak.readers.gauges.gauge_headings import (
     likeness,
 )
 from atleak.readers.gauges.value_table import Faults, in_si, is_number, not_typed_as_number, split_cell, written_in_cell
+from atleak.readers.own_forms import form_doubts
 
 HIGHEST = 6.0e6  # [Pa] that a gauge in a transmission can show: choice of this project
 _ASIDE_SHOWN = 6
@@ -131,7 +132,7 @@ class _Reader:
             return
         head = self.table.head.temperature
         if self.columns["temperature"] is None and head is not None:
-            temperature = self._in_si(head[0], TEMPERATURE, None, self._place(*head[1:]))
+            temperature = self._in_si(head[0], TEMPERATURE, head[3], self._place(*head[1:3]))
         else:
             temperature = self._number(row, "temperature", TEMPERATURE)
         speed = self._number(row, "engine_speed", ENGINE_SPEED)
@@ -388,7 +389,11 @@ class PressureTabs:
             sheet=", ".join(names) or None,
             units=tuple(rows.units),
             readings=tuple(rows.readings),
-            messages=(*(Message("info", "read_as", note, Place(file)) for note in notes), *rows.messages),
+            messages=(
+                *(Message("info", "read_as", note, Place(file)) for note in notes),
+                *form_doubts(table.sheet for table in self.tables),
+                *rows.messages,
+            ),
         )
 
 

@@ -9,11 +9,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from atleak.common.errors import Place
 from atleak.common.units import KPA, RPM
 from atleak.measurements.gauge_readings import LINE_TAP, RANGES, Engine, GaugeCell, PressureTable
+from atleak.measurements.own_forms import FLOWS, GAUGES, VACUUM, OwnForm
 from atleak.readers.cells.sheet_file import csv_bytes, csv_rows
 
 TYPED_GAUGES_FILE = "typed gauge readings.csv"
@@ -25,6 +26,7 @@ _Lines = list[tuple[Mapping[str, Part], list[str]]]  # of a file: what stands wh
 class TypedTable(ABC):
     """What was typed: the text of every cell, and the unit of all of them; further fields stand beside the cells."""
 
+    form: ClassVar[OwnForm]
     cells: Mapping[Any, str] = field(default_factory=dict)
     unit: str = ""
 
@@ -38,10 +40,13 @@ class TypedTable(ABC):
 
     @classmethod
     def read(cls, content: bytes) -> Self | None:
-        """Return what was typed from the file that `written` gives; None for any other file."""
+        """Return what was typed from the file that `written` gives, also without its mark; None for any other file."""
         with suppress(LookupError, TypeError, ValueError, StopIteration):
-            typed = cls._parsed(csv_rows(content))
-            return typed if typed.written() == content else None
+            rows = csv_rows(content)
+            marked = rows[0] == [cls.form.mark]
+            typed = cls._parsed(rows[marked:])
+            written = typed.written() or b""
+            return typed if content == (written if marked else written.partition(b"\r\n")[2]) else None
         return None
 
     def text(self, part: Part) -> str:
@@ -58,22 +63,24 @@ class TypedTable(ABC):
 
     def part_at(self, place: Place) -> Part | None:
         """Return what stands in a place of the file that `written` gives; None where nothing that was typed does."""
-        row = (place.row or 0) - 1
+        row = (place.row or 0) - 2  # below the mark
         there = self._lines[row][0] if 0 <= row < len(self._lines) else {}
         return there.get(place.column or "", there.get(""))
 
     def written(self) -> bytes | None:
-        """Return the file; None where no cell was filled in."""
-        return csv_bytes(row for _, row in self._lines) if self.cells else None
+        """Return the file, its mark in the first row; None where no cell was filled in."""
+        return csv_bytes([[self.form.mark], *(row for _, row in self._lines)]) if self.cells else None
 
 
-_TEMPERATURE, _SPEED = "ATF temperature [°C]", "engine speed [rpm]"
+_BESIDE = {"temperature": "°C", "engine_speed": "rpm"}  # columns whose unit is always this
+_TEMPERATURE, _SPEED = (f"{GAUGES.headings[key]} [{unit}]" for key, unit in _BESIDE.items())
 
 
 @dataclass(frozen=True)
 class TypedGauges(TypedTable):
     """Gauge readings by `GaugeCell`."""
 
+    form = GAUGES
     unit: str = "kPa"
     temperature: str = ""  # of the fluid [°C]
     fast_idle: str = ""  # engine speed at a fast idle [rpm]
@@ -93,7 +100,8 @@ class TypedGauges(TypedTable):
 
     @property
     def _lines(self) -> _Lines:
-        lines: _Lines = [({}, ["range", "state", "tap", f"gauge [{self.unit}]", _TEMPERATURE, _SPEED])]
+        *keys, gauge = (str(said) for key, said in GAUGES.headings.items() if key not in _BESIDE)
+        lines: _Lines = [({}, [*keys, f"{gauge} [{self.unit}]", _TEMPERATURE, _SPEED])]
         for cell, text in self.cells.items():
             speed = self.fast_idle if cell.engine is Engine.FAST_IDLE else ""
             row = [cell.range, str(cell.engine.label), cell.tap, text, self.temperature, speed]
@@ -115,12 +123,14 @@ class TypedGauges(TypedTable):
 class TypedFlows(TypedTable):
     """Flows that were caught in a jug, by the name of an operating point and what flowed."""
 
+    form = FLOWS
     unit: str = "l/min"
 
     @property
     def _lines(self) -> _Lines:
         rows: _Lines = [({"": cell}, [*cell, text]) for cell, text in self.cells.items()]
-        return [({}, ["condition", "what", f"value [{self.unit}]"]), *rows]
+        condition, what, value = FLOWS.headings.values()
+        return [({}, [condition, what, f"{value} [{self.unit}]"]), *rows]
 
     @classmethod
     def _parsed(cls, rows: Sequence[Sequence[str]]) -> TypedFlows:
@@ -131,6 +141,7 @@ class TypedFlows(TypedTable):
 class TypedVacuum(TypedTable):
     """A vacuum test: readings by circuit or component/land and state of the bore, and the stand that was read."""
 
+    form = VACUUM
     unit: str = "in-Hg"  # of the supply too
     supply: str = ""
     ambient: str = ""  # [kPa]
@@ -149,12 +160,13 @@ class TypedVacuum(TypedTable):
             if self.text(known) and self.text(shown):
                 row = ["calibration", self.text(known), "mm", self.text(shown), self.unit]
                 lines.append(({"": known, "4": shown}, row))
-        lines.append(({}, ["circuit or land", f"reading [{self.unit}]", "state"]))
+        target, reading, state = VACUUM.headings.values()
+        lines.append(({}, [target, f"{reading} [{self.unit}]", state]))
         return lines + [({"": cell}, [cell[0], text, cell[1]]) for cell, text in self.cells.items()]
 
     @classmethod
     def _parsed(cls, rows: Sequence[Sequence[str]]) -> TypedVacuum:
-        heading = next(number for number, row in enumerate(rows) if row[0] == "circuit or land")
+        heading = next(number for number, row in enumerate(rows) if row[0] == VACUUM.headings["target"])
         typed = cls(
             {(target, state): text for target, text, state in rows[heading + 1 :]}, _unit_over(rows[heading][1])
         )

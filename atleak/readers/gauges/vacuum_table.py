@@ -20,6 +20,7 @@ from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
 from atleak.common.units import Quantity, Unit, find_unit, unit, unit_names
 from atleak.measurements.gauge_readings import LINE_TAP
+from atleak.measurements.own_forms import VACUUM
 from atleak.measurements.vacuum import (
     STANDARD_ATMOSPHERE,
     USUAL_SUPPLY,
@@ -121,7 +122,7 @@ class _Targets:
     @property
     def finder(self) -> ValueFinder:
         """Return what finds the tables that name them."""
-        return ValueFinder("vacuum_columns", ("target", "reading"), _ORDER, self._begins)
+        return ValueFinder(VACUUM, "vacuum_columns", ("target", "reading"), _ORDER, self._begins)
 
     def _begins(self, cell: Cell) -> bool:
         """Return whether a cell names a circuit or a land."""

@@ -16,10 +16,12 @@ from atleak.catalogue.written_numbers import AskedNumber, WrittenNumber, possibl
 from atleak.common.errors import InputError, Message, Place, nearest_name, one_of
 from atleak.common.sentences import Sentence
 from atleak.common.units import Unit, find_unit, unit, unit_names
+from atleak.measurements.own_forms import OwnForm
 from atleak.readers.cells.sheet import BRACKETS, Cell, Sheet, text_of
 from atleak.readers.cells.sheet_file import open_sheets
 from atleak.readers.dates import vocabulary, words
 from atleak.readers.gauges.gauge_headings import is_blank_heading
+from atleak.readers.own_forms import form_doubts, form_tables
 
 _NUMBER_AND_UNIT = re.compile(r"([\d\s.,+\-−'’]*\d[.,]?)\s*([^\d.,\s+\-−'’].*)", re.DOTALL)
 _SEARCHED = 60  # rows in which the headings are looked for
@@ -227,6 +229,8 @@ class ValueFinder:
 
     Parameters
     ----------
+    form
+        of atleak's own, in which such a table is written
     table
         of the vocabulary, which says what the headings mean
     needed
@@ -237,6 +241,7 @@ class ValueFinder:
         tells whether a cell is what the first of a row of the table may be
     """
 
+    form: OwnForm
     table: str
     needed: Sequence[str]
     order: Sequence[str]
@@ -244,6 +249,8 @@ class ValueFinder:
 
     def find(self, sheet: Sheet) -> ValueTable | None:
         """Return the table of a sheet; None where there is none."""
+        if (own := form_tables(sheet, self.form)) is not None:
+            return ValueTable(sheet, own[0].columns, own[0].row) if own else None
         for row in range(min(len(sheet.rows), _SEARCHED)):
             columns: dict[str, int] = {}
             for column in range(sheet.width):
@@ -308,4 +315,5 @@ class ValueFile:
     def notes(self) -> tuple[Message, ...]:
         """Return how a text was read."""
         notes = dict.fromkeys(table.sheet.note for table in self.tables if table.sheet.note)
-        return tuple(Message("info", "read_as", note, Place(self.file)) for note in notes)
+        read_as = (Message("info", "read_as", note, Place(self.file)) for note in notes)
+        return (*read_as, *form_doubts(table.sheet for table in self.tables))

@@ -13,6 +13,7 @@ from atleak.common.errors import Message, Place, ReadingsError, unknown
 from atleak.common.sentences import Sentence
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Sheet
+from atleak.readers.own_forms import own_form_of
 from atleak.readers.sheets.controller_names import ControllerNames, Sizes
 from atleak.readers.sheets.diameters import PlaceKey, filled_down
 from atleak.readers.sheets.layout import continued, find_tables, likely_table, mapped_tables, suggestion, turned
@@ -130,7 +131,7 @@ def choose_sheet(
         for sheet in sheets
     ]
     for before, page in () if mapped else itertools.pairwise(every):
-        if not page.tables and before.readable:
+        if not page.tables and before.readable and own_form_of(page.sheet) is None:
             page.tables = continued(page.sheet, before.readable[-1], names)
     if wanted is not None and any(sheet.name is not None for sheet in sheets):
         looked_at = [_wanted(every, file, wanted)]
@@ -161,7 +162,9 @@ def _mapped(sheets: Sequence[Sheet], wanted: str | None, mapping: SheetMapping) 
 def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> _SheetTables:
     """Return a sheet with its tables, turned where its headings run down the first column."""
     upright = _SheetTables(sheet, find_tables(sheet, names))
-    if any(table.of("component") and any(column.holds_size for column in table.columns) for table in upright.tables):
+    if own_form_of(sheet) is not None or any(
+        table.of("component") and any(column.holds_size for column in table.columns) for table in upright.tables
+    ):
         return upright
     around = turned(sheet)
     sideways = None if around is None else _SheetTables(around, find_tables(around, names))

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
 from statistics import median
 
 from atleak.catalogue.controller import Controller
@@ -17,12 +16,12 @@ from atleak.catalogue.instruments import Part
 from atleak.catalogue.words import PART_WORDS, angle
 from atleak.common.errors import Message, Place, ReadingsError
 from atleak.common.sentences import Sentence
-from atleak.common.translations import languages
 from atleak.common.units import Unit, unit_names
 from atleak.common.units import unit as unit_named
-from atleak.common.wording import wording
-from atleak.measurements.readings import NOMINAL_HEADING, Reading
+from atleak.measurements.own_forms import MEASUREMENTS
+from atleak.measurements.readings import Reading
 from atleak.readers.cells.sheet import Sheet, rows_named
+from atleak.readers.own_forms import said_by_form
 from atleak.readers.sheets.column_headings import Role
 from atleak.readers.sheets.controller_names import MILLIMETRE, UNITS, ControllerNames, Sizes, numbers_of
 from atleak.readers.sheets.table import HeadedTable
@@ -293,11 +292,4 @@ def _broken(table: HeadedTable, entry: DiameterCell, why: Sentence) -> ReadingsE
 
 def is_own_form(table: HeadedTable) -> bool:
     """Return whether a table has the heading of nominal diameters that the program's own form has."""
-    return any(table.heading(index).partition(" [")[0] in nominal_headings() for index in table.span)
-
-
-@cache
-def nominal_headings() -> frozenset[str]:
-    """Return the heading of the form's own column of nominal diameters in every language, without its unit."""
-    headings = (wording(language).sentence(NOMINAL_HEADING) for language in languages())
-    return frozenset(" ".join(heading.split()) for heading in headings)
+    return any(said_by_form(MEASUREMENTS, table.heading(index)) == "nominal" for index in table.span)

@@ -19,7 +19,8 @@ from atleak.catalogue.written_numbers import (
 from atleak.common.errors import Message, ReadingsError
 from atleak.common.sentences import Sentence, all_of
 from atleak.common.units import Unit, find_unit, unit
-from atleak.measurements.readings import TYPED_MARK, SheetIdentity
+from atleak.measurements.own_forms import TYPED
+from atleak.measurements.readings import SheetIdentity
 from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.dates import sure_date
 from atleak.readers.sheets.head_fields import Stated, read_identity, several, stated_values
@@ -121,7 +122,7 @@ def read_head(tables: Sequence[HeadedTable], sheets: Sequence[Sheet]) -> SheetHe
 
 def is_typed(sheet: Sheet) -> bool:
     """Return whether the readings of a sheet are being typed in: its first row says so, and holds their plan."""
-    return any(TYPED_MARK in row for row in sheet.rows[:1])
+    return any(TYPED.mark in row for row in sheet.rows[:1])
 
 
 def _value(

@@ -20,7 +20,7 @@ from atleak.readers.cells.sheet import Cell, Sheet, column_letter
 from atleak.readers.cells.workbook_marks import Marks
 from atleak.readers.sheets.column_headings import HeadedColumn, Role, read_heading
 from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, is_whole, numbers_of, read_label
-from atleak.readers.sheets.mapping import ROLES, SheetMapping
+from atleak.readers.sheets.mapping import ROLES, SheetMapping, tables_of_form
 from atleak.readers.sheets.table import HeadedTable, best_header, find_headers, headings, read_together
 from atleak.readers.sheets.words import (
     is_blank,
@@ -39,6 +39,8 @@ _TITLE_ROWS = 4
 
 def find_tables(sheet: Sheet, names: ControllerNames) -> list[HeadedTable]:
     """Return every table of a sheet that has headings, from top to bottom and from left to right."""
+    if (own := tables_of_form(sheet)) is not None:
+        return own
     return [
         table
         for strip in _strips(sheet, names)

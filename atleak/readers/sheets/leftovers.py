@@ -16,8 +16,10 @@ from atleak.common.errors import Message, MessageLevel, Place, ReadingsError
 from atleak.common.sentences import Sentence, all_of, any_of, counted
 from atleak.common.units import Unit, find_unit
 from atleak.measurements.clearances import REPEAT_TOLERANCE
+from atleak.measurements.own_forms import MEASUREMENTS
 from atleak.measurements.readings import CellKind, CellMeaning, SheetCells
 from atleak.readers.cells.sheet import Sheet, sheet_cells
+from atleak.readers.own_forms import said_by_form
 from atleak.readers.sheets.column_headings import Role, unit_of_heading
 from atleak.readers.sheets.controller_names import (
     INCH,
@@ -29,7 +31,6 @@ from atleak.readers.sheets.controller_names import (
     is_whole,
     numbers_of,
 )
-from atleak.readers.sheets.diameters import nominal_headings
 from atleak.readers.sheets.rows import LABEL_OF, SheetRows, aside
 from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import (
@@ -227,8 +228,8 @@ class Account:
 
     def _is_of_controller(self, rows: SheetRows, index: int) -> bool:
         """Return whether this is the form's own column of nominal diameters, unchanged since it was written."""
-        name, unit, _ = rows.table.heading(index).partition(" [")
-        if not unit or name not in nominal_headings():
+        heading = rows.table.heading(index)
+        if "[" not in heading or said_by_form(MEASUREMENTS, heading) != "nominal":
             return False
         units, cell = self._units_of(rows.table, index), rows.table.sheet.filled
         return all(

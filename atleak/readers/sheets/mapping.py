@@ -15,11 +15,15 @@ from typing import Any
 from atleak.catalogue.instruments import Part
 from atleak.common.errors import Message, ReadingsError, nearest_name, unknown
 from atleak.common.sentences import Sentence
+from atleak.measurements.own_forms import LANDS, MEASUREMENTS, TYPED
 from atleak.measurements.readings import Readings, SheetCells
 from atleak.measurements.road_test import QUANTITIES
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter, runs_of
+from atleak.readers.own_forms import FormTable, form_tables
 from atleak.readers.remembered_columns import CONSTANT, RememberedColumns, recall_all, remember, signature
 from atleak.readers.sheets.column_headings import (
+    KEYS,
+    OF_LANDS,
     HeadedColumn,
     Role,
     is_explained,
@@ -53,6 +57,14 @@ ROLES: Mapping[str, Role] = {
     "value": "diameter",
     "deviation": "diameter",
     "new": "specification",
+}
+_OF_FORM: Mapping[str, Role] = {  # what a column of atleak's own forms is
+    **{role: role for role in (*KEYS, *OF_LANDS, "diameter")},
+    "name": "component",
+    **dict.fromkeys(("coordinate 1", "coordinate 2"), "coordinate"),
+    "nominal": "specification",
+    **dict.fromkeys(("clearance", "deviation", "stated length", "stated position"), "quantity"),
+    **dict.fromkeys(("note", "note on repairs"), "remark"),
 }
 ABOUT = ("header", "rows", "missing", "spool", "sleeve")  # the table as a whole, or words that stand in it
 FORMAT = "measuring sheet"  # by which what is remembered of sheets is told from logs
@@ -377,6 +389,29 @@ def diameter_role(said: Mapping[str, str], role: str = "value") -> str:
     """
     words = {"part": "{}", "plane": "plane {}", "direction": "{}", "repeat": "repeat {}"}
     return " ".join([role, *(word.format(said[name]) for name, word in words.items() if said.get(name))])
+
+
+def tables_of_form(sheet: Sheet) -> list[HeadedTable] | None:
+    """Return the tables of a form that atleak wrote, whose columns are known; None of any other sheet."""
+    tables = form_tables(sheet, MEASUREMENTS, TYPED, LANDS)
+    if tables is None:
+        return None
+    ends = [table.row for table in tables[1:]] + [len(sheet.rows)]
+    return [_of_form(table, end) for table, end in zip(tables, ends, strict=False)]
+
+
+def _of_form(table: FormTable, end: int) -> HeadedTable:
+    columns = [
+        HeadedColumn(
+            *(at, table.heading(key), _OF_FORM[key], table.unit(key, "length")),
+            coordinate=int(key[-1]) if key.startswith("coordinate") else None,
+            rank=9 if key == "component" else 0,
+        )
+        for key, at in sorted(table.columns.items(), key=lambda held: held[1])
+        if key in _OF_FORM
+    ]
+    sheet = replace(table.sheet, rows=table.sheet.rows[:end])
+    return HeadedTable(sheet, table.row, table.row, tuple(columns), tuple(headings(sheet, table.row, table.row)))
 
 
 def _role(name: str) -> Role:

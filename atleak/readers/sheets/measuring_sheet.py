@@ -41,6 +41,7 @@ from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Sheet, sheet_cells
 from atleak.readers.cells.sheet_file import read_bytes, read_sheets
 from atleak.readers.gauges.gauge_table import find_tabs, likeness_of
+from atleak.readers.own_forms import form_doubts
 from atleak.readers.remembered_columns import forget_columns
 from atleak.readers.sheets import agreement
 from atleak.readers.sheets.choice import SheetChoice, choose_sheet, require_one_measurement
@@ -52,7 +53,7 @@ from atleak.readers.sheets.head import is_typed, read_head
 from atleak.readers.sheets.land_values import LandValues, read_land_values
 from atleak.readers.sheets.layout import column_name, find_tables, likely, likely_table, turned
 from atleak.readers.sheets.leftovers import Account, units_apart
-from atleak.readers.sheets.mapping import SheetMapping, recalled
+from atleak.readers.sheets.mapping import SheetMapping, recalled, tables_of_form
 from atleak.readers.sheets.plausibility import check
 from atleak.readers.sheets.repeats import require_known
 from atleak.readers.sheets.rows import SheetRows, read_rows
@@ -60,6 +61,7 @@ from atleak.readers.sheets.table import HeadedTable, best_header
 from atleak.readers.sheets.words import is_word, text_of
 
 _SHOWN = 10
+_OWN = 100.0  # score of a form of atleak's own, more than any headings have
 
 
 class ReadingsRefused(ReadingsError):
@@ -186,10 +188,10 @@ def read_readings(
     controller = lands.own.with_fitted(controller)
     measured = _Measurement(chosen, sheets, lands, ControllerNames(controller), given_unit, where, settled)
     result = measured.readings(hashlib.sha256(data).hexdigest(), pressures)
+    notes = [*form_doubts(chosen.sheets), *([] if earlier is None else [earlier.entry.note])]
+    result = replace(result, messages=(*notes, *result.messages))
     if settled.chosen:
-        note = [] if earlier is None else [earlier.entry.note]
-        columns, headings = tuple(settled.chosen.items()), measured.first.headed
-        result = replace(result, messages=(*note, *result.messages), columns=columns, headings=headings)
+        result = replace(result, columns=tuple(settled.chosen.items()), headings=measured.first.headed)
     problems = [*measured.problems, *check(result, controller)]
     others = [agreement.other_controller(table, controller, made_for) for table in chosen.tables]
     problems = next(([other] for other in reversed(others) if other is not None), problems)
@@ -197,8 +199,7 @@ def read_readings(
         result = replace(result, sheets=measured.sheets(problems))
     if problems:
         refused = sorted(problems, key=lambda problem: problem.place.row or 0)
-        if earlier is not None:
-            refused.append(ReadingsError(earlier.entry.note.text, place=Place(file)))
+        refused += [ReadingsError(note.text, place=note.place) for note in notes]
         raise ReadingsRefused(refused, result.sheets)
     if not (result.readings or result.unworn or any(map(is_typed, sheets))) and pressures is None:
         raise _none_left(result, measured.first)
@@ -353,6 +354,8 @@ def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:
 
 
 def _score(sheet: Sheet) -> float:
+    if (own := tables_of_form(sheet)) is not None:
+        return _OWN * len(own)
     header = best_header(sheet)
     return -1.0 if header is None else header.score + 0.01 * min(header.count_values(), 10)
 

@@ -12,7 +12,7 @@ import xlsxwriter
 from atleak.common.style import SHEET_COLOURS
 from atleak.common.wording import Wording, wording
 from atleak.measurements.gauge_study import FEWEST
-from atleak.readers.gauges.gauge_study import STUDY_KEYS
+from atleak.measurements.own_forms import STUDY
 
 _SHEET = "Gauge study"
 STUDY_HEADER = 5  # row of the headings, from 0
@@ -51,10 +51,9 @@ def write_study_form(parts: int = 10, operators: int = 3, trials: int = 3, say: 
         sheet.write_string(0, 0, say("gauge_study.title"), title)
         for row, key in enumerate(("form_order", "form_names", "form_unit"), start=1):
             sheet.write_string(row, 0, say(f"gauge_study.{key}"))
-        headings = [
-            *(say(f"gauge_study_names.{key}") for key in STUDY_KEYS),
-            f"{say('gauge_study_names.reading')} [mm]",
-        ]
+        *keys, reading = map(say.sentence, STUDY.headings.values())
+        headings = [*keys, f"{reading} [mm]"]
+        sheet.write_string(0, len(headings), STUDY.mark)
         for column, (text, width) in enumerate(zip(headings, _WIDTHS, strict=True)):
             sheet.write_string(STUDY_HEADER, column, text, heading)
             sheet.set_column(column, column, width)
@@ -72,5 +71,6 @@ def write_study_form(parts: int = 10, operators: int = 3, trials: int = 3, say: 
         sheet.freeze_panes(STUDY_HEADER + 1, 3)
         sheet.set_paper(9)  # A4
         sheet.fit_to_pages(1, 0)
+        sheet.print_area(0, 0, STUDY_HEADER + len(order), len(_WIDTHS) - 1)
         sheet.repeat_rows(STUDY_HEADER)
     return target.getvalue()

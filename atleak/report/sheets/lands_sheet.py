@@ -14,6 +14,7 @@ from atleak.catalogue.controller import Controller, Land
 from atleak.common.sentences import Name, Sentence
 from atleak.common.units import MM, Quantity
 from atleak.common.wording import Wording
+from atleak.measurements.own_forms import LANDS as FORM
 from atleak.measurements.readings import OwnLands
 from atleak.report.sheets.paging import HEADER, PagedTable, Tab, only, put, width_for
 
@@ -36,7 +37,7 @@ _HOW_TO_REPAIR = Sentence(
 
 @dataclass(frozen=True)
 class _Column:
-    heading: Sentence
+    holds: str
     width: int
     form: str  # name of the format
     of_length: bool = False  # the unit stands behind the heading
@@ -44,17 +45,17 @@ class _Column:
 
 
 _NUMBER, _NAME, _LAND = (
-    _Column(Sentence("No."), 5, "text", unbroken=True),
-    _Column(Sentence("Component"), 20, "text"),
-    _Column(Sentence("Land"), 5, "number"),
+    _Column("component", 5, "text", unbroken=True),
+    _Column("name", 20, "text"),
+    _Column("land", 5, "number"),
 )
-_CONTACT = _Column(Sentence("Contact\nlength"), 9, "input", of_length=True)
-_STATED = _Column(Sentence("Stated contact\nlength"), 9, "nominal", of_length=True)
-_POSITION = _Column(Sentence("Position from\nleft end"), 9, "input", of_length=True)
-_STATED_POSITION = _Column(Sentence("Stated length from\nleft end"), 9, "nominal", of_length=True)
-_NOTE = _Column(Sentence("Note"), 15, "origin")
-_FITTED = _Column(Sentence("Fitted repair"), 14, "choice", unbroken=True)
-_OPTIONS = _Column(Sentence("Note on repairs"), 30, "origin", unbroken=True)
+_CONTACT = _Column("contact length", 9, "input", of_length=True)
+_STATED = _Column("stated length", 9, "nominal", of_length=True)
+_POSITION = _Column("position", 9, "input", of_length=True)
+_STATED_POSITION = _Column("stated position", 9, "nominal", of_length=True)
+_NOTE = _Column("note", 15, "origin")
+_FITTED = _Column("fitted repair", 14, "choice", unbroken=True)
+_OPTIONS = _Column("note on repairs", 30, "origin", unbroken=True)
 _Cells = Mapping[_Column, str | float | None]
 
 
@@ -65,13 +66,14 @@ def write_lands(tab: Tab, controller: Controller, own: OwnLands) -> None:
     columns = [_NUMBER, _NAME, _LAND, _CONTACT, _STATED, _POSITION, _STATED_POSITION, _NOTE]
     columns += [_FITTED, _OPTIONS] if any(repair.lands for repair in controller.repairs) else []
     headings = [
-        say.sentence(column.heading) + (f" [{say.unit('length')}]" if column.of_length else "") for column in columns
+        say.sentence(FORM.headings[column.holds]) + (f" [{say.unit('length')}]" if column.of_length else "")
+        for column in columns
     ]
     widths = []
     for column in columns:
         texts = [str(cells.get(column) or "") for _, cells in rows] if column.unbroken else []
         widths.append(width_for(texts, column.width))
-    table = PagedTable(tab, headings, widths)
+    table = PagedTable(tab, FORM, headings, widths)
     title = Sentence("Lands of this unit: {name}", name=Name(controller.name))
     how_to = (*_HOW_TO, _HOW_TO_REPAIR) if _FITTED in columns else _HOW_TO
     table.write((title, *how_to), HEADER + len(rows), columns.index(_CONTACT))

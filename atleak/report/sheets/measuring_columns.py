@@ -22,37 +22,38 @@ from atleak.common.sentences import Sentence
 from atleak.common.style import SHEET_COLOURS
 from atleak.common.wording import Wording
 from atleak.measurements.measuring_plan import DIRECTIONS, PLAN_PARTS, REPEATS, Plan
-from atleak.measurements.readings import NOMINAL_HEADING, Reading
+from atleak.measurements.own_forms import MEASUREMENTS
+from atleak.measurements.readings import Reading
 from atleak.report.sheets.paging import RowBlock
 
 
 class FormColumn(IntEnum):
-    """A column, by its number from 0: heading, kind of quantity that its unit is of, least width in characters."""
+    """A column, by its number from 0: what it holds, of which kind its unit is, least width in characters."""
 
-    COMPONENT = Sentence("No."), None, 5
-    NAME = Sentence("Component"), None, 20
-    PART = Sentence("Part"), None, 8
-    PLANE = Sentence("Plane"), None, 7
-    DIRECTION = Sentence("Direction"), None, 9
-    REPEAT = Sentence("Repeat"), None, 8
-    X1 = Sentence("Coordinate\nx1 (y1)"), "length", 12
-    X2 = Sentence("Coordinate\nx2 (y2)"), "length", 12
-    DIAMETER = Sentence("Diameter"), "length", 12
-    NOMINAL = NOMINAL_HEADING, "length", 10
-    CLEARANCE = Sentence("Mounting\nclearance"), "clearance", 10
-    ORIGIN = Sentence("Nominal values\nare"), None, 14
-    DEVIATION = Sentence("Deviation from\nnominal"), "clearance", 11
-    TAKEN_AT = Sentence("Taken at"), None, 11
+    COMPONENT = "component", None, 5
+    NAME = "name", None, 20
+    PART = "part", None, 8
+    PLANE = "plane", None, 7
+    DIRECTION = "direction", None, 9
+    REPEAT = "repeat", None, 8
+    X1 = "coordinate 1", "length", 12
+    X2 = "coordinate 2", "length", 12
+    DIAMETER = "diameter", "length", 12
+    NOMINAL = "nominal", "length", 10
+    CLEARANCE = "clearance", "clearance", 10
+    ORIGIN = "origin", None, 14
+    DEVIATION = "deviation", "clearance", 11
+    TAKEN_AT = "taken at", None, 11
 
-    heading: Sentence
+    holds: str
     kind: str | None
     least_width: int
 
-    def __new__(cls, heading: Sentence, kind: str | None, least_width: int) -> FormColumn:
+    def __new__(cls, holds: str, kind: str | None, least_width: int) -> FormColumn:
         """Number the columns as they stand here."""
         column = int.__new__(cls, len(cls.__members__))
         column._value_ = len(cls.__members__)
-        column.heading, column.kind, column.least_width = heading, kind, least_width
+        column.holds, column.kind, column.least_width = holds, kind, least_width
         return column
 
     @property
@@ -62,7 +63,7 @@ class FormColumn(IntEnum):
 
     def said(self, say: Wording) -> str:
         """Return the heading with its unit."""
-        return say.sentence(self.heading) + (f" [{say.unit(self.kind)}]" if self.kind else "")
+        return say.sentence(MEASUREMENTS.headings[self.holds]) + (f" [{say.unit(self.kind)}]" if self.kind else "")
 
     def width(self, say: Wording) -> int:
         """Return the width in characters: no word of the heading is broken."""
@@ -95,6 +96,7 @@ def formats_of(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
         "title": {"bold": True, "font_size": 14},
         "field label": {"bold": True, "text_wrap": True, "valign": "vcenter"},
         "field": {"bottom": 1, "bg_color": shade["entry"], "text_wrap": True, "valign": "vcenter"},
+        "mark": {"font_size": 8, "font_color": shade["note"]},
         "note": {**wrapped, "italic": True, "font_size": 8, "font_color": shade["note"]},
         "heading": {**cell, **heading, "bold": True, "text_wrap": True, "align": "center"},
         "text": {**given, "text_wrap": True, "align": "left"},

@@ -19,6 +19,7 @@ from atleak.common.units import MM, UM, Quantity
 from atleak.common.wording import Wording, wording
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.measuring_plan import PLAN_PARTS, Plan
+from atleak.measurements.own_forms import INSTRUCTIONS, MEASUREMENTS
 from atleak.measurements.readings import OwnLands, Reading
 from atleak.report.sheets.lands_sheet import LANDS, write_lands
 from atleak.report.sheets.measuring_columns import (
@@ -93,6 +94,7 @@ def _write_instructions(tab: Tab, controller: Controller, far: float, *, quick: 
     tabs = {"lands": LANDS, "pressures": PRESSURES_TITLE}
     Paging(_WIDTHS).set_up(sheet)
     sheet.write_string(0, 0, say.sentence(MEASURING_INSTRUCTIONS), formats["title"])
+    sheet.write_string(0, len(_WIDTHS), INSTRUCTIONS.mark, formats["mark"])
     left_out = {*(_WHOLE if quick else ()), *(() if controller.representative else _TOPICS[-1:])}
     for number, topic in enumerate(topic for topic in _TOPICS if topic not in left_out):
         row, title = 2 * number + 2, say(f"how_to_measure.{topic}_title")
@@ -102,6 +104,7 @@ def _write_instructions(tab: Tab, controller: Controller, far: float, *, quick: 
         sheet.write_string(row, 1, said, formats["wrap"])
         sheet.set_row(row, row_height(zip((title, said), _WIDTHS, strict=True)))
         sheet.set_row(row + 1, _BETWEEN)
+    sheet.print_area(0, 0, row, len(_WIDTHS) - 1)
 
 
 _HEADINGS_ROW = 54.0  # [pt]
@@ -248,6 +251,7 @@ class _Sheet:
                 if end > start:
                     sheet.merge_range(row, start, row, end, "", formats[form])
                 sheet.write_string(row, start, text, formats[form])
+        sheet.write_string(0, len(FormColumn), MEASUREMENTS.mark, formats["mark"])  # beside what is printed
         for column in FormColumn:
             sheet.write_string(MEASURING_HEADER, column, column.said(say), formats["heading"])
         for row, height in enumerate(self.paging.above):

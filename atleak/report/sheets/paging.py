@@ -20,6 +20,7 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.common.seals import PROPERTY, SealedKind, sealed, unsealed
 from atleak.common.sentences import Sentence
 from atleak.common.wording import Wording
+from atleak.measurements.own_forms import OwnForm
 
 _PIXEL = 0.75  # [pt] to which workbooks round a row's height
 ROW = 7.0  # [mm] least height of a row on paper, to write in by hand: choice of this project
@@ -183,14 +184,16 @@ class PagedTable:
     ----------
     tab
         on which nothing is written yet.
+    form
+        that the tab is, by whose mark it is known when it is read.
     headings
         as the reader has them.
     widths
         of the columns at least, in characters; no word of a heading is broken.
     """
 
-    def __init__(self, tab: Tab, headings: Sequence[str], widths: Iterable[int]) -> None:
-        self._tab, self._headings = tab, headings
+    def __init__(self, tab: Tab, form: OwnForm, headings: Sequence[str], widths: Iterable[int]) -> None:
+        self._tab, self._form, self._headings = tab, form, headings
         self.widths = tuple(
             width_for([said], width, beside=_BOLD_BESIDE) for said, width in zip(headings, widths, strict=True)
         )
@@ -206,6 +209,7 @@ class PagedTable:
             sheet.write_string(row, 0, text, form)
             if row:
                 sheet.set_row(row, row_height([(text, sum(self.widths))]))
+        sheet.write_string(0, len(self.widths), self._form.mark, formats["mark"])
         for column, said in enumerate(self._headings):
             sheet.write_string(HEADER, column, said, formats["heading"])
         sheet.set_row(HEADER, row_height(zip(self._headings, self.widths, strict=True), bold=True))

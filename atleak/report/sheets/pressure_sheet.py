@@ -13,6 +13,7 @@ from atleak.common.sentences import Name, Sentence
 from atleak.common.units import KPA, Quantity
 from atleak.common.wording import Wording
 from atleak.measurements.gauge_readings import Engine, GaugeCell, PressureTable, applied, permitted, ranges_of, taps_of
+from atleak.measurements.own_forms import ATF_TEMPERATURE, PRESSURES
 from atleak.report.sheets.paging import HEADER, PagedTable, Tab, only, put
 from atleak.report.tables.gauges import permissible_text, tap_text
 
@@ -39,10 +40,10 @@ def write_pressures(tab: Tab, controller: Controller, readings: PressureTable | 
     sheet, formats, say = tab.sheet, tab.formats, tab.say
     rows = list(_rows(controller))
     last = HEADER + len(rows)
-    table = PagedTable(tab, _headings(say), _WIDTHS)
+    table = PagedTable(tab, PRESSURES, _headings(say), _WIDTHS)
     title = Sentence("Pressures of a standing vehicle: {name}", name=Name(controller.name))
     table.write((title, *_HOW_TO), last, _READ)
-    label = f"{say.sentence(Sentence('ATF temperature'))} [{say.unit('temperature')}]"
+    label = f"{say.sentence(ATF_TEMPERATURE)} [{say.unit('temperature')}]"
     sheet.set_row(_TEMPERATURE[0], table.row_height)
     sheet.write_string(_TEMPERATURE[0], 0, label, formats["field label"])
     sheet.write_blank(*_TEMPERATURE, None, formats["field"])
@@ -69,10 +70,8 @@ def write_pressures(tab: Tab, controller: Controller, readings: PressureTable | 
 
 def _headings(say: Wording) -> list[str]:
     unit = say.unit("pressure")
-    headings = [Sentence("Range"), Sentence("Tap")]
-    headings += [Sentence("{engine} [{unit}]", engine=engine.label, unit=unit) for engine in Engine]
-    headings += [Sentence("Permissible at {engine} [{unit}]", engine=engine.label, unit=unit) for engine in Engine]
-    return list(map(say.sentence, headings))
+    headings = map(say.sentence, PRESSURES.headings.values())
+    return [said if column < _READ else f"{said} [{unit}]" for column, said in enumerate(headings)]
 
 
 def _rows(controller: Controller) -> Iterator[tuple[SelectorRange, str]]:

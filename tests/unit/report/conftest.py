@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import shutil
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
@@ -30,21 +28,6 @@ def referee() -> ModuleType:
 def calculator(referee) -> type:
     """The referee that calculates a workbook's formulas."""
     return referee.SheetCalculator
-
-
-@pytest.fixture(scope="session")
-def convert(tmp_path_factory):
-    """LibreOffice, writing a workbook anew beside itself; its profile, which takes it longest, is made once."""
-    soffice = shutil.which("soffice") or shutil.which("libreoffice")
-    if soffice is None:
-        pytest.skip("LibreOffice is not installed; the independent calculator checks the same cells")
-    profile = tmp_path_factory.mktemp("office").as_uri()
-
-    def run(workbook, kind):
-        command = [soffice, f"-env:UserInstallation={profile}", "--headless", "--convert-to", kind]
-        subprocess.run([*command, "--outdir", workbook.parent, workbook], check=True, capture_output=True, timeout=600)
-
-    return run
 
 
 @pytest.fixture

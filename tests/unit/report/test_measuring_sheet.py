@@ -286,7 +286,7 @@ def test_numbers_typed_as_text_with_a_decimal_comma_are_read_back(controller, te
 
 def test_the_instructions_are_as_high_as_their_texts_are_long(controller, book):
     sheet = book[MEASURING_INSTRUCTIONS]
-    for row in sheet.iter_rows(min_row=3):
+    for row in sheet.iter_rows(min_row=3, max_col=2):
         for cell, width in zip(row, (24, 96), strict=True):
             lines = len(textwrap.wrap(cell.value or "", 0.9 * width))
             assert sheet.row_dimensions[cell.row].height >= 13.5 * lines

@@ -1,0 +1,127 @@
+"""Forms that atleak wrote itself: known by their mark and read by their headings as they were written, with no guess.
+
+Columns may have been moved, rows put in or taken out. Where the mark or the headings were changed, or columns with
+numbers were added, the sheet is read as any other one, and a message says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+
+from atleak.catalogue.written_numbers import decimal_number
+from atleak.common.errors import Message
+from atleak.common.sentences import Sentence
+from atleak.common.translations import languages
+from atleak.common.units import Unit, find_unit
+from atleak.common.wording import wording
+from atleak.measurements.own_forms import BEGINNING, LANDS, OWN_FORMS, TYPED, OwnForm
+from atleak.readers.cells.sheet import Cell, Sheet, column_letter, text_of
+
+_SEARCHED = 60  # rows in which the mark and the headings are looked for
+_NOT_KNOWN = Sentence("its mark was changed")
+_CHANGED = Sentence("its headings were changed")
+
+
+@dataclass(frozen=True)
+class FormTable:
+    """A table of a form: the row of its headings, from 0, and the column of each that is there."""
+
+    sheet: Sheet
+    row: int
+    columns: Mapping[str, int]
+
+    def heading(self, key: str) -> str:
+        """Return the heading of a column."""
+        return text_of(self.sheet.cell(self.row, self.columns[key]))
+
+    def unit(self, key: str, kind: str) -> Unit | None:
+        """Return the unit that stands in the heading of a column."""
+        return find_unit(self.heading(key).partition(" [")[2].removesuffix("]"), kind)
+
+
+@cache
+def _headings(form: str) -> Mapping[str, str]:
+    """Return what each heading of a form says, in every language."""
+    says = [wording(language) for language in languages()]
+    return {text_of(say.sentence(said)): key for key, said in OWN_FORMS[form].headings.items() for say in says}
+
+
+def said_by_form(form: OwnForm, cell: Cell) -> str | None:
+    """Return what a cell heads in a form, whatever its unit; None where it is no heading of it.
+
+    >>> from atleak.measurements.own_forms import MEASUREMENTS
+    >>> said_by_form(MEASUREMENTS, "Nenndurchmesser [mm]"), said_by_form(MEASUREMENTS, "Diameter 2 [mm]")
+    ('nominal', None)
+    """
+    return _headings(form.mark).get(text_of(cell).partition(" [")[0]) if isinstance(cell, str) else None
+
+
+def form_tables(sheet: Sheet, *forms: OwnForm) -> tuple[FormTable, ...] | None:
+    """Return the tables of a sheet that is one of some forms; none of another form, and None of any other sheet."""
+    form, tables, doubt = _found(sheet)
+    return None if form is None or doubt else tables * (form in forms)
+
+
+def own_form_of(sheet: Sheet) -> OwnForm | None:
+    """Return the form that a sheet is; None where it has to be read as any other one."""
+    form, _, doubt = _found(sheet)
+    return None if doubt else form
+
+
+def form_doubts(sheets: Iterable[Sheet]) -> list[Message]:
+    """Return a message for every sheet that bears a form's mark and has to be read as any other one."""
+    messages = (
+        Message(
+            "info",
+            "own_form_changed",
+            Sentence("this sheet was a form of atleak's, but {why}: it is read as any other one", why=doubt),
+            sheet.place(),
+        )
+        for sheet in sheets
+        if (doubt := _found(sheet)[2]) is not None
+    )
+    return list(dict.fromkeys(messages))
+
+
+def _found(sheet: Sheet) -> tuple[OwnForm | None, tuple[FormTable, ...], Sentence | None]:
+    """Return the form that a sheet is, its tables, and why they cannot be read as such."""
+    texts = [text_of(cell) for row in sheet.rows[:_SEARCHED] for cell in row if isinstance(cell, str) and cell]
+    form = next((OWN_FORMS[text] for text in texts if text in OWN_FORMS), None)
+    if form is None:
+        changed = any(BEGINNING in text.lower() for text in texts)
+        return None, (), _NOT_KNOWN if changed else None
+    tables = []
+    for held in (form, LANDS) if form == TYPED else (form,):
+        table = _table(sheet, held) if held.needed else None
+        if table is not None:
+            tables.append(table)
+    if form.needed and not tables:
+        return form, (), _CHANGED
+    added = [column_letter(column) for table in tables[:1] for column in _added(table)]
+    return form, tuple(tables), Sentence("columns were added ({columns})", columns=tuple(added)) if added else None
+
+
+def _table(sheet: Sheet, form: OwnForm) -> FormTable | None:
+    rows = range(min(len(sheet.rows), _SEARCHED)) if form != LANDS else range(len(sheet.rows))
+    for row in rows:
+        columns: dict[str, int] = {}
+        for column, cell in enumerate(sheet.rows[row]):
+            key = said_by_form(form, cell)
+            if key is not None:
+                columns.setdefault(key, column)
+        if columns.keys() >= set(form.needed):
+            return FormTable(sheet, row, columns)
+    return None
+
+
+def _added(table: FormTable) -> list[int]:
+    """Return the columns that are none of the form's, and hold numbers."""
+    others = set(range(table.sheet.width)) - set(table.columns.values())
+    below = table.sheet.rows[table.row + 1 :]
+    return sorted(
+        column
+        for column in others
+        if any(column < len(cells) and decimal_number(str(cells[column])) is not None for cells in below)
+    )
