@@ -49,7 +49,7 @@ from atleak.measurements.job_card import Job
 from atleak.readers.cells.sheet import Cell
 from atleak.readers.dates import DateOrder, day_number, likely_order, sure_date
 from atleak.readers.logs import default_path, head_of_parquet, understand
-from atleak.readers.sheets.head_fields import written_mileage
+from atleak.readers.sheets.head import written_mileage
 from atleak.readers.sheets.words import says_no, says_yes
 from atleak.readers.unit_table import MEASURED, TableColumn, TableRow, UnitTable, nearest_heading, read_unit_table
 

@@ -51,9 +51,9 @@ from atleak.measurements.readings import Readings
 from atleak.measurements.road_test import RoadTest
 from atleak.measurements.vacuum import VacuumTable
 from atleak.readers.dates import words
-from atleak.readers.gauges.flow_table import read_flow_table
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
+from atleak.readers.gauges.value_table import read_flow_table
 from atleak.readers.logs import NOT_LOGGED, Understood, default_path, recall, understand
 from atleak.readers.sheets.mapping import is_role, require_known
 from atleak.readers.sheets.measuring_sheet import read_readings

@@ -26,8 +26,8 @@ from atleak.readers.cells.sheet import Sheet
 from atleak.readers.cells.sheet_file import read_sheets
 from atleak.readers.controller_workbook import describes_controller
 from atleak.readers.gauges import gauge_table
-from atleak.readers.gauges.flow_table import flow_finder
 from atleak.readers.gauges.vacuum_table import vacuum_finder
+from atleak.readers.gauges.value_table import flow_finder
 from atleak.readers.logs.log_file import form_of
 from atleak.readers.own_forms import own_form_of
 from atleak.readers.sheets.controller_names import ControllerNames

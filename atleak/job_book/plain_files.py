@@ -27,9 +27,9 @@ from atleak.measurements.readings import OwnLands, Reading, Readings
 from atleak.measurements.road_test import QUANTITIES, Channel, RoadTest
 from atleak.measurements.vacuum import VacuumTable
 from atleak.readers.cells.sheet_file import csv_bytes
-from atleak.readers.gauges.flow_table import read_flow_table
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
+from atleak.readers.gauges.value_table import read_flow_table
 from atleak.readers.logs import understand
 from atleak.readers.logs.timeline import gap_limit
 from atleak.readers.sheets.measuring_sheet import read_readings

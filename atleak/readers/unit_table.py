@@ -22,7 +22,7 @@ from atleak.readers.cells.extent import EXPECTED
 from atleak.readers.cells.sheet import NO_WIDTH, Cell
 from atleak.readers.dates import vocabulary, words
 from atleak.readers.logs.text_lines import to_text
-from atleak.readers.sheets.head_fields import identity_field
+from atleak.readers.sheets.head import identity_field
 
 _NEAR = 0.8  # of the letters of two headings that are taken for the same
 _SHORT = 4  # letters: shorter ones are near to anything

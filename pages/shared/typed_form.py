@@ -19,10 +19,10 @@ from atleak.job.case import SourceFile
 from atleak.measurements.flow_readings import COOLER, consumer_of
 from atleak.measurements.gauge_readings import Engine, GaugeCell, ranges_of, tap_name, taps_of
 from atleak.measurements.vacuum import VacuumTable
-from atleak.readers.gauges.flow_table import read_flow_table
 from atleak.readers.gauges.gauge_table import asked_pressure, read_pressure_table
 from atleak.readers.gauges.typed_values import TYPED_GAUGES_FILE, Part, TypedFlows, TypedGauges, TypedTable, TypedVacuum
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
+from atleak.readers.gauges.value_table import read_flow_table
 from atleak.report.tables.names import component_words, land_words
 from pages.shared import fields, reader, show
 from pages.shared.cases import controller_of

@@ -21,10 +21,10 @@ from atleak.job.photos import without_notes
 from atleak.job.result import judged_otherwise
 from atleak.job.zip_file import parse_job, read_job_file
 from atleak.readers.controller_workbook import read_controller_workbook
-from atleak.readers.gauges.flow_table import read_flow_table
 from atleak.readers.gauges.gauge_study import read_study
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
+from atleak.readers.gauges.value_table import read_flow_table
 from atleak.readers.logs import log_columns, remember, understand
 from atleak.readers.process.parent import FaultOfChild
 from atleak.readers.remembered_columns import recall_all

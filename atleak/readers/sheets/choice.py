@@ -14,9 +14,9 @@ from atleak.common.sentences import Sentence
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Sheet
 from atleak.readers.own_forms import own_form_of
-from atleak.readers.sheets.controller_names import ControllerNames, Sizes
+from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.diameters import PlaceKey, filled_down
-from atleak.readers.sheets.layout import continued, find_tables, likely_table, mapped_tables, suggestion, turned
+from atleak.readers.sheets.layout import find_tables, likely_table, mapped_tables, suggestion, turned
 from atleak.readers.sheets.mapping import NOTHING_SAID, SheetMapping
 from atleak.readers.sheets.rows import SheetRows
 from atleak.readers.sheets.table import EXPECTED_SHEET, HeadedTable, best_header
@@ -130,9 +130,6 @@ def choose_sheet(
         else _the_right_way_round(sheet, names)
         for sheet in sheets
     ]
-    for before, page in () if mapped else itertools.pairwise(every):
-        if not page.tables and before.readable and own_form_of(page.sheet) is None:
-            page.tables = continued(page.sheet, before.readable[-1], names)
     if wanted is not None and any(sheet.name is not None for sheet in sheets):
         looked_at = [_wanted(every, file, wanted)]
     elif mapped:
@@ -241,31 +238,13 @@ def _incomplete(table: HeadedTable, names: ControllerNames) -> ReadingsError:
         if len(missing) > 1:
             what = Sentence("{first} nor for {second}", first=missing[0], second=missing[1])
         problem = Sentence("no heading for {what}", what=what)
-    others = [column.name for column in table.of("specification")]
-    means = [column.name for column in table.of("mean")]
-    for headings, template in (
-        (others, Sentence("{problem}: what a diameter should be, or was, is no measurement ({headings})")),
-        (means, Sentence("{problem}. Means are no readings ({headings})")),
-        (
-            _of_size(table, Sizes(names.controller)),
-            Sentence(
-                "{problem}. Numbers of that size stand under {headings}: more words there than a part, land, "
-                "direction or repeat"
-            ),
-        ),
-    ):
-        if headings and not table.values:
-            problem = template.of(problem=problem, headings=_quoted(headings))
+    others = [column.name for column in (*table.of("specification"), *table.of("mean"))]
+    if others and not table.values:
+        template = Sentence("{problem}: what a diameter should be or was, and a mean, is no measurement ({headings})")
+        problem = template.of(problem=problem, headings=_quoted(others))
     value = ", ".join(repr(column.name) for column in table.columns)
     expected = _expected(table.sheet, names)
     return ReadingsError(problem, place=table.sheet.place(table.last), value=value, expected=expected)
-
-
-def _of_size(table: HeadedTable, sizes: Sizes) -> list[str]:
-    """Return the headings that say nothing known, and under which most numbers are of the size of a diameter."""
-    headed = (index for index in range(table.sheet.width) if table.role(index) in (None, "quantity"))
-    headings = [table.heading(index) for index in headed if sizes.fill(table.cells(index).values())]
-    return list(filter(None, headings))
 
 
 def require_one_measurement(read: Sequence[SheetRows], file: str) -> list[ReadingsError]:
@@ -277,18 +256,16 @@ def require_one_measurement(read: Sequence[SheetRows], file: str) -> list[Readin
     first: dict[tuple[str, Part, str], list[tuple[SheetRows, PlaceKey]]] = defaultdict(list)
     asked: dict[str | None, None] = {}
     reported: set[tuple[int, int]] = set()
-    for before, rows in zip((None, *read), read, strict=False):
+    for rows in read:
         if len(problems) > FAULTS:
             break
         if is_repeat_title(rows.table.title):
             continue
-        over_the_page, sheet = _goes_on(before, rows), rows.table.sheet.name
+        sheet = rows.table.sheet.name
         mine: dict[object, PlaceKey] = {}
         for entry in rows.entries:
             key = entry.key
             place = key.component, key.part, key.plane
-            if entry.row == over_the_page:
-                continue
             for other, earlier in first[place]:
                 if None not in (key.direction, earlier.direction) and key.direction != earlier.direction:
                     continue
@@ -308,15 +285,6 @@ def require_one_measurement(read: Sequence[SheetRows], file: str) -> list[Readin
             expected=Sentence("one: say which sheet, or delete the others"),
         )
     return problems
-
-
-def _goes_on(before: SheetRows | None, rows: SheetRows) -> int | None:
-    """Return the first row under headings printed again, where it goes on with the station of the row above them."""
-    if before is None or before.table.sheet.name != rows.table.sheet.name or not before.entries or not rows.entries:
-        return None
-    last = {entry.key for entry in before.entries if entry.row == before.entries[-1].row}
-    first = {entry.key for entry in rows.entries if entry.row == rows.entries[0].row}
-    return rows.entries[0].row if first == last and not rows.table.title else None
 
 
 def _twice(rows: SheetRows, other: SheetRows, key: PlaceKey, place: Place) -> ReadingsError:

@@ -155,8 +155,9 @@ def _same_value(table: HeadedTable, name: str, first: HeadedColumn, second: Head
         ),
         place=table.heading_place(second.index),
         expected=Sentence(
-            "one state of the valve body: delete or hide the other column; or, if they are repeats, headings such as "
-            "'diameter 1 [mm]' and 'diameter 2 [mm]'"
+            "one state of the valve body: delete or hide the other column, or --map {option}; or, if they are repeats, "
+            "headings such as 'diameter 1 [mm]' and 'diameter 2 [mm]'",
+            option=f'"value={second.name}"',
         ),
     )
 

@@ -18,7 +18,7 @@ from atleak.common.sentences import Sentence, all_of
 from atleak.readers.cells.extent import MOST_TABLES
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter
 from atleak.readers.cells.workbook_marks import Marks
-from atleak.readers.sheets.column_headings import HeadedColumn, Role, read_heading
+from atleak.readers.sheets.column_headings import read_heading
 from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, is_whole, numbers_of, read_label
 from atleak.readers.sheets.mapping import ROLES, SheetMapping, tables_of_form
 from atleak.readers.sheets.table import HeadedTable, best_header, find_headers, headings, read_together
@@ -29,7 +29,6 @@ from atleak.readers.sheets.words import (
     part_in,
     part_said,
     plain,
-    repeat_of,
     summary_of,
     text_of,
 )
@@ -54,25 +53,6 @@ def mapped_tables(sheet: Sheet, mapping: SheetMapping, names: ControllerNames) -
     """Return the table whose columns a person named, cut by lines between its rows; no title leaves it aside."""
     table = _titled(_by_content(mapping.table(sheet, names), Sizes(names.controller)), names)
     return list(_sections(replace(table, left_aside=None), names))
-
-
-def continued(sheet: Sheet, table: HeadedTable, names: ControllerNames) -> list[HeadedTable]:
-    """Return a sheet without headings as the continuation of the table before it; nothing where columns do not fit."""
-    components = table.of("component")
-    rows = [row for row, cells in enumerate(sheet.rows) if any(not is_blank(cell) for cell in cells)]
-    if not rows or not components or not table.values:
-        return []
-    for row in rows:
-        if not any(names.component(sheet.filled(row, column.index)) for column in components):
-            return []
-        if any(_says_no_number(sheet.cell(row, column.index)) for column in table.values):
-            return []
-    alone = replace(table, messages=(), filled=frozenset())
-    return [replace(alone, sheet=sheet, first=-1, last=-1, left_aside=None)]
-
-
-def _says_no_number(cell: Cell) -> bool:
-    return isinstance(cell, str) and not is_blank(cell) and number_of(cell) is None
 
 
 def _strips(sheet: Sheet, names: ControllerNames) -> list[Sheet]:
@@ -130,33 +110,7 @@ def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
         corrected = any(other.standing == "corrected" for other in others) and column.standing != "corrected"
         if column.role == "diameter" and others and (column.standing == "raw" or corrected):
             kept[at] = replace(column, role="raw")
-    return _with_counts(replace(table, columns=tuple(kept)))
-
-
-def _with_counts(table: HeadedTable) -> HeadedTable:
-    """Return the table with "Measurement" or "Reading" as the repeat where it counts 1, 2, 3 beside diameters."""
-    counting = {index: role for index in range(len(table.texts)) if (role := _role_of_count(table, index)) is not None}
-    columns = [column for column in table.columns if column.index not in counting]
-    columns += [HeadedColumn(index, table.texts[index], role) for index, role in counting.items()]
-    return replace(table, columns=tuple(sorted(columns, key=lambda column: column.index)))
-
-
-def _role_of_count(table: HeadedTable, index: int) -> Role | None:
-    """Return what a column is that counts 1, 2, 3 under "Reading": one that numbers all rows through says nothing."""
-    words = letters(table.heading(index))
-    others = [column for column in table.values if column.index != index]
-    if not others or not words.any("reading") or not words.only("reading", "number"):
-        return None
-    cells = [
-        cell
-        for row, cell in table.cells(index).items()
-        if any(not is_blank(table.sheet.cell(row, column.index)) for column in others)
-    ]
-    numbers = [repeat_of(cell) or 0 for cell in cells if summary_of(cell, key=True) is None]
-    if not numbers or sorted(set(numbers)) != list(range(1, len(set(numbers)) + 1)):
-        return None
-    restarts = any(after <= before for before, after in pairwise(numbers))
-    return "repeat" if (restarts or len(numbers) < len(cells)) and not table.of("repeat") else "remark"
+    return replace(table, columns=tuple(kept))
 
 
 def _is_single(sheet: Sheet, row: int) -> bool:

@@ -491,7 +491,10 @@ def _without_headings(sheet: Sheet, row: int, column: int) -> ReadingsError:
         Sentence("this row looks like a reading, and stands under no headings"),
         place=sheet.place(row, column),
         value=sheet.cell(row, column),
-        expected=Sentence("the row in the table, in the same columns, or headings above it"),
+        expected=Sentence(
+            "the row in the table, in the same columns, or headings above it; or the columns by their letters, as in "
+            "--map component=A"
+        ),
     )
 
 

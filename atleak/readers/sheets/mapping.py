@@ -262,6 +262,12 @@ class SheetMapping:
         table = HeadedTable(view, first, last, columns, texts, mapped=True)
         if (component := self._constants.get("component")) is not None:
             table = replace(table, component=names.require_component(component))
+        for column in table.values:
+            said = read_heading(column.heading)
+            if said is not None and said.role == "mean":
+                text = Sentence("column {heading!r} holds means, by its heading: each counts as one reading")
+                place, text = table.heading_place(column.index), text.of(heading=column.name)
+                table = replace(table, messages=(*table.messages, Message("info", "means_as_readings", text, place)))
         for name in filter(_is_deviation, self._values):
             table = _with_sums(table, at[name], at.get("new"))
         for index in dict.fromkeys(at.values()):

@@ -12,7 +12,7 @@ What happens to a file:
 3. `choice` picks the tables that are the measurement, and `columns` the columns of each that are read.
 4. `rows` reads every row, with `controller_names`; `exclusions` leaves out rows that are no reading, and `repeats` asks
    where two states would be averaged. `diameters` makes metres of what they hold.
-5. `head`, `head_fields` and `land_values` read what stands above the headings, and what lands have of their own. A
+5. `head` and `land_values` read what stands above the headings, and what lands have of their own. A
    repair that is fitted comes first: the diameters are compared with its nominal ones.
 6. `leftovers` looks at all cells again: what has the size of a diameter and was not read is named or refused.
 7. `agreement` compares the diameters with clearances and means on the sheet, `plausibility` with the controller.

@@ -18,7 +18,6 @@ from atleak.common.sentences import Sentence
 from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.sheets.column_headings import (
     KEYS,
-    LETTERED,
     OF_LANDS,
     SAYS_NOTHING,
     HeadedColumn,
@@ -30,8 +29,7 @@ from atleak.readers.sheets.column_headings import (
     tokens_of,
     unit_of_heading,
 )
-from atleak.readers.sheets.head_fields import is_row_of_fields
-from atleak.readers.sheets.words import is_blank, is_page_title, number_of, part_of, part_said, side_of, text_of
+from atleak.readers.sheets.words import is_blank, is_page_title, number_of, part_of, part_said, text_of
 
 
 @dataclass(frozen=True)
@@ -268,7 +266,7 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
     likely = [header for first in range(len(sheet.rows)) for header in _likely_headers(sheet, first, is_component)]
     headers: list[HeadedTable] = []
     taken: set[int] = set()
-    for header in sorted(likely, key=lambda header: (-round(header.score + _depth_bonus(header), 9), header.first)):
+    for header in sorted(likely, key=lambda header: (-round(header.score, 9), header.first)):
         rows = range(header.first, header.last + 1)
         if taken.isdisjoint(rows):
             headers.append(header)
@@ -287,22 +285,9 @@ def _likely_headers(sheet: Sheet, first: int, is_component: Callable[[str], bool
         last = header.last
         if last > first and (decimals or _names_component(sheet, last, is_component) or _holds_decimals(sheet, last)):
             return
-        of_fields = last > first and is_row_of_fields(sheet.rows[first])
         # a row that holds a number is taken only where its headings leave no doubt
-        if not of_fields and _starts_table(header) and (not decimals or (header.complete and len(header.roles) > 2)):
+        if _starts_table(header) and (not decimals or (header.complete and len(header.roles) > 2)):
             yield header
-
-
-def _depth_bonus(table: HeadedTable) -> float:
-    """Score headings under headings higher: "nominal" and "actual" under "diameter" make no table of their own."""
-    return sum(
-        0.02
-        for row in range(table.first + 1, table.last + 1)
-        if any(
-            isinstance(cell, str) and (column := read_heading(cell)) is not None and column.holds_size
-            for cell in table.sheet.rows[row]
-        )
-    )
 
 
 def _names_component(sheet: Sheet, row: int, is_component: Callable[[str], bool]) -> bool:
@@ -389,7 +374,7 @@ def _is_data(header: HeadedTable) -> bool:
 
 def read_together(columns: Sequence[HeadedColumn]) -> tuple[HeadedColumn, ...]:
     """Correct what single headings say by what all of them say together, one correction after the other."""
-    for corrected in (_without_bare_parts, _lettered, _inner_beside_outer, _said_once, _counted_from_one):
+    for corrected in (_without_bare_parts, _said_once, _counted_from_one):
         columns = corrected(columns)
     return tuple(columns)
 
@@ -401,33 +386,6 @@ def _without_bare_parts(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColum
     if not others and len({column.part for column in bare}) > 1:
         return columns
     return [column for column in columns if column not in bare]
-
-
-def _lettered(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]:
-    """Return diameters headed "dx" and "Dx" as of spool and bore, where both letters stand there."""
-    letters = {
-        column.index: match[1]
-        for column in columns
-        if column.holds_value and (match := LETTERED.search(column.heading))
-    }
-    if set(letters.values()) != {"d", "D"}:
-        return columns
-    return [
-        replace(column, part=part_of(letters[column.index])) if column.index in letters and not column.part else column
-        for column in columns
-    ]
-
-
-def _inner_beside_outer(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]:
-    """Return a column headed "ID" beside one headed "OD" as the bore's diameter, and not as the component's number."""
-    if not any(column.part == "spool" and side_of(column.heading) for column in columns):
-        return columns
-    return [
-        replace(column, role="diameter", part="sleeve", rank=0, tentative=column.unit is None)
-        if column.role == "component" and side_of(column.heading) == "sleeve"
-        else column
-        for column in columns
-    ]
 
 
 def _said_once(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]:

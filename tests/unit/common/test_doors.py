@@ -18,10 +18,10 @@ from atleak.job.kinds import kind_of
 from atleak.job.parts import JobFile, json_of
 from atleak.job.zip_file import load_job, parse_job, read_job_file
 from atleak.readers.controller_workbook import read_controller_workbook
-from atleak.readers.gauges.flow_table import read_flow_table
 from atleak.readers.gauges.gauge_study import read_study
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
+from atleak.readers.gauges.value_table import read_flow_table
 from atleak.readers.logs import log_columns, understand
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.typed_sheet import typed_in

@@ -13,8 +13,8 @@ from atleak.job.zip_file import read_job_file, write_job_file
 from atleak.job_book.erasure import without_person
 from atleak.job_book.plain_files import plain_flows, plain_vacuum
 from atleak.measurements.job_card import Job
-from atleak.readers.gauges.flow_table import read_flow_table
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
+from atleak.readers.gauges.value_table import read_flow_table
 from atleak.report.json.diagnosis import diagnosis_record
 
 UNIT = "five_speed_2005"

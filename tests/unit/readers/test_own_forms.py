@@ -27,11 +27,11 @@ from atleak.measurements.measuring_plan import PlanCell
 from atleak.measurements.own_forms import MEASUREMENTS, OWN_FORMS, OwnForm
 from atleak.measurements.readings import OwnLands, OwnLength, Reading, Readings
 from atleak.readers.gauges import gauge_headings, gauge_study, value_table
-from atleak.readers.gauges.flow_table import read_flow_table
 from atleak.readers.gauges.gauge_study import read_study
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.gauges.typed_values import TypedFlows, TypedGauges, TypedTable, TypedVacuum
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
+from atleak.readers.gauges.value_table import read_flow_table
 from atleak.readers.own_forms import said_by_form
 from atleak.readers.sheets import column_headings
 from atleak.readers.sheets.column_headings import read_heading

@@ -13,7 +13,7 @@ from atleak.common.errors import FlowTableError
 from atleak.common.units import DM3_MIN, find_unit, kinds_of
 from atleak.common.wording import wording
 from atleak.measurements.flow_readings import COOLER, consumer_of
-from atleak.readers.gauges.flow_table import read_flow_table
+from atleak.readers.gauges.value_table import read_flow_table
 
 
 @pytest.fixture(scope="module")

@@ -6,9 +6,9 @@ import pytest
 
 from atleak.catalogue.controller import Controller
 from atleak.common.errors import InputError
-from atleak.readers.gauges.flow_table import read_flow_table
 from atleak.readers.gauges.typed_values import TypedFlows, TypedGauges, TypedTable, TypedVacuum
 from atleak.readers.gauges.vacuum_table import read_vacuum_table
+from atleak.readers.gauges.value_table import read_flow_table
 
 FLOWS = TypedFlows({("hot_idle", "cooler"): "946"}, "ml/15 s")
 VACUUM = TypedVacuum(

@@ -100,9 +100,12 @@ def test_what_holds_for_all_rows_is_a_value_behind_an_equals_sign(example):
 
 def test_one_option_is_enough_where_the_other_headings_are_understood(example):
     mean = "No.;Part;Plane;Mean of 10 [mm];s [µm];n\naccumulator;spool;1;17.998;1.1;10\naccumulator;bore;1;18.041;1;10"
-    with pytest.raises(ReadingsError, match="Means are no readings"):
+    with pytest.raises(ReadingsError, match=r"a mean, is no measurement.*--map .value=Mean of 10 \[mm\]"):
         read(mean, example)
-    assert sizes(read(mean, example, {"value": "Mean of 10 [mm]"})) == PAIRS[:2]
+    readings = read(mean, example, {"value": "Mean of 10 [mm]"})
+    assert sizes(readings) == PAIRS[:2]
+    (told,) = [message.text for message in readings.messages if message.code == "means_as_readings"]
+    assert told == "column 'Mean of 10 [mm]' holds means, by its heading: each counts as one reading"
 
 
 def test_what_stands_for_no_reading_and_numbers_in_brackets(example):

@@ -196,10 +196,18 @@ def test_a_row_of_sigma_is_a_spread(controller):
         (
             "Valve;Land;Part;Mean [mm];SD [mm]",
             "tcc_regulator;1;spool;10.998;0.002",
-            "Means are no readings ('Mean [mm]')",
+            "and a mean, is no measurement ('Mean [mm]')",
         ),
-        ("Valve;Land;Spool Anna;Spool Ben", "tcc_regulator;1;10.998;10.999", "under 'Spool Anna', 'Spool Ben'"),
-        ("Valve;Land;Part;Shift 1 [mm];Shift 2 [mm]", "tcc_regulator;1;spool;10.998;11.010", "'Shift 1 [mm]'"),
+        (
+            "Valve;Land;Spool Anna;Spool Ben",
+            "tcc_regulator;1;10.998;10.999",
+            '"value spool=Spool Anna"',
+        ),
+        (
+            "Valve;Land;Part;Shift 1 [mm];Shift 2 [mm]",
+            "tcc_regulator;1;spool;10.998;11.010",
+            '"value which 1=Shift 1 [mm]"',
+        ),
         (
             "Valve;Land;Nominal [mm];Spool dev Anna [µm];Spool dev Ben [µm]",
             "tcc_regulator;1;11.0;-2;-3",

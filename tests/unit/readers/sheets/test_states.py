@@ -279,7 +279,7 @@ def test_titles_that_number_the_repeats(controller, language, titles, again):
     assert [reading[3] for reading in sizes(read_readings(sheet(*lines), controller))] == [1, 1, 2, 2]
 
 
-def test_headings_of_the_next_page_between_two_repeats(controller):
+def test_headings_of_the_next_page_between_two_repeats_are_asked_about(controller, refused):
     data = sheet(
         HEADINGS["en"],
         "accumulator;1;bore;18.041",
@@ -287,7 +287,7 @@ def test_headings_of_the_next_page_between_two_repeats(controller):
         "accumulator;1;bore;18.042",
         "tcc_regulator;1;spool;10.998",
     )
-    assert len(read_readings(data, controller).readings) == 3
+    assert "repeats, or two states?" in str(refused(data))
 
 
 def test_a_block_pasted_twice_is_told(controller):
