@@ -22,7 +22,7 @@ from atleak.readers.logs.headings import HeadRow
 from atleak.readers.logs.log_cells import MISSING, OFF, Decimal, kind_of_cells, without_unit
 from atleak.readers.logs.log_file import HEAD_BYTES, LARGE, LogFile
 from atleak.readers.logs.log_table import WHITESPACE, Dialect, Layout, LogTable, find_dialect, find_table, split_line
-from atleak.readers.logs.loggers import known_logger
+from atleak.readers.logs.loggers import SHOWN, known_logger
 from atleak.readers.logs.text_lines import (
     QUOTE,
     LogText,
@@ -339,7 +339,7 @@ def open_delimited(source: LogFile) -> Delimited | None:
     layout, rows = _locate(head, text, dialect)
     if layout is None:
         return None
-    if logger := known_logger(text.decode(text.data[:HEAD_BYTES]).replace("\r", "")):
+    if logger := known_logger(text.decode(text.data[:SHOWN]).replace("\r", "")):
         above = text.decode(b"\n".join(head[: layout.start])).replace("\r", "")
         layout = logger.described(layout, above, rows[layout.start :][:400])
     start = mark + sum(len(line) + 1 for line in head[: layout.start])

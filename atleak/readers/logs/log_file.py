@@ -19,7 +19,7 @@ from typing import Literal
 
 from atleak.common.errors import Place, RoadTestError, reason_of
 from atleak.common.sentences import Sentence
-from atleak.readers.logs.loggers import known_logger, logger_by_name
+from atleak.readers.logs.loggers import SHOWN, known_logger, logger_by_name
 
 _FORMS = Sentence("delimited text, xlsx, Parquet or MDF4 as the logger exports it")
 _MAGIC = {
@@ -55,14 +55,13 @@ _PARTS = re.compile(
     re.IGNORECASE,
 )
 _SEVERAL = 4  # such words make a report
-_SHOWN = 8192  # bytes that show which logger wrote them
 _TEXT = bytes({7, 8, 9, 10, 12, 13, 27} | set(range(0x20, 0x100)))
 
 
 def refuse_what_is_no_log(head: bytes, file: str) -> None:
     """Refuse a file whose first bytes show that it is no log, or none that can be read."""
     place = Place(file=file)
-    shown = head[:_SHOWN].decode("latin-1").replace("\r", "") if form_of(head) == "text" else ""
+    shown = head[:SHOWN].decode("latin-1").replace("\r", "") if form_of(head) == "text" else ""
     if (logger := known_logger(shown)) is not None and (refusal := logger.refusal(file)) is not None:
         raise refusal
     if not head.strip(b" \t\r\n\x00\xef\xbb\xbf\xff\xfe"):

@@ -23,6 +23,8 @@ from atleak.readers.logs.log_table import Layout
 from atleak.readers.logs.names import clean_unit, is_unit, match_name, split_unit
 
 _FLAGS = re.IGNORECASE | re.MULTILINE
+SHOWN = 1 << 14
+"""Bytes of a file that show which logger wrote it."""
 
 
 @dataclass(frozen=True)
