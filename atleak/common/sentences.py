@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import reduce
 from gettext import NullTranslations
 from typing import Any
@@ -12,6 +12,24 @@ class Name(str):
     """Words of a catalogue's file, of which the reader's language may have its own: a valve's name, a circuit's."""
 
     __slots__ = ()
+
+
+class Option(str):
+    """An option of the command line with its value, in a sentence; where there is none, a page names its own field.
+
+    >>> Option("map", "header=3"), Option("map", "header=3").name
+    ('--map header=3', 'map')
+    """
+
+    __slots__ = ("name", "value")
+    name: str
+    value: str  # "" where a page needs none: what it would say is filled in already
+
+    def __new__(cls, name: str, value: str = "", text: str = "") -> Option:
+        """Write the option as it is typed, or as ``text`` has it."""
+        said = super().__new__(cls, text or f"--{name} {value}".rstrip())
+        said.name, said.value = name, value
+        return said
 
 
 class Sentence(str):
@@ -55,6 +73,23 @@ class Sentence(str):
         '2 rows of means'
         """
         return type(self)(self.template, **values)
+
+    def with_options(self, said: Callable[[Option], str]) -> Sentence:
+        """Return the sentence with its options said otherwise.
+
+        >>> Sentence("or {option}", option=Option("map", "header=3")).with_options(lambda option: option.value)
+        'or header=3'
+        """
+        own = {name: said(each) for name, each in self.values.items() if isinstance(each, Option)}
+        parts = {name: each for name, each in self.values.items() if isinstance(each, Sentence)}
+        own |= {name: new for name, each in parts.items() if (new := each.with_options(said)) is not each}
+        values = {**self.values, **own}
+        if not own:
+            return self
+        one = not self.several or values["count"] == 1
+        made = Sentence.__new__(type(self), self.template if one else self.several, **values)
+        made.template, made.several = self.template, self.several
+        return made
 
     def translated(self, catalogue: NullTranslations) -> str:
         """Return the template in the language of a catalogue, in the plural form of ``count`` if it has several."""

@@ -22,8 +22,8 @@ import streamlit as st
 from plotly.basedatatypes import BaseFigure
 
 from atleak.common.damage import unexpected
-from atleak.common.errors import AtleakError, Message
-from atleak.common.sentences import Sentence
+from atleak.common.errors import AtleakError, Message, Place
+from atleak.common.sentences import Option, Sentence
 from atleak.common.style import DARK, SCREEN, look_of
 from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import Wording, begun
@@ -67,7 +67,16 @@ def with_links(text: object) -> str:
 
 
 def _sentence(text: object) -> str:
-    return text if type(text) is str else reader.say().sentence(text)
+    if type(text) is str:
+        return text
+    said = text.sentence if isinstance(text, AtleakError | Place) else text
+    return reader.say().sentence(said.with_options(_field) if isinstance(said, Sentence) else said)
+
+
+def _field(option: Option) -> str:
+    """Return the field of the page that does what an option of the command line does."""
+    field = reader.say()(f"options.{option.name}")
+    return f"{field}: {option.value}" if option.value else field
 
 
 def in_chart(part: Any) -> Any:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.words import PART_WORDS
 from atleak.common.errors import Message, Place, ReadingsError, unknown
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Option, Sentence
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Sheet
 from atleak.readers.own_forms import own_form_of
@@ -205,8 +205,8 @@ def _no_readings(every: Sequence[_SheetTables], file: str, naming: ControllerNam
                 problem.of(where=table.where, why=table.left_aside),
                 place=Place(file, table.sheet.name, table.sheet.row_number(max(table.first, 0))),
                 expected=Sentence(
-                    "a title that says 'measured' where these are the readings, or --map header={row}",
-                    row=table.sheet.row_number(max(table.last, 0)),
+                    "a title that says 'measured' where these are the readings, or {option}",
+                    option=Option("map", f"header={table.sheet.row_number(max(table.last, 0))}"),
                 ),
             )
     headers = [*tables, *filter(None, map(best_header, sheets))]

@@ -15,7 +15,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.words import PART_WORDS, angle
 from atleak.common.errors import Message, Place, ReadingsError
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Option, Sentence
 from atleak.common.units import Unit, unit_names
 from atleak.common.units import unit as unit_named
 from atleak.measurements.own_forms import MEASUREMENTS
@@ -171,7 +171,7 @@ def _assumed_unit(
 
 
 _FILLED: tuple[Role, ...] = ("component", "part", "plane", "land", "direction")
-FILL_DOWN = Sentence("or --fill-down, if an empty cell means the one above it")
+FILL_DOWN = Sentence("or {option}, if an empty cell means the one above it", option=Option("fill-down"))
 
 
 @dataclass

@@ -14,7 +14,7 @@ from itertools import pairwise, zip_longest
 from typing import Any
 
 from atleak.common.errors import ReadingsError
-from atleak.common.sentences import Sentence, all_of
+from atleak.common.sentences import Option, Sentence, all_of
 from atleak.readers.cells.extent import MOST_TABLES
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter
 from atleak.readers.cells.workbook_marks import Marks
@@ -366,7 +366,7 @@ def suggestion(table: HeadedTable, names: ControllerNames) -> Sentence:
     needed -= {"value"} if any(role.startswith(("deviation", "value ")) for role in found) else set()
     found |= dict.fromkeys(sorted(needed - found.keys()), "COLUMN")
     options = " ".join(f"--map {_quoted(role, column)}" for role, column in found.items())
-    return Sentence("which column is what: {options}", options=options)
+    return Sentence("which column is what: {options}", options=Option("map", text=options))
 
 
 def _quoted(role: str, column: str) -> str:

@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from atleak.common.errors import Message, MessageLevel, Place, ReadingsError
-from atleak.common.sentences import Sentence, all_of, any_of, counted
+from atleak.common.sentences import Option, Sentence, all_of, any_of, counted
 from atleak.common.units import Unit, find_unit
 from atleak.measurements.clearances import REPEAT_TOLERANCE
 from atleak.measurements.own_forms import MEASUREMENTS
@@ -554,8 +554,8 @@ def _by_titles(named: Sequence[_UnitName]) -> ReadingsError:
     )
     if all(unit_name.is_sheet for unit_name in named):
         expected = Sentence(
-            "one: say which sheet, as in --sheet {name}; or one name for all, if it is one unit",
-            name=f'"{named[0].text}"',
+            "one: say which sheet, as in {option}; or one name for all, if it is one unit",
+            option=Option("sheet", f'"{named[0].text}"'),
         )
     return ReadingsError(
         Sentence(
@@ -596,9 +596,8 @@ def _column(read: Sequence[SheetRows]) -> ReadingsError | None:
                 place=places[heading],
                 value=", ".join(list(stations)[:_LISTED]) + (" …" if len(stations) > _LISTED else ""),
                 expected=Sentence(
-                    "the rows of one unit, as in --where {chosen}; or a heading such as 'Part number', if it is "
-                    "one unit",
-                    chosen=f'"{heading}={chosen}"',
+                    "the rows of one unit, as in {option}; or a heading such as 'Part number', if it is one unit",
+                    option=Option("where", f'"{heading}={chosen}"'),
                 ),
             )
     return None

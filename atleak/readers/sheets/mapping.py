@@ -14,7 +14,7 @@ from typing import Any
 
 from atleak.catalogue.instruments import Part
 from atleak.common.errors import Message, ReadingsError, nearest_name, unknown
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Option, Sentence
 from atleak.measurements.own_forms import LANDS, MEASUREMENTS, TYPED
 from atleak.measurements.readings import Readings, SheetCells
 from atleak.measurements.road_test import QUANTITIES
@@ -75,7 +75,7 @@ _PLACES: tuple[Role, ...] = ("plane", "land")
 _KEPT_ROWS = 300  # among which headings are looked for
 _DEPTH = 4  # rows that they may be spread over
 _DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
-_OF_NEW = Sentence("the column of nominal diameters, as in --map new=Nominal")
+_OF_NEW = Sentence("the column of nominal diameters, as in {option}", option=Option("map", "new=Nominal"))
 _EXAMPLES = Sentence("a heading of the sheet; a letter such as C, or 'column 3'; or a value for all rows: =spool")
 
 

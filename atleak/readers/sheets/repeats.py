@@ -11,7 +11,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.words import PART_WORDS, angle
 from atleak.common.errors import Message, ReadingsError, unknown
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Option, Sentence
 from atleak.common.units import UM, Quantity, find_unit
 from atleak.readers.cells.sheet import Cell, Sheet, rows_named
 from atleak.readers.sheets.columns import Columns
@@ -95,10 +95,13 @@ def _also(stations: int) -> Sentence | str:
 
 def _which_rows(heading: str, value: str) -> Sentence:
     if not heading:
-        return Sentence("a heading over that column, and which of its rows to read, as in --where Inspection=May")
+        return Sentence(
+            "a heading over that column, and which of its rows to read, as in {option}",
+            option=Option("where", "Inspection=May"),
+        )
     chosen = f"{heading}={value}"
     quoted = f'"{chosen}"' if re.search(r"[^\w=.:/+-]", chosen) else chosen
-    return Sentence("which rows to read, as in --where {chosen}", chosen=quoted)
+    return Sentence("which rows to read, as in {option}", option=Option("where", quoted))
 
 
 # --- columns ----------------------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from typing import Any
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.words import PART_WORDS
 from atleak.common.errors import Message, ReadingsError, nearest_name, unknown
-from atleak.common.sentences import Name, Sentence, all_of, counted
+from atleak.common.sentences import Name, Option, Sentence, all_of, counted
 from atleak.common.units import Unit, find_unit, unit_names
 from atleak.measurements.readings import CellKind, CellMeaning
 from atleak.readers.cells.extent import FAULTS
@@ -288,9 +288,9 @@ class _Reader:
             except ReadingsError as error:
                 cell = text_of(self.sheet.cell(row, column.index))
                 if not re.search(r"\d", cell):
-                    stands = Sentence("{expected}; or, for no reading, --map {missing}")
-                    missing = f'"missing={cell}"'
-                    error.expected = stands.of(expected=error.expected or A_DIAMETER, missing=missing)
+                    stands = Sentence("{expected}; or, for no reading, {option}")
+                    missing = Option("map", f'"missing={cell}"')
+                    error.expected = stands.of(expected=error.expected or A_DIAMETER, option=missing)
                 self.rows.problems.append(at(self.table.place(row, column), error))
                 return None
             units[name] = written or self._unit(row, column)
@@ -373,7 +373,7 @@ class _Reader:
             roles = sorted({"plane" if role == "land" else role for role in said})
             options = " ".join(f'--map "{role}={column.name}"' for role in roles)
             settled = Sentence("{expected}; or the column for all that it says: {options}")
-            error.expected = settled.of(expected=error.expected or "", options=options)
+            error.expected = settled.of(expected=error.expected or "", options=Option("map", text=options))
         return error
 
     def _is_unworn(self, row: int) -> bool:
