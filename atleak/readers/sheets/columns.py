@@ -8,7 +8,7 @@ from functools import reduce
 from itertools import pairwise
 
 from atleak.common.errors import ReadingsError
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Option, Sentence
 from atleak.common.units import Unit, find_unit
 from atleak.readers.sheets.column_headings import HeadedColumn, Role
 from atleak.readers.sheets.controller_names import ControllerNames
@@ -155,9 +155,9 @@ def _same_value(table: HeadedTable, name: str, first: HeadedColumn, second: Head
         ),
         place=table.heading_place(second.index),
         expected=Sentence(
-            "one state of the valve body: delete or hide the other column, or --map {option}; or, if they are repeats, "
+            "one state of the valve body: delete or hide the other column, or {option}; or, if they are repeats, "
             "headings such as 'diameter 1 [mm]' and 'diameter 2 [mm]'",
-            option=f'"value={second.name}"',
+            option=Option("map", f'"value={second.name}"'),
         ),
     )
 

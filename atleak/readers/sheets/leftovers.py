@@ -493,7 +493,8 @@ def _without_headings(sheet: Sheet, row: int, column: int) -> ReadingsError:
         value=sheet.cell(row, column),
         expected=Sentence(
             "the row in the table, in the same columns, or headings above it; or the columns by their letters, as in "
-            "--map component=A"
+            "{option}",
+            option=Option("map", "component=A"),
         ),
     )
 
