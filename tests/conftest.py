@@ -25,6 +25,7 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
 from atleak.catalogue.limits import Limits, load_limits
 from atleak.catalogue.operating_point import HOT_IDLE, OperatingPoint
+from atleak.diagnosis.uncertainty import weighing
 from atleak.diagnosis.uncertainty.propagation import DRAWS, DRAWS_OF_CIRCUITS
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -118,10 +119,11 @@ def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest
     return report
 
 
-FEW_DRAWS = 1_024
+FEW_DRAWS, FEW_DRAWS_OF_GAUGED = 1_024, 2_048
+_DRAWS_OF_GAUGED = weighing.DRAWS
 
 
-def drawing(draws: int, of_circuits: int) -> Iterator[None]:
+def drawing(draws: int, of_circuits: int, of_gauged: int) -> Iterator[None]:
     """Let a diagnosis draw so many times, until the fixture that yields from this ends."""
     module = importlib.import_module(
         "atleak.diagnosis.uncertainty.assess"
@@ -129,6 +131,7 @@ def drawing(draws: int, of_circuits: int) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "DRAWS", draws)
         patch.setattr(module, "DRAWS_OF_CIRCUITS", of_circuits)
+        patch.setattr(weighing, "DRAWS", of_gauged)
         yield
 
 
@@ -142,13 +145,13 @@ def few_draws() -> Iterator[None]:
 
     What a test says of intervals and probabilities must hold all the same; where digits count, it asks for `all_draws`.
     """
-    yield from drawing(FEW_DRAWS, FEW_DRAWS)
+    yield from drawing(FEW_DRAWS, FEW_DRAWS, FEW_DRAWS_OF_GAUGED)
 
 
 @pytest.fixture(scope="module")
 def all_draws() -> Iterator[None]:
     """Let a diagnosis draw as often as it does for users, in all tests of one file."""
-    yield from drawing(DRAWS, DRAWS_OF_CIRCUITS)
+    yield from drawing(DRAWS, DRAWS_OF_CIRCUITS, _DRAWS_OF_GAUGED)
 
 
 @pytest.fixture(scope="session")

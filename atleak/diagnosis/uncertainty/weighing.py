@@ -31,7 +31,7 @@ from atleak.diagnosis.uncertainty.posterior import FALLS, LEFT, OF_A_SPLIT, Effe
 from atleak.diagnosis.uncertainty.propagation import SEED
 from atleak.engine.operation import LINE
 
-_DRAWS = 8_192  # of units before any gauge is read
+DRAWS = 8_192  # of units before any gauge is read
 ENOUGH = 200  # effective draws
 _FAR = 5.0  # variances of the gauges: by so much on average expectation is off where nothing that fits is found yet
 SURELY = 4.0  # standard uncertainties by which a gauge shows more than there can be: choice of this project
@@ -123,7 +123,7 @@ class Posterior:
         unit: PosteriorUnit,
         shown: Sequence[Shown],
         flows: Sequence[FlowShown] = (),
-        draws: int = _DRAWS,
+        draws: int | None = None,
     ) -> None:
         """Take a unit and what was shown of it.
 
@@ -137,10 +137,10 @@ class Posterior:
         flows
             what a jug showed.
         draws
-            a power of two.
+            a power of two; `DRAWS` unless given.
         """
         self.unit, self.shown, self.flows = unit, shown, flows
-        drawn, held = unit.before(draws)
+        drawn, held = unit.before(draws or DRAWS)
         self._prior = _Round(drawn, held, unit.effects(drawn))
         self._weighed: dict[frozenset[str], _WeighedDraws] = {}
 

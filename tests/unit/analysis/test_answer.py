@@ -212,6 +212,7 @@ def test_lands_that_explain_next_to_nothing_are_not_asked_for(hipol: Fluid, limi
     assert all(each.value is None or each.value >= least for each in answer.next_measurements)
 
 
+@pytest.mark.usefixtures("all_draws")
 def test_a_cause_is_named_beside_another_once_and_counts_in_the_probability(hipol: Fluid, limits: Limits, table_of):
     unit = load_controller("five_speed_2005")
     table = table_of(unit, line=0.4, clutch=0.3, tap="forward_clutch")

@@ -144,6 +144,7 @@ def test_lands_that_the_complaint_names_are_read_sooner() -> None:
     assert sum(with_it) < sum(before)
 
 
+@pytest.mark.usefixtures("all_draws")
 @pytest.mark.parametrize("name", UNITS)
 def test_lands_are_read_by_turns_first_of_the_circuit_that_lost_its_pressure_then_for_the_pump(name: str) -> None:
     new, circuit = gauged(name, {}, (LINE_TAP,)), UNITS[name]
@@ -231,6 +232,7 @@ def test_a_pump_that_was_measured_is_as_worn_as_it_measures(side: float, worn: b
     assert pump.low <= pump.growth <= pump.high
 
 
+@pytest.mark.usefixtures("all_draws")
 def test_a_nearly_empty_jug_leaves_little_but_a_worn_pump() -> None:
     evidence = [evidence_of(with_jug(litres)) for litres in (0.1, 0.4, 1.2)]
     probabilities = [each.pump.probability for each in evidence]

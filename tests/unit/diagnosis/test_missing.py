@@ -105,6 +105,7 @@ def test_a_part_that_changes_nothing_gets_nothing_and_parts_that_do_the_same_get
     assert all(alike[row] == pytest.approx(alike[PUMP_ROW], abs=1e-9) for row in ROWS[: len(parts)])
 
 
+@pytest.mark.usefixtures("all_draws")
 def test_every_probability_of_an_answer_is_that_of_its_draws(
     hipol: Fluid, limits: Limits, pressed: Callable[..., PressureTable]
 ) -> None:
