@@ -209,7 +209,7 @@ def test_a_cell_a_row_or_a_column_of_the_table_is_what_is_chosen() -> None:
 @pytest.mark.page("3_Readings")
 def test_the_page_names_its_own_fields_in_place_of_options_of_the_command_line(app: AppTest, own_home: Path) -> None:
     file = SourceFile("scheda.csv", ITALIAN.encode())
-    with pytest.raises(ReadingsError, match="--map component=N. --map") as caught:
+    with pytest.raises(ReadingsError, match=r"--map component=N\. --map") as caught:
         read_readings(file.content, load_controller("minimal_example"), name=file.name)
     app.session_state["atleak"].refused["readings"] = Refusal(file.name, caught.value, file)
     app.run()
