@@ -87,7 +87,9 @@ class Account:
             for row in table.rows:
                 if not self._is_size(sheet, row, column.index):
                     done.setdefault((row, column.index), LABEL_OF[column.role])
-        used = {column.index for column in (*columns.keys, *table.values, *table.of_lands)}
+        for (line, index), meaning in rows.cells.items():  # of a column made from another, which was read thereby
+            done.setdefault((line, sheet.derived.get(index, index)), meaning)
+        used = {column.index for column in (*columns.keys, *table.values, *table.of_lands)} | {*sheet.derived.values()}
         others = [index for index in range(sheet.width) if index not in used and not self._is_figure(rows, index)]
         self._slipped(rows)
         others = [index for index in others if not self._is_quantity(rows, index)]

@@ -48,6 +48,7 @@ from atleak.readers.sheets.words import (
     part_said,
     plain,
     repeat_of,
+    several_in,
     stated_number,
     text_of,
 )
@@ -263,6 +264,7 @@ class SheetMapping:
         if (component := self._constants.get("component")) is not None:
             table = replace(table, component=names.require_component(component))
         for column in table.values:
+            table = _each_reading(table, column)
             said = read_heading(column.heading)
             if said is not None and said.role == "mean":
                 text = Sentence("column {heading!r} holds means, by its heading: each counts as one reading")
@@ -498,6 +500,21 @@ def remember_sheet(path: Path, readings: Readings, unit: str | None = None) -> N
 
 def _is_deviation(name: str) -> bool:
     return name.startswith("deviation")
+
+
+def _each_reading(table: HeadedTable, column: HeadedColumn) -> HeadedTable:
+    """Return the table with a column of its own, a repeat, for each of the readings that stand in one cell."""
+    cells = {row: several_in(cell) or (cell,) for row, cell in table.cells(column.index).items()}
+    most = max(map(len, cells.values()), default=1)
+    if most == 1:
+        return table
+    text = Sentence("cells of column {heading!r} hold several readings: each counts as a repeat", heading=column.name)
+    columns = [(replace(column, repeat=repeat), column.index) for repeat in range(1, most + 1)]
+    made = table.with_columns(
+        columns, lambda row: (*cells.get(row, ()), *[""] * most)[:most], frozenset({column.index})
+    )
+    message = Message("info", "several_in_a_cell", text, table.heading_place(column.index))
+    return replace(made, messages=(*made.messages, message))
 
 
 def _with_sums(table: HeadedTable, index: int, new: int | None) -> HeadedTable:

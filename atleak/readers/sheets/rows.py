@@ -36,6 +36,7 @@ from atleak.readers.sheets.words import (
     plain,
     repeat_of,
     says_unworn,
+    several_in,
     summary_of,
     text_of,
 )
@@ -287,7 +288,11 @@ class _Reader:
                 numbers[name], written = read(self.sheet.cell(row, column.index))
             except ReadingsError as error:
                 cell = text_of(self.sheet.cell(row, column.index))
-                if not re.search(r"\d", cell):
+                if several_in(cell):
+                    each = Sentence("{expected}; or, where each of them is a reading, {option}")
+                    value = Option("map", f'"value={column.name}"')
+                    error.expected = each.of(expected=error.expected or A_DIAMETER, option=value)
+                elif not re.search(r"\d", cell):
                     stands = Sentence("{expected}; or, for no reading, {option}")
                     missing = Option("map", f'"missing={cell}"')
                     error.expected = stands.of(expected=error.expected or A_DIAMETER, option=missing)

@@ -352,6 +352,16 @@ def number_of(text: str) -> float | None:
     return None if stated is None else stated[0]
 
 
+def several_in(cell: Cell) -> tuple[str, ...]:
+    """Return the readings that stand in one cell; none where there are not several, or other words.
+
+    >>> several_in("13.998 / 13.997 / 13.999"), several_in("18.041 ± 0.002"), several_in("12/05/2026")
+    (('13.998', '13.997', '13.999'), (), ())
+    """
+    parts = tuple(part.strip() for part in re.split(r"[/|;]", cell)) if isinstance(cell, str) else ()
+    return parts if len(parts) > 1 and all(_IN_TEXT.fullmatch(part) for part in parts) else ()
+
+
 _NOT_AMONG_DIGITS = r"(?<![\d.,:/\-])"
 _IN_TEXT = re.compile(
     _NOT_AMONG_DIGITS + r"(\d{1,2}[.,]\d{3,4}|\d{1,2}[.,]\d{1,2}(?=\s?mm)|0?[.,]\d{3,5})(?![.,:/]?\d)"

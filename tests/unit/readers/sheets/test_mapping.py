@@ -108,6 +108,21 @@ def test_one_option_is_enough_where_the_other_headings_are_understood(example):
     assert told == "column 'Mean of 10 [mm]' holds means, by its heading: each counts as one reading"
 
 
+def test_several_readings_in_a_cell_are_asked_about_and_count_each(example):
+    sheet = "Valve;Plane;Part;Diameter [mm]\naccumulator;1;spool;17.998 / 17.997 / 17.999\naccumulator;1;bore;18.041"
+    with pytest.raises(ReadingsError, match=r"each of them is a reading, --map .value=Diameter \[mm\]"):
+        read(sheet, example)
+    readings = read(sheet, example, {"value": "Diameter [mm]"})
+    assert [(one.part, one.repeat, round(one.diameter * 1e3, 4)) for one in readings.readings] == [
+        ("spool", 1, 17.998),
+        ("spool", 2, 17.997),
+        ("spool", 3, 17.999),
+        ("sleeve", 1, 18.041),
+    ]
+    assert {one.place.row for one in readings.readings} == {2, 3}
+    assert "several_in_a_cell" in [message.code for message in readings.messages]
+
+
 def test_what_stands_for_no_reading_and_numbers_in_brackets(example):
     sheet = PLAIN + "\ntcc_regulator;1;spool;#N/A\ntcc_regulator;1;sleeve;(11.031)"
     with pytest.raises(ReadingsError, match=r"missing=#N/A"):
