@@ -209,6 +209,8 @@ class CatalogueError(InputError):
 class ReadingsError(InputError):
     """A measuring sheet that cannot be used."""
 
+    role = ""  # component, plane or land: the word that was found may be the sheet's own for one
+
 
 class OtherControllerError(ReadingsError):
     """A measuring sheet whose head names another controller than the one it is read for."""

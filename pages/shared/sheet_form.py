@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
@@ -11,7 +12,7 @@ import pandas as pd
 import streamlit as st
 
 from atleak.catalogue.words import PART_WORDS
-from atleak.common.errors import AtleakError, OutputError
+from atleak.common.errors import AtleakError, OutputError, ReadingsError
 from atleak.common.units import MM, unit_names
 from atleak.common.wording import Wording
 from atleak.job.case import SourceFile
@@ -41,6 +42,8 @@ _DIRECTIONS, _REPEATS = ("0°", "45°", "90°", "135°"), ("1", "2", "3", "4", "
 _TURNS = count()
 _TEXTS = ("missing", "spool", "sleeve")
 _SHOWN = 200  # readings of a preview
+_NAMED = ("component ", "plane ", "land ")  # before the name of the one that the sheet has its own word for
+_WORDS = 12  # of its own, that are asked for at a time
 
 
 def pending(case: PageCase) -> SourceFile | None:
@@ -157,7 +160,7 @@ def _columns(file: SourceFile, case: PageCase) -> None:
         except AtleakError as fault:
             st.error(show.plain(fault))
         _what_was_read(draft, look, draft.tried or error or now)
-        _ask_for_columns(draft, look)
+        _ask_for_columns(draft, look, draft.tried or error)
 
 
 def _what_was_read(draft: _Draft, look: SheetLook, last: Readings | AtleakError | None) -> None:
@@ -265,7 +268,7 @@ def _said(role: str) -> str:
     return say(f"sheet_columns.{role}") if part is None else say(f"sheet_columns.value_{part}")
 
 
-def _ask_for_columns(draft: _Draft, look: SheetLook) -> None:
+def _ask_for_columns(draft: _Draft, look: SheetLook, last: Readings | AtleakError | None) -> None:
     """Ask in a table, with a row for each column of the file, what it is; below, what holds for the whole sheet."""
     say, key = reader.say(), f"columns-{draft.turn}"
     titles = {name: say(f"sheet_columns.{name}") for name in ("column", "example", "is", *_OF_DIAMETER)}
@@ -297,7 +300,7 @@ def _ask_for_columns(draft: _Draft, look: SheetLook) -> None:
         say("sheet_form.unit"), units, units.index(draft.unit) if draft.unit in units else 0, unit_said,
         key=f"{key}-unit",
     )  # fmt: skip
-    draft.typed = {**_of_all_rows(draft, look, key), **mapping}
+    draft.typed = {**_of_all_rows(draft, look, key), **_own_words(draft, last, key), **mapping}
     if mapping:
         draft.typed["header"] = look.header
     if twice:
@@ -389,6 +392,35 @@ def _of_all_rows(draft: _Draft, look: SheetLook, key: str) -> dict[str, str]:
     others |= {name: text for name, text in told.items() if name.startswith("rows ") and name != rows}
     typed = {name: text for name, text in typed.items() if text} | ({"part": part} if part else {})
     return {**others, **typed, **dict.fromkeys(absent, NOT_LOGGED)}
+
+
+def _own_words(draft: _Draft, last: Readings | AtleakError | None, key: str) -> dict[str, str]:
+    """Ask what each word of the sheet names that is not known: by the name of what it is, the word."""
+    say, controller = reader.say(), controller_of(draft.case)
+    known = {word: name for name, text in draft.mapping.items() if name.startswith(_NAMED) for word in text.split("|")}
+    problems = getattr(last, "problems", (last,))
+    unknown = {str(each.value): each.role for each in problems if isinstance(each, ReadingsError) and each.role}
+    asked = dict(list({**{text: name.split(" ")[0] for text, name in known.items()}, **unknown}.items())[:_WORDS])
+    of_role: dict[str, dict[str, str]] = {
+        "component": {
+            land.component: f"{land.component} · {controller.components[land.component]}" for land in controller.lands
+        },
+        "plane": {plane: plane for land in controller.lands for plane in land.planes},
+        "land": {str(land.land): str(land.land) for land in controller.lands},
+    }
+    words = defaultdict[str, list[str]](list)
+    places = st.columns(3)
+    for number, (word, role) in enumerate(asked.items()):
+        names = of_role[role]
+        told = known.get(word, "").partition(" ")[2]
+        name = places[number % len(places)].selectbox(
+            say(f"sheet_columns.word_of_{role}", word=show.plain(word)), list(names),
+            list(names).index(told) if told in names else None, names.__getitem__,
+            key=f"{key}-word-{word}", placeholder="–",
+        )  # fmt: skip
+        if name is not None:
+            words[f"{role} {name}"].append(word)
+    return {name: "|".join(several) for name, several in words.items()}
 
 
 def _part_said(part: str, say: Wording) -> str:

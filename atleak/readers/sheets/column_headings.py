@@ -463,7 +463,7 @@ _RULES: tuple[tuple[Role, Callable[[_Heading], bool]], ...] = (
     ("diameter", lambda it: it.says("of_repeat") and it.is_numbered and len(it.words) <= 3),
     ("repeat", lambda it: it.says("repeat")),
     ("diameter", lambda it: bool({"value", "reading"}.intersection(it.words))),
-    ("unit", lambda it: it.says("unit") and not it.sized),
+    ("unit", lambda it: it.says("unit") and not it.sized and not it.says("head_serial")),
     ("part", lambda it: it.says("part") and not it.says("number")),
     ("part", lambda it: len(it.parts) == 2 and it.unit is None),
     ("diameter", lambda it: it.says_now_alone),

@@ -226,7 +226,7 @@ def _list(names: Iterable[str]) -> Sentence:
 
 # --- cells that say several things at once: "pressure_regulator/2", "No. 8, plane 1", "bore 90°"
 
-_LEADING_NUMBER = re.compile(r"(\d+'?)(?=[\s,;:./_()\-–—#]|$)")
+_LEADING_NUMBER = re.compile(r"0*(\d+'?)(?=[\s,;:./_()\-–—#]|$)")
 _AXES = {"x": "0°", "y": "90°"}
 LABELLED: Mapping[str, Role] = {  # what a cell may say; a number stands for a land or a plane without saying which
     **{role: role for role in ("component", "part", "land", "plane", "direction", "repeat", "unit")},
@@ -242,6 +242,10 @@ def read_label(cell: Cell, names: ControllerNames) -> Label | None:
     >>> names = ControllerNames(load_controller("minimal_example"))
     >>> read_label("pressure_regulator (2), bore 90°", names)
     {'component': 'pressure_regulator', 'part': 'sleeve', 'plane': '2', 'direction': '90°'}
+    >>> read_label("bore 25/1", ControllerNames(load_controller("four_speed_2023")))
+    {'component': '25', 'part': 'sleeve', 'plane': '1'}
+    >>> read_label("V06_L1_SPOOL", ControllerNames(load_controller("four_speed_2023")))
+    {'component': '6', 'part': 'spool', 'land': '1'}
     >>> read_label("ring gauge 18.0", names), read_label("pressure_regulator/3", names)
     (None, None)
     """
@@ -266,7 +270,11 @@ def _with_component(folded: str, names: ControllerNames) -> Iterator[tuple[str, 
             match = re.search(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])", folded) if name in folded else None
             if match is not None:
                 yield component, f"{folded[: match.start()]} {folded[match.end() :]}"
-    leading = re.sub(r"^(?:(?:[^\W\d_]+|#)[\s.:]*)", _unless_label, folded)
+    words = folded.split()
+    for _ in range(len(words) - 1):
+        if len(words[0]) > 1 and (part_of(words[0]) or words[0] in sheet_vocabulary("diameter")):
+            words.append(words.pop(0))  # "bore 14/1" as "14/1 bore"
+    leading = re.sub(r"^(?:(?:[^\W\d_]+|#)[\s.:]*)", _unless_label, " ".join(words))
     match = _LEADING_NUMBER.match(leading)
     numbered = names.component(match[1]) if match else None
     if match is not None and numbered is not None and numbered in names.with_lands:
@@ -275,7 +283,7 @@ def _with_component(folded: str, names: ControllerNames) -> Iterator[tuple[str, 
 
 def _unless_label(match: re.Match[str]) -> str:
     is_label = match[0].strip(" .:") in sheet_vocabulary("number", "component", "generic")
-    return "" if is_label or match[0].startswith("#") else match[0]
+    return "" if is_label or match[0].startswith("#") or match[0] == "v" else match[0]  # V14, of a valve
 
 
 def _takes_rest(text: str, label: Label) -> bool:

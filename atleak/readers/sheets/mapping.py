@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from atleak.catalogue.instruments import Part
+from atleak.catalogue.words import PART_WORDS
 from atleak.common.errors import Message, ReadingsError, nearest_name, unknown
 from atleak.common.sentences import Option, Sentence
 from atleak.measurements.own_forms import LANDS, MEASUREMENTS, TYPED
@@ -73,6 +73,7 @@ _NAME = re.compile(r"([a-z]+)(?![^\W\d_])[\s:,._]*(.*)", re.DOTALL)
 _LETTERS, _NUMBER = re.compile(r"[A-Z]{1,2}"), re.compile(r"(?:column\s*)?(\d{1,5})", re.IGNORECASE)
 _LINES = re.compile(r"(\d+|[A-Z]{1,2})(?:\s*[-–]\s*(\d+|[A-Z]{1,2}))?")
 _PLACES: tuple[Role, ...] = ("plane", "land")
+_NAMED: tuple[Role, ...] = ("component", *_PLACES)  # of which a sheet may have words of its own
 _KEPT_ROWS = 300  # among which headings are looked for
 _DEPTH = 4  # rows that they may be spread over
 _DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
@@ -88,7 +89,7 @@ def is_role(name: str) -> bool:
     """
     match = _NAME.fullmatch(name)
     return match is not None and (
-        match[1] in ("value", "deviation", "rows") or (not match[2] and match[1] in {*ROLES, *ABOUT})
+        match[1] in ("value", "deviation", "rows", *_NAMED) or (not match[2] and match[1] in {*ROLES, *ABOUT})
     )
 
 
@@ -139,7 +140,11 @@ class SheetMapping:
 
     @property
     def _roles(self) -> Iterator[tuple[str, str]]:
-        return ((name, text) for name, text in self.chosen.items() if _NAME.sub(r"\1", name) not in ABOUT)
+        return (
+            (name, text)
+            for name, text in self.chosen.items()
+            if _NAME.sub(r"\1", name) not in ABOUT and not _is_word(name)
+        )
 
     def _lines(self, name: str) -> list[tuple[int, int]]:
         """Return the first and last row of each range that is stated; (0, 0) for none."""
@@ -292,7 +297,9 @@ class SheetMapping:
             for name, said in self._values.items()
         ]
         keys = [
-            HeadedColumn(index, heading.get(index, ""), ROLES[name], rank=9)
+            HeadedColumn(
+                index, heading.get(index, ""), ROLES[name], rank=9, unit=unit_of_heading(heading.get(index, ""))[1]
+            )
             for name, index in at.items()
             if name not in self._values
         ]
@@ -339,16 +346,20 @@ class SheetMapping:
     def _as_said(self, sheet: Sheet, columns: Collection[HeadedColumn]) -> Sheet:
         """Return the sheet without what stands for no reading, in our words."""
         missing = {plain(text) for text in self.chosen.get("missing", "").split("|") if text.strip()}
-        words: dict[str, Part] = {
-            plain(self.chosen[part]): part for part in ("spool", "sleeve") if self.chosen.get(part)
-        }
+        words: dict[str, dict[str, str]] = {"part": {}, **{role: {} for role in _NAMED}}
+        for name, text in self.chosen.items():
+            if name in PART_WORDS or _is_word(name):
+                own = words["part" if name in PART_WORDS else _role(name)]
+                own |= dict.fromkeys(filter(None, map(plain, text.split("|"))), _words(name) or name)
+        words["plane"] = words["land"] = {**words["plane"], **words["land"]}
         values = {column.index for column in columns if column.holds_value}
-        parts = {column.index for column in columns if column.role == "part"}
+        of_column = {column.index: words.get(column.role) for column in columns}
 
         def said(index: int, cell: Cell) -> Cell:
             if index in values and missing and plain(text_of(cell)) in missing:
                 return ""
-            return words.get(plain(text_of(cell)), cell) if index in parts and words else cell
+            own = of_column.get(index)
+            return own.get(plain(text_of(cell)), cell) if own else cell
 
         rows = [[said(index, cell) for index, cell in enumerate(cells)] for cells in sheet.rows]
         faults = {at: why for at, why in sheet.faults.items() if not (at[1] in values and plain(why) in missing)}
@@ -498,6 +509,12 @@ def remember_sheet(path: Path, readings: Readings, unit: str | None = None) -> N
     remember(path, fingerprint(readings.headings), columns, units, format=FORMAT, columns=readings.headings)
 
 
+def _is_word(name: str) -> bool:
+    """Tell whether a name is followed by the sheet's own word for one component, plane or land."""
+    match = _NAME.fullmatch(name)
+    return match is not None and match[1] in _NAMED and bool(match[2])
+
+
 def _is_deviation(name: str) -> bool:
     return name.startswith("deviation")
 
@@ -577,9 +594,9 @@ class Earlier:
 
     def with_chosen(self, chosen: Mapping[str, str]) -> dict[str, str]:
         """Return it with what is chosen now, which goes first."""
-        roles = {_NAME.sub(r"\1", name) for name in chosen}
+        roles = {name if _is_word(name) else _NAME.sub(r"\1", name) for name in chosen}
         kept = {name: text for name, text in self.entry.mapping.items() if is_role(name)}
-        kept = {name: text for name, text in kept.items() if _NAME.sub(r"\1", name) not in roles}
+        kept = {name: text for name, text in kept.items() if _is_word(name) or _NAME.sub(r"\1", name) not in roles}
         kept = {name: text for name, text in kept.items() if not text or text not in chosen.values()}
         return {"header": self.header, **kept, **chosen}
 

@@ -16,7 +16,7 @@ from atleak.common.units import Unit, find_unit, unit_names
 from atleak.measurements.readings import CellKind, CellMeaning
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Cell, column_letter, rows_named
-from atleak.readers.sheets.column_headings import HeadedColumn
+from atleak.readers.sheets.column_headings import HeadedColumn, Role
 from atleak.readers.sheets.columns import Columns, find_columns
 from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames, read_label
 from atleak.readers.sheets.diameters import FILL_DOWN, DiameterCell, PlaceKey, RawValue, broken_blocks
@@ -31,6 +31,7 @@ from atleak.readers.sheets.words import (
     is_blank,
     is_page_title,
     number,
+    part_of,
     part_said,
     part_words,
     plain,
@@ -65,6 +66,7 @@ def aside(why: Sentence) -> CellMeaning:
     return CellMeaning(CellKind.ASIDE, why)
 
 
+_OWN_WORDS: Collection[Role] = ("component", "plane", "land")  # that a sheet may have for one
 # what a cell of a key says: how it is read, and what is wrong where that fails
 _KEYS: Mapping[str, tuple[Callable[[Cell], Any], Sentence, Sentence]] = {
     "part": (
@@ -361,24 +363,33 @@ class _Reader:
             return None
         read, problem, expected = _KEYS[name]
         value = read(cell)
+        if value is None and name == "part":  # with words beside it that change nothing: "Spool diameter"
+            label = read_label(cell, self.names) or {}
+            value = label.get("part") if len(label) == 1 else None
         if value is None:
             error = ReadingsError(problem, value=text_of(cell), expected=expected)
             if name == "part":
-                meant = part_said(nearest_name(plain(text_of(cell)), part_words()) or "")
+                named = next((part for word in plain(text_of(cell)).split() if (part := part_of(word))), None)
+                meant = named or part_said(nearest_name(plain(text_of(cell)), part_words()) or "")
                 error.nearest = PART_WORDS[meant] if meant else None
             elif name == "unit":
                 error = unknown(problem, text_of(cell), unit_names("length"), kind=ReadingsError)
-            self._once(row, column, self._shared(cell, column, error))
+            self._once(row, column, self._settled(cell, column, error))
         return value
 
-    def _shared(self, cell: Cell, column: HeadedColumn, error: ReadingsError) -> ReadingsError:
-        """Say of a cell that says several things at once how its column is named for all of them."""
+    def _settled(self, cell: Cell, column: HeadedColumn, error: ReadingsError) -> ReadingsError:
+        """Say how a column is named whose cells say several things at once, or what stands in it for one thing."""
         said = (read_label(cell, self.names) or {}).keys() - {"unit"}
         if len(said) > 1 and not self.table.mapped:
             roles = sorted({"plane" if role == "land" else role for role in said})
             options = " ".join(f'--map "{role}={column.name}"' for role in roles)
             settled = Sentence("{expected}; or the column for all that it says: {options}")
             error.expected = settled.of(expected=error.expected or "", options=Option("map", text=options))
+        elif column.role in _OWN_WORDS and "=" not in text_of(cell):
+            error.role = column.role
+            own = Option("name", text=f'--map "{column.role} …={text_of(cell)}"')
+            settled = Sentence("{expected}; or which one the sheet calls so: {option}")
+            error.expected = settled.of(expected=error.expected or "", option=own)
         return error
 
     def _is_unworn(self, row: int) -> bool:
@@ -406,7 +417,7 @@ class _Reader:
                 self._same_component(component, self.sheet.filled(row, column.index))
             return component
         except ReadingsError as problem:
-            self._once(row, column, self._shared(cell, column, problem))
+            self._once(row, column, self._settled(cell, column, problem))
             return None
 
     def _same_component(self, component: str, cell: Cell) -> None:
@@ -447,7 +458,8 @@ class _Reader:
             )
             raise ReadingsError(problem, value=plane, expected=Sentence("plane {names}", names=land.planes))
         except ReadingsError as error:
-            self._once(row, column, error)
+            cell = plane_cell if column is of_plane else land_cell
+            self._once(row, column, error if cell is None else self._settled(cell, column, error))
             return None
 
     def _named(

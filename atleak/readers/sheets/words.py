@@ -400,7 +400,9 @@ def plane_names(cell: Cell) -> list[str]:
 
 def at(place: Place, error: ReadingsError) -> ReadingsError:
     """Return the same error with its place."""
-    return ReadingsError(error.problem, place=place, value=error.value, expected=error.expected, nearest=error.nearest)
+    found = ReadingsError(error.problem, place=place, value=error.value, expected=error.expected, nearest=error.nearest)
+    found.role = error.role
+    return found
 
 
 # --- what a row is, besides a reading ---------------------------------------------------------------------------------

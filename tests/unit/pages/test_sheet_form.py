@@ -219,6 +219,26 @@ def test_the_page_names_its_own_fields_in_place_of_options_of_the_command_line(a
 
 
 @pytest.mark.page("3_Readings")
+def test_the_page_asks_which_component_a_word_of_the_sheet_names(app: AppTest, own_home: Path) -> None:
+    file = SourceFile("own.csv", b"Valve;Land;Spool mm;Bore mm\nAccum.;1;17.998;18.041\nTCC reg.;1;10.998;11.034")
+    with pytest.raises(ReadingsError) as caught:
+        read_readings(file.content, load_controller("minimal_example"), name=file.name)
+    app.session_state["atleak"].case = PageCase(controller="minimal_example")
+    app.session_state["atleak"].refused["readings"] = Refusal(file.name, caught.value, file)
+    app.run()
+    for word, component in (("Accum.", "accumulator"), ("TCC reg.", "tcc_regulator")):
+        asked = next(each for each in app.selectbox if each.label == f"Component {word} is")
+        assert asked.value is None
+        asked.set_value(component).run()
+    next(button for button in app.button if button.label.startswith("Use and remember")).click().run()
+    assert not app.exception
+    readings = app.session_state["atleak"].good.readings
+    assert readings is not None
+    assert readings.name == "own.csv"
+    assert dict(app.session_state["atleak"].good.sheet_columns)["component accumulator"] == "Accum."
+
+
+@pytest.mark.page("3_Readings")
 def test_the_page_says_first_since_when_columns_are_settled(app: AppTest, own_home: Path) -> None:
     columns = {"component": "N.", "plane": "Sezione", "value spool": "Cursore", "value sleeve": "Sede"}
     settled = read_readings(ITALIAN.encode(), load_controller("minimal_example"), name="a.csv", mapping=columns)

@@ -108,6 +108,57 @@ def test_one_option_is_enough_where_the_other_headings_are_understood(example):
     assert told == "column 'Mean of 10 [mm]' holds means, by its heading: each counts as one reading"
 
 
+def test_a_sheet_has_its_own_words_for_components_and_lands(example):
+    sheet = "Valve;Land;Spool mm;Bore mm\nAccum.;A;17.998;18.041\nTCC reg.;A;10.998;11.034\nTCC;A;10.997;11.033"
+    with pytest.raises(ReadingsError) as caught:
+        read(sheet, example)
+    assert '--map "component …=Accum."' in str(caught.value)
+    assert [(one.role, one.value) for one in caught.value.problems][:2] == [
+        ("component", "Accum."),
+        ("component", "TCC reg."),
+    ]
+    words = {"component accumulator": "Accum.", "component tcc_regulator": "TCC reg.|TCC"}
+    with pytest.raises(ReadingsError, match="--map .land …=A"):
+        read(sheet, example, words)
+    readings = read(sheet, example, {**words, "land 1": "A"})
+    assert sizes(readings)[:2] == PAIRS[:2]
+    assert [one.component for one in readings.readings] == ["accumulator"] * 2 + ["tcc_regulator"] * 4
+    with pytest.raises(ReadingsError, match="unknown component"):
+        read(sheet, example, {**words, "component tcc_regulator": "TCC", "land 1": "A"})
+
+
+def test_what_a_sheet_calls_its_components_is_remembered_with_its_columns(example, tmp_path):
+    sheet = "Valve;Land;Spool mm;Bore mm\nAccum.;1;17.998;18.041"
+    remember_sheet(tmp_path / "columns.json", read(sheet, example, {"component accumulator": "Accum."}))
+    later = read(sheet.replace("17.998", "17.996") + "\nTCC;1;10.998;11.034", example,
+                 {"component tcc_regulator": "TCC"}, remembered=tmp_path / "columns.json")  # fmt: skip
+    assert [one.component for one in later.readings] == ["accumulator"] * 2 + ["tcc_regulator"] * 2
+
+
+def test_the_part_may_stand_before_the_number_and_with_words_that_change_nothing(example):
+    sheet = "Feature;MEAS\nspool accumulator/1;17.998\nbore accumulator/1;18.041"
+    feature = {"component": "Feature", "plane": "Feature", "part": "Feature", "value": "MEAS"}
+    assert sizes(read(sheet, example, feature)) == PAIRS[:2]
+    sheet = "Valve;Land;Kind;Measured mm\naccumulator;1;Spool diameter;17.998\naccumulator;1;Bore diameter;18.041"
+    assert sizes(read(sheet, example, {"part": "Kind"})) == PAIRS[:2]
+    with pytest.raises(ReadingsError, match="unknown part.*'Bore length'"):
+        read(sheet.replace("Bore diameter", "Bore length"), example, {"part": "Kind"})
+
+
+def test_deviations_are_from_a_nominal_size_in_the_unit_of_its_heading(example):
+    sheet = "Valve,Land,Nominal (in),Spool dev. (in)\naccumulator,1,0.70866,-0.00007"
+    columns = {"new": "Nominal (in)", "deviation spool": "Spool dev. (in)"}
+    (reading,) = read(sheet, example, columns).readings
+    assert round(reading.diameter / 25.4e-3, 6) == 0.70859
+
+
+def test_the_number_of_a_unit_is_no_unit_of_length(example):
+    sheet = "Unit SN,Valve,Land,Spool mm,Bore mm\nA1107,accumulator,1,17.998,18.041\nA1193,accumulator,1,17.99,18.04"
+    with pytest.raises(ReadingsError, match='--where "Unit SN=A1107"'):
+        read(sheet, example)
+    assert sizes(read(sheet, example, where={"Unit SN": "A1107"})) == PAIRS[:2]
+
+
 def test_several_readings_in_a_cell_are_asked_about_and_count_each(example):
     sheet = "Valve;Plane;Part;Diameter [mm]\naccumulator;1;spool;17.998 / 17.997 / 17.999\naccumulator;1;bore;18.041"
     with pytest.raises(ReadingsError, match=r"each of them is a reading, --map .value=Diameter \[mm\]"):
@@ -305,7 +356,7 @@ def test_roles_and_quantities_have_no_name_in_common():
 
     assert not [name for name in QUANTITIES if is_role(name)]
     assert all(map(is_role, ("component", "value", "value spool 0°", "new", "rows")))
-    assert not any(map(is_role, ("values", "components", "component 2", "")))
+    assert not any(map(is_role, ("values", "components", "diameter 2", "")))
 
 
 # --- remembered and shared --------------------------------------------------------------------------------------------
