@@ -118,7 +118,7 @@ def test_a_sheet_has_its_own_words_for_components_and_lands(example):
         ("component", "TCC reg."),
     ]
     words = {"component accumulator": "Accum.", "component tcc_regulator": "TCC reg.|TCC"}
-    with pytest.raises(ReadingsError, match="--map .land …=A"):
+    with pytest.raises(ReadingsError, match=r"--map .land …=A"):
         read(sheet, example, words)
     readings = read(sheet, example, {**words, "land 1": "A"})
     assert sizes(readings)[:2] == PAIRS[:2]
@@ -141,7 +141,7 @@ def test_the_part_may_stand_before_the_number_and_with_words_that_change_nothing
     assert sizes(read(sheet, example, feature)) == PAIRS[:2]
     sheet = "Valve;Land;Kind;Measured mm\naccumulator;1;Spool diameter;17.998\naccumulator;1;Bore diameter;18.041"
     assert sizes(read(sheet, example, {"part": "Kind"})) == PAIRS[:2]
-    with pytest.raises(ReadingsError, match="unknown part.*'Bore length'"):
+    with pytest.raises(ReadingsError, match=r"unknown part.*'Bore length'"):
         read(sheet.replace("Bore diameter", "Bore length"), example, {"part": "Kind"})
 
 
