@@ -287,8 +287,7 @@ def _ask_for_columns(draft: _Draft, look: SheetLook, last: Readings | AtleakErro
     for name, words in options.items():
         known = list(dict.fromkeys([*words, *draft.base[titles[name]].dropna()]))
         config[titles[name]] = st.column_config.SelectboxColumn(options=known, width="small")
-    edited = st.data_editor(draft.base, key=key, column_config=config, hide_index=True, width="stretch", placeholder="")
-    mapping, twice = _mapping(edited, look, titles, roles, options)
+    table = st.container()  # above what is drawn before it: by that widget a visit is told from the last one
     typed_header = f"{key}-header"
     left, right = st.columns(2)
     left.text_input(
@@ -300,6 +299,10 @@ def _ask_for_columns(draft: _Draft, look: SheetLook, last: Readings | AtleakErro
         say("sheet_form.unit"), units, units.index(draft.unit) if draft.unit in units else 0, unit_said,
         key=f"{key}-unit",
     )  # fmt: skip
+    edited = table.data_editor(
+        draft.base, key=key, column_config=config, hide_index=True, width="stretch", placeholder=""
+    )
+    mapping, twice = _mapping(edited, look, titles, roles, options)
     draft.typed = {**_of_all_rows(draft, look, key), **_own_words(draft, last, key), **mapping}
     if mapping:
         draft.typed["header"] = look.header

@@ -388,7 +388,7 @@ class _Reader:
         elif column.role in _OWN_WORDS and "=" not in text_of(cell):
             error.role = column.role
             own = Option("name", text=f'--map "{column.role} …={text_of(cell)}"')
-            settled = Sentence("{expected}; or which one the sheet calls so: {option}")
+            settled = Sentence("{expected}; or say which one the sheet means: {option}")
             error.expected = settled.of(expected=error.expected or "", option=own)
         return error
 
