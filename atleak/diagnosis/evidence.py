@@ -5,7 +5,8 @@ shares of the draws, weighed by gauges, log, flows and plugs (`atleak.diagnosis.
 
 A land that nobody reads may be the one that costs most. Its reading is worth what that costs on average, in first
 limits: of a circuit's loss, and of a pair's share of the pump, 1 at most of each. Lands are read by turns, the
-likeliest to cost a pressure most and the likeliest to cost the pump most: of flow gauges that miss nothing tell little.
+likeliest to cost a pressure most, the likeliest to be worn and the likeliest to cost the pump most: gauges that miss
+nothing tell little of wear and flow.
 """
 
 from __future__ import annotations
@@ -198,14 +199,17 @@ class _Finder:
         return max((each.get(key, 0.0) for each in shown), default=0.0)
 
     def worth(self, most: int, least: float = 0.0) -> tuple[NextReading, ...]:
-        """Return what to read next: by turns what likeliest costs a pressure most, and the pump most."""
+        """Return what to read next: by turns what likeliest costs a pressure most, is worn, and costs the pump most."""
         ways, values = list[list[LandKey]](), defaultdict[LandKey, float](float)
         for costs in (self._by_pressure, self._by_flow):
             worst = self._worst(costs)
             ways.append(sorted(worst, key=lambda key: (-worst[key].size, key)))
             for key, found in worst.items():
                 values[key] += float(np.minimum(found, 1.0).sum()) / self._draws
-        turns = dict.fromkeys(key for turn in zip_longest(*ways) for key in turn if key is not None)
+        worn = {key: float(np.mean(self.worn(told, key))) for told in self.weighed.told for key in told.now}
+        of_pressure, of_pump = ways
+        likely = sorted(self.diagnosis.open_lands & worn.keys(), key=lambda key: (-self._counts(key) * worn[key], key))
+        turns = dict.fromkeys(key for turn in zip_longest(of_pressure, likely, of_pump) for key in turn if key)
         chosen = [key for key in turns if values[key] >= least][:most]
         return tuple(NextReading(self.controller.land(*key), values[key]) for key in chosen)
 
@@ -330,7 +334,7 @@ def _of_lands(rows: Mapping[Row, Mapping[LandKey, np.ndarray]]) -> dict[LandKey,
 
 
 def readings_by_value(diagnosis: Diagnosis, most: int) -> tuple[NextReading, ...]:
-    """Return which lands to measure, one after the other: by turns for a pressure and for the pump's flow.
+    """Return which lands to measure, one after the other: by turns for a pressure, for wear and for the pump's flow.
 
     Parameters
     ----------

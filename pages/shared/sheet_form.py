@@ -299,9 +299,10 @@ def _ask_for_columns(draft: _Draft, look: SheetLook, last: Readings | AtleakErro
         say("sheet_form.unit"), units, units.index(draft.unit) if draft.unit in units else 0, unit_said,
         key=f"{key}-unit",
     )  # fmt: skip
-    edited = table.data_editor(
-        draft.base, key=key, column_config=config, hide_index=True, width="stretch", placeholder=""
-    )
+    with table:
+        edited = st.data_editor(
+            draft.base, key=key, column_config=config, hide_index=True, width="stretch", placeholder=""
+        )
     mapping, twice = _mapping(edited, look, titles, roles, options)
     draft.typed = {**_of_all_rows(draft, look, key), **_own_words(draft, last, key), **mapping}
     if mapping:

@@ -49,6 +49,7 @@ from atleak.readers.sheets.words import (
     plain,
     repeat_of,
     several_in,
+    sheet_vocabulary,
     stated_number,
     text_of,
 )
@@ -343,15 +344,38 @@ class SheetMapping:
                 raise _refused(Sentence("not understood as {role}", role=name), text, expected)
         return said
 
+    def _own_words(self) -> dict[str, dict[str, str]]:
+        """Return what each of the sheet's own words means, by the role of the column in which it stands."""
+        words: dict[str, dict[str, str]] = {"part": {}, "component": {}, "plane": {}}
+        for name, text in self.chosen.items():
+            if not (name in PART_WORDS or _is_word(name)):
+                continue
+            role = "part" if name in PART_WORDS else "plane" if _role(name) in _PLACES else "component"
+            for word in filter(None, map(plain, text.split("|"))):
+                other = words[role].setdefault(word, _words(name) or name)
+                if other != (_words(name) or name):
+                    problem = Sentence("one word is said to be two things")
+                    raise _refused(
+                        problem, f"{name}={word}", Sentence("{word} as {other} alone", word=word, other=other)
+                    )
+        return {**words, "land": words["plane"]}
+
+    def _require_apart(self, sheet: Sheet, column: HeadedColumn, own: Mapping[str, str]) -> None:
+        """Refuse two words of one column for one plane or land: their readings would be averaged as repeats."""
+        found: dict[str, str] = {}
+        for row in range(len(sheet.rows)):
+            word = plain(text_of(sheet.cell(row, column.index)))
+            other = found.setdefault(own.get(word, word), word) if word else word
+            if other != word:
+                role = Sentence("plane") if column.role == "plane" else Sentence("land")
+                problem = Sentence("two words of one column are said to be the same {role}", role=role)
+                expected = Sentence("one word for each; this column has {other} too", other=other)
+                raise ReadingsError(problem, place=sheet.place(row), value=word, expected=expected)
+
     def _as_said(self, sheet: Sheet, columns: Collection[HeadedColumn]) -> Sheet:
         """Return the sheet without what stands for no reading, in our words."""
         missing = {plain(text) for text in self.chosen.get("missing", "").split("|") if text.strip()}
-        words: dict[str, dict[str, str]] = {"part": {}, **{role: {} for role in _NAMED}}
-        for name, text in self.chosen.items():
-            if name in PART_WORDS or _is_word(name):
-                own = words["part" if name in PART_WORDS else _role(name)]
-                own |= dict.fromkeys(filter(None, map(plain, text.split("|"))), _words(name) or name)
-        words["plane"] = words["land"] = {**words["plane"], **words["land"]}
+        words = self._own_words()
         values = {column.index for column in columns if column.holds_value}
         of_column = {column.index: words.get(column.role) for column in columns}
 
@@ -361,6 +385,9 @@ class SheetMapping:
             own = of_column.get(index)
             return own.get(plain(text_of(cell)), cell) if own else cell
 
+        for column in columns:
+            if column.role in _PLACES and (own := of_column.get(column.index)):
+                self._require_apart(sheet, column, own)
         rows = [[said(index, cell) for index, cell in enumerate(cells)] for cells in sheet.rows]
         faults = {at: why for at, why in sheet.faults.items() if not (at[1] in values and plain(why) in missing)}
         return replace(sheet, rows=rows, faults=faults)
@@ -546,6 +573,10 @@ def _with_sums(table: HeadedTable, index: int, new: int | None) -> HeadedTable:
         raise ReadingsError(
             problem, place=place, expected=Sentence("the unit in the heading, such as 'Deviation [µm]'")
         )
+    if any(token in sheet_vocabulary("below") for token in tokens_of(column.heading)):
+        problem = Sentence("a heading that says 'below' leaves open which way its numbers count")
+        expected = Sentence("deviations with their sign, those of smaller parts with −, under a heading 'Deviation'")
+        raise ReadingsError(problem, place=place, value=column.heading, expected=expected)
     small, unit = column.unit, nominal.unit or MILLIMETRE
 
     def sums(row: int) -> Iterator[Cell]:

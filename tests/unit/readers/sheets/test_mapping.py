@@ -127,6 +127,27 @@ def test_a_sheet_has_its_own_words_for_components_and_lands(example):
         read(sheet, example, {**words, "component tcc_regulator": "TCC", "land 1": "A"})
 
 
+@pytest.mark.parametrize(
+    ("words", "refused"),
+    [
+        ({"land 1": "0"}, "two words of one column are said to be the same land"),
+        ({"land 1": "0|1"}, "two words of one column are said to be the same land"),
+        ({"land 1": "0", "land 2": "0"}, "one word is said to be two things"),
+        ({"component accumulator": "Acc", "component tcc_regulator": "acc"}, "one word is said to be two things"),
+    ],
+)
+def test_words_that_would_average_two_lands_or_valves_are_refused(example, words, refused):
+    sheet = "Valve;Land;Spool mm;Bore mm\npressure_regulator;0;14.987;15.028\npressure_regulator;1;12.486;12.511"
+    with pytest.raises(ReadingsError, match=refused):
+        read(sheet, example, words)
+
+
+def test_a_deviation_below_nominal_is_not_added(example):
+    sheet = "Valve,Land,Nominal (mm),Spool below nominal (µm)\naccumulator,1,18,8"
+    with pytest.raises(ReadingsError, match="which way its numbers count"):
+        read(sheet, example, {"new": "Nominal (mm)", "deviation spool": "Spool below nominal (µm)"})
+
+
 def test_what_a_sheet_calls_its_components_is_remembered_with_its_columns(example, tmp_path):
     sheet = "Valve;Land;Spool mm;Bore mm\nAccum.;1;17.998;18.041"
     remember_sheet(tmp_path / "columns.json", read(sheet, example, {"component accumulator": "Accum."}))
