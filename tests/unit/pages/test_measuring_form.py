@@ -10,6 +10,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_file import load_controller
 from atleak.common.wording import wording
 from atleak.job.case import SourceFile
 from atleak.readers.sheets.measuring_sheet import read_readings
@@ -169,9 +170,11 @@ def test_the_quick_pass_is_offered_first_and_stays_as_it_is_while_it_is_typed(op
     strip = [each["name"] for each in app.session_state["seen"]["components"]]
     assert strip == list(dict.fromkeys(component for component, *_ in cells)), "as they are to be measured"
     assert not app.info, "nothing was read yet"
-    send(app, 1, put([*cells[0]], "20,000"))
+    lands = load_controller("minimal_example").lands_of(cells[0][0])
+    new = next(land for land in lands if cells[0][2] in land.planes).nominal_diameter * 1e3
+    send(app, 1, put([*cells[0]], f"{new:.3f}".replace(".", ",")))
     assert not app.info, "a land is half read"
-    send(app, 2, put([*cells[1]], "20,030"))
+    send(app, 2, put([*cells[1]], f"{new + 0.03:.3f}".replace(".", ",")))
     assert [tuple(cell["key"]) for cell in app.session_state["seen"]["cells"]] == cells
     assert "in this order" in app.info[0].value or "No further land" in app.info[0].value
     how_much(app).set_value("whole").run()
