@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
@@ -379,7 +378,8 @@ def _of_all_rows(draft: _Draft, look: SheetLook, key: str) -> dict[str, str]:
     asked = {rows: say("sheet_columns.rows"), **{name: say(f"sheet_columns.{name}") for name in _TEXTS}}
     typed: dict[str, str] = {}
     for (name, label), place in zip(asked.items(), st.columns(len(asked)), strict=True):
-        typed[name] = place.text_input(label, told.get(name, ""), key=f"{key}-{name}").strip()
+        held = told.get(name, told.get("rows", "") if name == rows else "")
+        typed[name] = place.text_input(label, held, key=f"{key}-{name}").strip()
     left, right = st.columns(2)
     parts = [f"{CONSTANT}{part}" for part in PART_WORDS]
     constant = [told["part"]] if told.get("part") in parts else []
@@ -394,6 +394,7 @@ def _of_all_rows(draft: _Draft, look: SheetLook, key: str) -> dict[str, str]:
     )  # fmt: skip
     others = {name: text for name, text in told.items() if text.startswith(CONSTANT) and name != "part"}
     others |= {name: text for name, text in told.items() if name.startswith("rows ") and name != rows}
+    others |= {"rows": told["rows"]} if "rows" in told and len(look.sheets) > 1 else {}
     typed = {name: text for name, text in typed.items() if text} | ({"part": part} if part else {})
     return {**others, **typed, **dict.fromkeys(absent, NOT_LOGGED)}
 
@@ -401,10 +402,11 @@ def _of_all_rows(draft: _Draft, look: SheetLook, key: str) -> dict[str, str]:
 def _own_words(draft: _Draft, last: Readings | AtleakError | None, key: str) -> dict[str, str]:
     """Ask what each word of the sheet names that is not known: by the name of what it is, the word."""
     say, controller = reader.say(), controller_of(draft.case)
-    known = {word: name for name, text in draft.mapping.items() if name.startswith(_NAMED) for word in text.split("|")}
-    problems = getattr(last, "problems", (last,))
-    unknown = {str(each.value): each.role for each in problems if isinstance(each, ReadingsError) and each.role}
-    asked = dict(list({**{text: name.split(" ")[0] for text, name in known.items()}, **unknown}.items())[:_WORDS])
+    said = ((*name.split(" ", 1), text) for name, text in draft.mapping.items() if name.startswith(_NAMED))
+    known = {(role, word): name for role, name, word in said}
+    problems = [each for each in getattr(last, "problems", (last,)) if isinstance(each, ReadingsError) and each.role]
+    unknown = dict.fromkeys((each.role, str(each.value)) for each in problems)
+    asked = [*known, *[each for each in unknown if each not in known][:_WORDS]]
     of_role: dict[str, dict[str, str]] = {
         "component": {
             land.component: f"{land.component} · {controller.components[land.component]}" for land in controller.lands
@@ -412,19 +414,19 @@ def _own_words(draft: _Draft, last: Readings | AtleakError | None, key: str) -> 
         "plane": {plane: plane for land in controller.lands for plane in land.planes},
         "land": {str(land.land): str(land.land) for land in controller.lands},
     }
-    words = defaultdict[str, list[str]](list)
+    words = dict[str, str]()
     places = st.columns(3)
-    for number, (word, role) in enumerate(asked.items()):
+    for number, (role, word) in enumerate(asked):
         names = of_role[role]
-        told = known.get(word, "").partition(" ")[2]
+        told = known.get((role, word))
         name = places[number % len(places)].selectbox(
             say(f"sheet_columns.word_of_{role}", word=show.plain(word)), list(names),
             list(names).index(told) if told in names else None, names.__getitem__,
-            key=f"{key}-word-{word}", placeholder="–",
+            key=f"{key}-{role}-{word}", placeholder="–",
         )  # fmt: skip
         if name is not None:
-            words[f"{role} {name}"].append(word)
-    return {name: "|".join(several) for name, several in words.items()}
+            words[f"{role} {name}"] = word
+    return words
 
 
 def _part_said(part: str, say: Wording) -> str:

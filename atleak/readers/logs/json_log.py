@@ -47,7 +47,7 @@ def as_text(source: LogFile) -> tuple[LogFile, list[Message]]:
     rows = csv.DictWriter(written, list(names), lineterminator="\n")
     rows.writeheader()
     rows.writerows(filter(None, map(_record, lines)))
-    data = written.getvalue().encode("utf-8")
+    data = written.getvalue().encode("utf-8", "replace")
     said = Sentence("{count} line(s) that are no JSON object left out", count=len(bad))
     notes = [Message("warning", "lines_left_out", said, Place(file=source.file))] if bad else []
     return replace(source, head=data[:LARGE], form="text", size=len(data), path=None, content=data), notes

@@ -83,9 +83,10 @@ def open_mlg(source: LogFile) -> MlgLog:
     form = _FIELDS[version]
     at = _HEADS[version].itemsize
     head = np.frombuffer(data[:at].ljust(at, b"\x00"), _HEADS[version])[0]
-    if not 0 < head["fields"] * form.itemsize <= len(data) - at or head["data"] > len(data):
+    count = int(head["fields"])
+    if not 0 < count * form.itemsize <= len(data) - at or not at <= head["data"] <= len(data):
         raise damaged
-    fields = np.frombuffer(data, form, int(head["fields"]), at)
+    fields = np.frombuffer(data, form, count, at)
     values = [(f"f{place}", _TYPES.get(int(kind), "u1")) for place, kind in enumerate(fields["type"])]
     block = np.dtype([("kind", "u1"), ("counter", "u1"), ("stamp", ">u2"), *values, ("sum", "u1")])
     if block.itemsize - 5 != head["length"]:

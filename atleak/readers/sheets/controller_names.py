@@ -248,6 +248,7 @@ def read_label(cell: Cell, names: ControllerNames) -> Label | None:
     {'component': '6', 'part': 'spool', 'land': '1'}
     >>> read_label("ring gauge 18.0", names), read_label("pressure_regulator/3", names)
     (None, None)
+    >>> read_label("bore 25.1 mm", ControllerNames(load_controller("four_speed_2023")))
     """
     if isinstance(cell, bool | datetime.date | datetime.time) or cell is None:
         return None
@@ -271,7 +272,8 @@ def _with_component(folded: str, names: ControllerNames) -> Iterator[tuple[str, 
             if match is not None:
                 yield component, f"{folded[: match.start()]} {folded[match.end() :]}"
     words = folded.split()
-    for _ in range(len(words) - 1):
+    placed = len(re.findall(r"\d+", folded)) > 1 and not re.search(r"\d[.,]\d", folded)  # not "bore 12.1", a size
+    for _ in range(len(words) - 1) if placed else ():
         if len(words[0]) > 1 and (part_of(words[0]) or words[0] in sheet_vocabulary("diameter")):
             words.append(words.pop(0))  # "bore 14/1" as "14/1 bore"
     leading = re.sub(r"^(?:(?:[^\W\d_]+|#)[\s.:]*)", _unless_label, " ".join(words))

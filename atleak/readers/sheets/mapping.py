@@ -265,7 +265,7 @@ class SheetMapping:
         rows, texts, at = found
         columns = self._all_columns(texts, at)
         first, last = (rows[0], rows[-1]) if rows else (-1, -1)
-        view = self._as_said(sheet, columns)
+        view = self._as_said(sheet, columns, last + 1)
         table = HeadedTable(view, first, last, columns, texts, mapped=True)
         if (component := self._constants.get("component")) is not None:
             table = replace(table, component=names.require_component(component))
@@ -348,7 +348,7 @@ class SheetMapping:
         """Return what each of the sheet's own words means, by the role of the column in which it stands."""
         words: dict[str, dict[str, str]] = {"part": {}, "component": {}, "plane": {}}
         for name, text in self.chosen.items():
-            if not (name in PART_WORDS or _is_word(name)):
+            if not text or not (name in PART_WORDS or _is_word(name)):
                 continue
             role = "part" if name in PART_WORDS else "plane" if _role(name) in _PLACES else "component"
             for word in filter(None, map(plain, text.split("|"))):
@@ -360,20 +360,8 @@ class SheetMapping:
                     )
         return {**words, "land": words["plane"]}
 
-    def _require_apart(self, sheet: Sheet, column: HeadedColumn, own: Mapping[str, str]) -> None:
-        """Refuse two words of one column for one plane or land: their readings would be averaged as repeats."""
-        found: dict[str, str] = {}
-        for row in range(len(sheet.rows)):
-            word = plain(text_of(sheet.cell(row, column.index)))
-            other = found.setdefault(own.get(word, word), word) if word else word
-            if other != word:
-                role = Sentence("plane") if column.role == "plane" else Sentence("land")
-                problem = Sentence("two words of one column are said to be the same {role}", role=role)
-                expected = Sentence("one word for each; this column has {other} too", other=other)
-                raise ReadingsError(problem, place=sheet.place(row), value=word, expected=expected)
-
-    def _as_said(self, sheet: Sheet, columns: Collection[HeadedColumn]) -> Sheet:
-        """Return the sheet without what stands for no reading, in our words."""
+    def _as_said(self, sheet: Sheet, columns: Collection[HeadedColumn], below: int) -> Sheet:
+        """Return the sheet without what stands for no reading, in our words; readings begin at row ``below``."""
         missing = {plain(text) for text in self.chosen.get("missing", "").split("|") if text.strip()}
         words = self._own_words()
         values = {column.index for column in columns if column.holds_value}
@@ -385,15 +373,32 @@ class SheetMapping:
             own = of_column.get(index)
             return own.get(plain(text_of(cell)), cell) if own else cell
 
+        component = next((column.index for column in columns if column.role == "component"), None)
         for column in columns:
-            if column.role in _PLACES and (own := of_column.get(column.index)):
-                self._require_apart(sheet, column, own)
+            if column.role in _NAMED and (own := of_column.get(column.index)):
+                of = None if column.role == "component" else component
+                _require_apart(sheet, range(below, len(sheet.rows)), column, own, of)
         rows = [[said(index, cell) for index, cell in enumerate(cells)] for cells in sheet.rows]
         faults = {at: why for at, why in sheet.faults.items() if not (at[1] in values and plain(why) in missing)}
         return replace(sheet, rows=rows, faults=faults)
 
 
 NOTHING_SAID = SheetMapping({})
+
+
+def _require_apart(
+    sheet: Sheet, rows: range, column: HeadedColumn, own: Mapping[str, str], component: int | None
+) -> None:
+    """Refuse two words of one column for the same thing of a component: readings would be averaged as repeats."""
+    found: dict[tuple[str, str], str] = {}
+    for row in rows:
+        word = text_of(sheet.cell(row, column.index))
+        of = "" if component is None else plain(text_of(sheet.filled(row, component)))
+        other = found.setdefault((of, own.get(plain(word), plain(word))), word) if word else word
+        if plain(other) != plain(word):
+            problem = Sentence("two words of one column are said to be the same")
+            expected = Sentence("one word for each; this column has {other} too", other=other)
+            raise ReadingsError(problem, place=sheet.place(row), value=word, expected=expected)
 
 
 def rows_role(sheet: str | None) -> str:
