@@ -28,7 +28,7 @@ from atleak.job_book.search import Query
 from atleak.job_book.tables import jobs, visits
 from atleak.job_book.unit_history import visits_of_unit
 from atleak.measurements.job_card import Job
-from atleak.measurements.readings import TYPED_MARK
+from atleak.measurements.own_forms import TYPED
 
 Small = Callable[..., JobParts]
 RELEASE = Path(__file__).parents[2] / "releases" / "0.2.0"
@@ -237,7 +237,7 @@ PLAN = '"parts", "directions": 2, "repeats": 2, "planes": null, "lands": []}'
 @pytest.fixture
 def typed_job() -> Callable[..., JobParts]:
     """Makes a job of readings that were typed in one plan, for one vehicle; the keywords are those of its record."""
-    rows = ["sep=;", TYPED_MARK + ';"{""order"": ' + PLAN.replace('"', '""') + '"', "Controller minimal_example"]
+    rows = ["sep=;", TYPED.mark + ';"{""order"": ' + PLAN.replace('"', '""') + '"', "Controller minimal_example"]
     rows += ["No.;Part;Plane;Direction;Repeat;Diameter [mm];Counts;Taken at"]
     rows += [
         f"tcc_regulator;{part};1;{d};1;11.0{n};yes;" for n, part in enumerate(("spool", "sleeve")) for d in (0, 90)
