@@ -181,7 +181,8 @@ def assert_rows_take_a_pencil(tab, first):
 def assert_nothing_of_an_id_is_broken(lands, controller):
     ids = {1: [land.component for land in controller.lands]}
     if controller.repairs:
-        ids[lands.max_column] = [repair.id for repair in controller.repairs]
+        printed = max(each.max for each in lands.column_dimensions.values())  # the mark stands right of it
+        ids[printed] = [repair.id for repair in controller.repairs]
     for column, names in ids.items():
         (width,) = [each.width for each in lands.column_dimensions.values() if each.min <= column <= each.max]
         assert width > max(map(len, names))
