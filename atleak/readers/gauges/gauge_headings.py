@@ -1,6 +1,6 @@
 """Find the tables of gauge readings on a sheet, and what their headings mean.
 
-The words are those of ``gauge_vocabulary.toml``: ranges of the lever, what the engine does, taps.
+The words are those of ``vocabulary.toml``: ranges of the lever, what the engine does, taps.
 """
 
 from __future__ import annotations
@@ -8,51 +8,32 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
-from typing import Any, Literal, cast
+from typing import Literal, cast
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_tables import SelectorRange
 from atleak.catalogue.written_numbers import decimal_number
+from atleak.common.errors import Place
 from atleak.common.translations import languages
-from atleak.common.units import Unit, find_unit
+from atleak.common.units import find_unit
 from atleak.common.wording import wording
 from atleak.measurements.gauge_readings import LINE_TAP, Engine
-from atleak.measurements.own_forms import ATF_TEMPERATURE, GAUGES, PRESSURES
+from atleak.measurements.own_forms import GAUGES, PRESSURES
 from atleak.readers.cells.extent import MOST_TABLES
 from atleak.readers.cells.sheet import BRACKETS, Cell, Sheet, text_of
-from atleak.readers.cells.sheet import Cell as SheetCell
-from atleak.readers.dates import vocabulary, words
+from atleak.readers.dates import words
+from atleak.readers.gauges.value_table import ValueTable, is_nothing, label_of, phrases, unit_in
 from atleak.readers.own_forms import FormTable, form_tables
 
 ColumnKind = Literal[
     "range", "engine", "tap", "temperature", "engine_speed", "repeat", "time", "gauge", "unit", "aside", "value"
 ]
-Tokens = tuple[str, ...]
 
-_SQUARE = re.compile(r"\[([^\]]*)\]")
 _SPEED = re.compile(r"(\d[\d.,' ]*)\s*(?:rpm|1/min|min-1|r/min|u/min|obr\.?/min)", re.IGNORECASE)
 _SEPARATORS = re.compile(r"[\s,;:_/|]+")
-_NOTHING = frozenset(("", "-", "–", "—", "−", "/", "x", "?", "…", "..."))
-_KINDS = {"temperature": "temperature", "engine_speed": "rotational_speed"}  # of columns other than of pressures
 _UNIT_KINDS = ("pressure", "temperature", "rotational_speed")
-
-
-@cache
-def _phrases(table: str) -> Mapping[Tokens, str]:
-    """Return the phrases of a table of the vocabulary, each with the name under which it stands."""
-    return {
-        tuple(phrase.split()): name
-        for name, listed in vocabulary(__package__, "gauge_vocabulary.toml")[table].items()
-        for phrase in listed
-    }
-
-
-def is_blank_heading(cell: SheetCell) -> bool:
-    """Return whether a cell says that nothing was measured: it is empty, a dash, or says so in words."""
-    if not isinstance(cell, str):
-        return cell is None
-    return cell.strip() in _NOTHING or tuple(words(cell).split()) in _phrases("not_measured")
+_LOOKED_AT = 30  # rows below the headings in which a column without a heading may show what it is
+_TITLES = 8  # rows above the headings that may speak of the table
 
 
 @dataclass(frozen=True)
@@ -82,20 +63,19 @@ class _Heading:
     text: str
     kind: ColumnKind | None = None
     said: Said = Said()
-    unit: Unit | None = None
-    wrong_unit: str | None = None  # in square brackets, and none that is known
+    unit: str = ""  # as it is written, and perhaps none
 
     @property
     def of_pressure(self) -> bool:
         """Return whether a unit or a word for pressure stands in it, if only a wrong one."""
-        return bool(self.unit or self.wrong_unit or not self.said.anything)
+        return bool(self.unit or not self.said.anything)
 
 
 @dataclass(frozen=True)
 class GaugeWords:
     """The words of a controller's tables: everybody's, and its circuits by id and name."""
 
-    taps: Mapping[Tokens, str] = field(default_factory=dict)
+    taps: Mapping[str, str] = field(default_factory=dict)
     tap_ids: tuple[str, ...] = (LINE_TAP,)
     _headings: dict[str, _Heading] = field(default_factory=dict, compare=False, repr=False)  # by text
     _sayings: dict[tuple[str, Sequence[str], bool], Said | None] = field(
@@ -105,13 +85,13 @@ class GaugeWords:
     @classmethod
     def of(cls, controller: Controller) -> GaugeWords:
         """Return the words for a controller."""
-        taps: dict[Tokens, str] = dict.fromkeys(_phrases("line"), LINE_TAP)
+        taps = dict.fromkeys(phrases("line"), LINE_TAP)
         for circuit in controller.circuits:
             named = (circuit.id, *(wording(language).name(circuit.name) for language in languages()))
-            taps |= {tuple(words(name).split()): circuit.id for name in named}
+            taps |= {words(name): circuit.id for name in named}
         return cls(taps, (LINE_TAP, *(circuit.id for circuit in controller.circuits)))
 
-    def said_by(self, cell: SheetCell, kind: str) -> Said | None:
+    def said_by(self, cell: Cell, kind: str) -> Said | None:
         """Return the range, the state of the engine or the tap that a cell names; None where it names none.
 
         >>> [GaugeWords().said_by(cell, "range").range for cell in ("Reverse", 3.0, "D range")]
@@ -126,11 +106,11 @@ class GaugeWords:
         """Return what a line above a table says of all its readings; nothing where it says something else too."""
         return self._said(BRACKETS.sub(" ", text), ("engine", "tap", "range"), heading=True) or Said()
 
-    def heading(self, cell: SheetCell) -> _Heading:
+    def heading(self, cell: Cell) -> _Heading:
         """Return what a heading means.
 
-        >>> heading = GaugeWords({("line",): "line"}).heading("Line, slow idle [kPa]")
-        >>> heading.kind, heading.said.tap, heading.said.engine.value, heading.unit.name
+        >>> heading = GaugeWords({"line": "line"}).heading("Line, slow idle [kPa]")
+        >>> heading.kind, heading.said.tap, heading.said.engine.value, heading.unit
         ('value', 'line', 'slow_idle', 'kPa')
         """
         text = text_of(cell)
@@ -141,19 +121,18 @@ class GaugeWords:
         return self._headings[text]
 
     def _heading(self, text: str) -> _Heading:
-        rest, unit, kind, wrong = _without_unit(text)
-        tokens = tuple(words(_SPEED.sub(" ", rest)).split())
-        whole = _phrases("column").get(tokens)
+        rest, unit, kind = _without_unit(text)
+        rest_words = words(_SPEED.sub(" ", rest))
+        whole = phrases("column").get(rest_words)
         if whole is not None:
             return _Heading(text, cast("ColumnKind", whole), unit=unit)
-        if not tokens and kind == "pressure":
+        if not rest_words and kind == "pressure":
             return _Heading(text, "value", unit=unit)
         said = self._said(rest, ("range", "engine", "tap"), heading=True)
         if said is not None and kind in (None, "pressure"):
-            return _Heading(text, "value", said, unit, wrong)
-        if any((token,) in _phrases("column") and _phrases("column")[token,] == "aside" for token in tokens):
-            return _Heading(text, "aside", unit=unit)
-        return _Heading(text, unit=unit)
+            return _Heading(text, "value", said, unit)
+        aside = any(phrases("column").get(word) == "aside" for word in rest_words.split())
+        return _Heading(text, "aside" if aside else None, unit=unit)
 
     def _said(self, text: str, about: Sequence[str], *, heading: bool = False) -> Said | None:
         """Return what a text says about some of range, engine and tap; None where it says anything else, or twice.
@@ -170,15 +149,14 @@ class GaugeWords:
 
     def _read(self, text: str, about: Sequence[str], heading: bool) -> Said | None:
         speed = _SPEED.search(text)
-        tokens = tuple(words(_SPEED.sub(" ", text)).split())
-        tables = {"range": _phrases("ranges"), "engine": _phrases("engine"), "tap": self.taps}
+        tables = {"range": phrases("ranges"), "engine": phrases("engine"), "tap": self.taps}
         meanings = {phrase: (name, value) for name in reversed(about) for phrase, value in tables[name].items()}
-        meanings = {**dict.fromkeys(_phrases("filler"), ("filler", "")), **meanings}
+        meanings = {**dict.fromkeys(phrases("filler"), ("filler", "")), **meanings}
         if heading:
-            meanings = {**dict.fromkeys(_phrases("pressure"), ("pressure", "")), **meanings}
+            meanings = {**dict.fromkeys(phrases("pressure"), ("pressure", "")), **meanings}
         said: dict[str, str] = {}
         before = ""
-        for name, value in _read(tokens, meanings):
+        for name, value in _read(words(_SPEED.sub(" ", text)).split(), meanings):
             if name == "range" and before == "pressure" and value.isdigit():
                 name = "repeat"
             if name is None or said.get(name, value) != value:
@@ -202,59 +180,33 @@ def _is_number(text: str) -> bool:
     return len(text.strip()) > 1 and not any(map(str.isalpha, text))
 
 
-def _read(tokens: Tokens, meanings: Mapping[Tokens, tuple[str, str]]) -> Iterator[tuple[str | None, str]]:
+def _read(said: Sequence[str], meanings: Mapping[str, tuple[str, str]]) -> Iterator[tuple[str | None, str]]:
     """Yield what the longest known phrases say, one after the other; (None, word) for a word that is none."""
-    longest = max(map(len, meanings), default=1)
+    longest = 1 + max((phrase.count(" ") for phrase in meanings), default=0)
     at = 0
-    while at < len(tokens):
-        for length in range(min(longest, len(tokens) - at), 0, -1):
-            phrase = tokens[at : at + length]
-            if phrase in meanings:
-                yield meanings[phrase]
-                at += length
-                break
-        else:
-            yield None, tokens[at]
-            at += 1
+    while at < len(said):
+        ends = range(min(at + longest, len(said)), at, -1)
+        end = next((end for end in ends if " ".join(said[at:end]) in meanings), None)
+        yield (None, said[at]) if end is None else meanings[" ".join(said[at:end])]
+        at = end or at + 1
 
 
-def _without_unit(text: str) -> tuple[str, Unit | None, str | None, str | None]:
-    """Return a heading without its unit, the unit, its kind, and what stands in square brackets and is no unit."""
-    for match in BRACKETS.finditer(text):
-        for kind in _UNIT_KINDS:
-            unit = find_unit(match[1], kind)
-            if unit is not None:
-                return text[: match.start()] + " " + text[match.end() :], unit, kind, None
-    square = _SQUARE.search(text)
-    if square is not None:
-        return text[: square.start()] + " " + text[square.end() :], None, None, square[1]
+def _without_unit(text: str) -> tuple[str, str, str | None]:
+    """Return a heading without its unit, the unit, or what else stands in square brackets, and its kind."""
+    inside = [(match, _kind_of(match[1])) for match in BRACKETS.finditer(text)]
+    inside = [each for each in inside if each[1]] or [each for each in inside if each[0][0].startswith("[")]
+    if inside:
+        match, kind = inside[0]
+        return f"{text[: match.start()]} {text[match.end() :]}", match[1], kind
     *parts, last = _SEPARATORS.split(text.strip())
-    unit = find_unit(last, "pressure")
-    if unit is not None:
-        return " ".join(parts), unit, "pressure", None
-    return text, None, None, None
+    return (" ".join(parts), last, "pressure") if find_unit(last, "pressure") else (text, "", None)
 
 
-def engine_words() -> list[str]:
-    """Return the usual words for what the engine does."""
-    return [str(engine.label) for engine in Engine]
+def _kind_of(unit: str) -> str | None:
+    return next((kind for kind in _UNIT_KINDS if find_unit(unit, kind)), None)
 
 
-def label_and_value(text: str, kind: str) -> str | None:
-    """Return what stands behind a label of that kind in the same cell, ``""`` where only the label does, else None.
-
-    >>> label_and_value("Unit: bar", "unit"), label_and_value("ATF temperature", "temperature")
-    ('bar', '')
-    """
-    label, colon, rest = text.partition(":")
-    tokens = tuple(words(BRACKETS.sub(" ", label)).split())
-    if _phrases("column").get(tokens) != kind:
-        return None
-    return rest.strip() if colon else ""
-
-
-_LOOKED_AT = 30  # rows below the headings in which a column without a heading may show what it is
-_TITLES = 8  # rows above the headings that may speak of the table
+_Stated = tuple[Cell, Place, str]  # beside a label: the value, where it stands, and the unit in the label
 
 
 @dataclass(frozen=True)
@@ -262,42 +214,31 @@ class _Head:
     """What stands above the headings: what all readings have in common, their unit and the fluid's temperature."""
 
     said: Said = Said()
-    unit: tuple[str, int, int] | None = None  # text, row, column
-    temperature: tuple[Cell, int, int, Unit | None] | None = None  # with the unit that its label says
-
-    @property
-    def in_pressure(self) -> bool:
-        """Return whether its unit is one of pressure."""
-        return self.unit is not None and find_unit(str(self.unit[0]), "pressure") is not None
+    unit: _Stated | None = None
+    temperature: _Stated | None = None
 
 
 @dataclass(frozen=True)
-class GaugeTable:
-    """One table: the row of its headings, its columns, and the rows below."""
+class GaugeTable(ValueTable):
+    """One table; ``values`` says of every column of readings what its heading and the title do."""
 
-    sheet: Sheet
-    row: int  # of the headings
-    last: int  # row
-    headings: Mapping[int, _Heading]  # by column
+    headings: Mapping[int, _Heading] = field(default_factory=dict)  # by column
     head: _Head = field(default_factory=_Head)
 
-    def column(self, kind: str) -> int | None:
-        """Return the column of that kind; None where there is none."""
-        return next((column for column, heading in self.headings.items() if heading.kind == kind), None)
+    @classmethod
+    def of(cls, sheet: Sheet, row: int, last: int, headings: Mapping[int, _Heading], head: _Head) -> GaugeTable:
+        """Return the table under some headings."""
+        columns = {str(heading.kind): column for column, heading in reversed([*headings.items()]) if heading.kind}
+        values = {at: heading.said.over(head.said) for at, heading in headings.items() if heading.kind == "value"}
+        return cls(sheet, columns, values, row, last, headings, head)
 
-    @property
-    def rows(self) -> range:
-        """Return the rows below the headings."""
-        return range(self.row + 1, self.last + 1)
+    def unit_over(self, column: int) -> str:
+        return self.headings[column].unit
 
-    @property
-    def values(self) -> list[int]:
-        """Return the columns of readings."""
-        return [column for column, heading in self.headings.items() if heading.kind == "value"]
-
-    def said(self, column: int) -> Said:
-        """Return what heading and title say of the readings in a column."""
-        return self.headings[column].said.over(self.head.said)
+    def unit_said(self, row: int, column: int) -> tuple[str, Place]:
+        """Return the unit that is stated for a cell, and where: of a value also above the table."""
+        said, unit = super().unit_said(row, column), self.head.unit
+        return (str(unit[0]), unit[1]) if unit is not None and not said[0] and column in self.values else said
 
 
 def find_gauge_tables(sheet: Sheet, words: GaugeWords) -> list[GaugeTable]:
@@ -323,26 +264,21 @@ def find_gauge_tables(sheet: Sheet, words: GaugeWords) -> list[GaugeTable]:
             free = row + 1
     ends = [_before_titles(sheet, row) for row, _, _ in headers[1:]] + [len(sheet.rows) - 1]
     return [
-        GaugeTable(sheet, row, end, headings, head) for (row, headings, head), end in zip(headers, ends, strict=False)
+        GaugeTable.of(sheet, row, end, headings, head)
+        for (row, headings, head), end in zip(headers, ends, strict=False)
     ]
 
 
 def _of_form(table: FormTable) -> GaugeTable:
     """Return the table of a form that atleak wrote, whose columns are known."""
-    sheet, headings = table.sheet, dict[int, _Heading]()
+    headings = dict[int, _Heading]()
     for key, at in table.columns.items():
         said = Said(engine=Engine(key)) if key in {*Engine} else Said()
         kind = "value" if said.engine else "aside" if key.startswith("permissible") else key
-        heading = _Heading(table.heading(key), cast("ColumnKind", kind), said)
-        headings[at] = replace(heading, unit=table.unit(key, _KINDS.get(kind, "pressure")))
-    labels = {wording(language).sentence(ATF_TEMPERATURE) for language in languages()}
-    warm = (
-        (*place, _unit_of_label(cell))
-        for row in range(table.row)
-        for column, cell in enumerate(sheet.rows[row])
-        if text_of(cell).partition(" [")[0] in labels and (place := _beside(sheet, row, column, ""))
-    )
-    return GaugeTable(sheet, table.row, len(sheet.rows) - 1, headings, _Head(temperature=next(warm, None)))
+        heading = table.heading(key)
+        headings[at] = _Heading(heading, cast("ColumnKind", kind), said, unit_in(heading))
+    head = _Head(temperature=_labelled(table.sheet, range(table.row), "temperature"))
+    return GaugeTable.of(table.sheet, table.row, len(table.sheet.rows) - 1, headings, head)
 
 
 def likeness(sheet: Sheet, words: GaugeWords) -> float:
@@ -354,7 +290,7 @@ def likeness(sheet: Sheet, words: GaugeWords) -> float:
 def _before_titles(sheet: Sheet, row: int) -> int:
     """Return the last row above some headings that is no title of theirs: titles fill one cell."""
     above = row - 1
-    while above > 0 and 0 < sum(not is_blank_heading(cell) for cell in sheet.rows[above]) <= 1:
+    while above > 0 and 0 < sum(not is_nothing(cell) for cell in sheet.rows[above]) <= 1:
         above -= 1
     return above
 
@@ -397,7 +333,8 @@ def _complete(
     """
     values = [heading for heading in headings.values() if heading.kind == "value"]
     kinds = {heading.kind for heading in headings.values()}
-    of_pressures = head.in_pressure or any(heading.of_pressure for heading in values)
+    in_pressure = head.unit is not None and find_unit(str(head.unit[0]), "pressure") is not None
+    of_pressures = in_pressure or any(heading.of_pressure for heading in values)
     labelled = of_pressures
     if not of_pressures and all(heading.text.isdigit() for heading in values):
         return None
@@ -429,9 +366,7 @@ def _column_that_says(
         if column in headings and headings[column].kind not in (None, kind):
             continue
         said = [
-            words.said_by(cell, kind) is not None
-            for at in rows
-            if not is_blank_heading(cell := sheet.filled(at, column))
+            words.said_by(cell, kind) is not None for at in rows if not is_nothing(cell := sheet.filled(at, column))
         ]
         if said and said[0] and sum(said) * 2 > len(said):
             return column
@@ -439,32 +374,24 @@ def _column_that_says(
 
 
 def _head(sheet: Sheet, rows: Sequence[int], words: GaugeWords) -> _Head:
-    head = _Head()
+    said = Said()
     for row in rows:
-        filled = [(column, cell) for column, cell in enumerate(sheet.rows[row]) if not is_blank_heading(cell)]
-        for column, cell in filled:
-            if not isinstance(cell, str):
+        filled = [cell for cell in sheet.rows[row] if not is_nothing(cell)]
+        if len(filled) == 1 and isinstance(filled[0], str):
+            said = words.title(filled[0]).over(said)
+    return _Head(said, _labelled(sheet, rows, "unit"), _labelled(sheet, rows, "temperature"))
+
+
+def _labelled(sheet: Sheet, rows: Sequence[int], kind: str) -> _Stated | None:
+    """Return what stands behind a label of a kind in the same cell, or in one of the next two; the last of several."""
+    found = None
+    for row in rows:
+        for column, cell in enumerate(sheet.rows[row]):
+            label, _, rest = str(cell).partition(":")
+            if label_of(label, "column") != kind:
                 continue
-            for kind in ("unit", "temperature"):
-                value = _beside(sheet, row, column, label_and_value(cell, kind))
-                if value is not None:
-                    changed: dict[str, Any] = {kind: value if kind == "unit" else (*value, _unit_of_label(cell))}
-                    head = replace(head, **changed)
-        if len(filled) == 1 and isinstance(filled[0][1], str):
-            head = replace(head, said=words.title(filled[0][1]).over(head.said))
-    return head
-
-
-def _unit_of_label(label: str) -> Unit | None:
-    inside = BRACKETS.search(label)
-    return find_unit(inside[1], "temperature") if inside else None
-
-
-def _beside(sheet: Sheet, row: int, column: int, value: str | None) -> tuple[Any, int, int] | None:
-    """Return the value of a label with its place: behind it in the same cell, or in one of the next two."""
-    if value:
-        return value, row, column
-    if value is None:
-        return None
-    places = ((sheet.cell(row, at), row, at) for at in (column + 1, column + 2))
-    return next((place for place in places if not is_blank_heading(place[0])), None)
+            places = [(rest, column), *((sheet.cell(row, at), at) for at in (column + 1, column + 2))]
+            beside = next(((value, at) for value, at in places if not is_nothing(value)), None)
+            if beside is not None:
+                found = beside[0], sheet.place(row, beside[1]), unit_in(label)
+    return found

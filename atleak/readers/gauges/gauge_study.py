@@ -7,12 +7,9 @@ file, sheet, row and column.
 
 from __future__ import annotations
 
-import datetime as dt
-import hashlib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from itertools import islice, product
 from pathlib import Path
 from statistics import median
@@ -21,95 +18,61 @@ import numpy as np
 
 from atleak.catalogue.written_numbers import decimal_number
 from atleak.common.damage import own_errors_only
-from atleak.common.errors import Message, Place, one_of
-from atleak.common.file_faults import faults_together
+from atleak.common.errors import InputError, Message, Place
 from atleak.common.sentences import Sentence, counted
 from atleak.common.units import MM, UM, Quantity, Unit, find_unit, unit
 from atleak.measurements.gauge_study import FEWEST, GaugeStudyError, StudyReadings
 from atleak.measurements.own_forms import STUDY
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import BRACKETS, Sheet, text_of
-from atleak.readers.cells.sheet_file import open_sheets
-from atleak.readers.dates import vocabulary, words
-from atleak.readers.own_forms import FormTable, form_doubts, form_tables
+from atleak.readers.gauges.value_table import SEARCHED, Faults, ValueFile, ValueTable, label_of, not_typed_as_number
+from atleak.readers.own_forms import form_tables
 
-STUDY_KEYS = ("part", "operator", "trial")
+_KEYS = ("part", "operator", "trial")
 _PERSON_AND_TRIAL = re.compile(r"(?P<operator>.*?)[\s_./·#-]*(?P<trial>\d+)")
-_SEARCHED = 60  # rows in which the headings are looked for
 
 
-@dataclass(frozen=True)
-class StudyTable:
-    """A table of readings. ``keys`` lead from part, operator and trial to the column that states each.
+class StudyTable(ValueTable):
+    """A table of readings: its columns state part, operator and trial, or the headings of its columns of values do."""
 
-    ``values`` lead from the columns of readings to what their headings say: of which part, operator or trial.
-    """
-
-    sheet: Sheet
-    row: int  # of the headings, from 0
-    keys: Mapping[str, int]
-    values: Mapping[int, Mapping[str, str]]
-    units: Mapping[int, Unit]  # by column of readings
-
-
-@cache
-def _vocabulary() -> dict[str, str]:
-    return {
-        phrase: name
-        for name, phrases in vocabulary(__package__, "study_vocabulary.toml")["column"].items()
-        for phrase in phrases
-    }
+    def unit(self, column: int) -> Unit | None:
+        """Return the unit in the heading of a column; None where there is none."""
+        return find_unit(self.unit_over(column), "length")
 
 
 def _likeness(sheet: Sheet) -> float:
     """Count the headings of a sheet that are understood: of a text file, whether it is split the right way."""
-    table = _find_table(sheet)
-    return 0.0 if table is None else len(table.keys) + min(len(table.values), 20)
+    return sum(len(table.columns) + min(len(table.values), 20) for table in _find_tables(sheet))
 
 
-def _find_table(sheet: Sheet) -> StudyTable | None:
-    """Return the table of a sheet; None where no row holds its headings."""
+def _find_tables(sheet: Sheet) -> list[StudyTable]:
+    """Return the table of a sheet, if a row holds its headings."""
     if (own := form_tables(sheet, STUDY)) is not None:
-        return _of_form(own[0]) if own else None
-    for row in range(min(len(sheet.rows), _SEARCHED)):
-        table = _at(sheet, row)
-        if table is not None:
-            return table
-    return None
-
-
-def _of_form(form: FormTable) -> StudyTable:
-    column, unit = form.columns["reading"], form.unit("reading", "length")
-    keys = {key: form.columns[key] for key in STUDY_KEYS}
-    return StudyTable(form.sheet, form.row, keys, {column: {}}, {column: unit} if unit else {})
+        keys = [{key: form.columns[key] for key in _KEYS} for form in own[:1]]
+        return [StudyTable(sheet, key, {own[0].columns["reading"]: {}}, own[0].row) for key in keys]
+    tables = (_at(sheet, row) for row in range(min(len(sheet.rows), SEARCHED)))
+    return list(islice((table for table in tables if table is not None), 1))
 
 
 def _at(sheet: Sheet, row: int) -> StudyTable | None:
-    keys: dict[str, int] = {}
-    readings: list[int] = []
-    others: list[int] = []
-    units: dict[int, Unit] = {}
-    for column in range(sheet.width):
-        text = text_of(sheet.filled(row, column))
-        if not text:
-            continue
-        inside = BRACKETS.search(text)
-        of_column = find_unit(inside[1], "length") if inside else None
-        if of_column is not None:
-            units[column] = of_column
-        kind = _vocabulary().get(words(BRACKETS.sub(" ", text)))
-        if kind in STUDY_KEYS and kind not in keys:
-            keys[kind] = column
-        elif kind == "reading":
-            readings.append(column)
-        elif kind != "aside":
-            others.append(column)
+    filled = {
+        column: label_of(text, "study_columns")
+        for column in range(sheet.width)
+        if (text := text_of(sheet.filled(row, column)))
+    }
+    keys = {
+        kind: next(at for at, other in filled.items() if other == kind) for kind in _KEYS if kind in filled.values()
+    }
+    readings = [column for column, kind in filled.items() if kind == "reading"]
+    others = [
+        column for column, kind in filled.items() if column not in (*keys.values(), *readings) and kind != "aside"
+    ]
     if {"part", "operator"} <= keys.keys() and len(readings) == 1 and not others:
-        return StudyTable(sheet, row, keys, {readings[0]: {}}, units)
+        return StudyTable(sheet, keys, {readings[0]: {}}, row)
     if not {"part", "operator"} & keys.keys():
         return None
     values = _side_by_side(sheet, row, keys, sorted((*readings, *others)))
-    return None if len(values) < 2 and "trial" not in keys else StudyTable(sheet, row, keys, values, units)
+    return None if len(values) < 2 and "trial" not in keys else StudyTable(sheet, keys, values, row)
 
 
 def _side_by_side(sheet: Sheet, row: int, keys: Mapping[str, int], columns: list[int]) -> dict[int, Mapping[str, str]]:
@@ -125,7 +88,7 @@ def _side_by_side(sheet: Sheet, row: int, keys: Mapping[str, int], columns: list
         else:
             both = _PERSON_AND_TRIAL.fullmatch(name)
             if both is not None and both["operator"]:
-                values[column] = {"operator": both["operator"], "trial": both["trial"]}
+                values[column] = both.groupdict()
     return values
 
 
@@ -139,48 +102,25 @@ _UNNAMED = {  # a row that names none, and what is expected there
 
 
 @dataclass
-class _Cells:
+class _Cells(Faults):
     """What the cells give so far."""
 
+    error: type[InputError] = GaugeStudyError
     by_pair: dict[tuple[str, str], list[tuple[str | None, float, Place]]] = field(default_factory=dict)
-    problems: list[GaugeStudyError] = field(default_factory=list)
     above: dict[int, str] = field(default_factory=dict)  # by column: the last that was filled in there
-
-
-def crossed(table: StudyTable, stated: Unit | None, sha256: str) -> tuple[StudyReadings | None, list[GaugeStudyError]]:
-    """Return the readings of a table, and what of it cannot be read.
-
-    Parameters
-    ----------
-    stated
-        the unit of all readings, where it was asked for; else that of their heading, else mm.
-    """
-    cells = _Cells()
-    for row in range(table.row + 1, len(table.sheet.rows)):
-        if len(cells.problems) > FAULTS:
-            break
-        _read_row(table, row, stated, cells)
-    file = table.sheet.file
-    if not cells.problems:
-        cells.problems += islice(_gaps(cells, table), FAULTS)
-    if cells.problems:
-        return None, cells.problems
-    parts = tuple(dict.fromkeys(part for part, _ in cells.by_pair))
-    operators = tuple(dict.fromkeys(operator for _, operator in cells.by_pair))
-    values = np.array(
-        [[[value for _, value, _ in cells.by_pair[part, operator]] for operator in operators] for part in parts]
-    )
-    messages = tuple(_messages(table, stated, values))
-    return StudyReadings(parts, operators, values, file, sha256, messages), []
 
 
 def _read_row(table: StudyTable, row: int, stated: Unit | None, cells: _Cells) -> None:
     sheet = table.sheet
-    for column in table.keys.values():
+    for column in table.columns.values():
         cells.above[column] = text_of(sheet.filled(row, column)) or cells.above.get(column, "")
-    filled = [column for column in table.values if _is_filled(table, row, column)]
+    filled = [
+        column
+        for column in table.values
+        if ((row, column) in sheet.faults or text_of(sheet.cell(row, column))) and not sheet.is_struck(row, column)
+    ]
     named: dict[str, str] = {}
-    for key, column in table.keys.items() if filled else ():
+    for key, column in table.columns.items() if filled else ():
         name = text_of(sheet.filled(row, column))
         if key != "trial":
             name = name or cells.above[column]  # a form names an operator once, on the first of the rows that are his
@@ -188,20 +128,15 @@ def _read_row(table: StudyTable, row: int, stated: Unit | None, cells: _Cells) -
             return  # the averages at the foot of a form are no readings
         if not name and key != "trial":
             problem, expected = _UNNAMED[key]
-            cells.problems.append(GaugeStudyError(problem, place=_place(table, row, column), expected=expected))
+            cells.refuse(problem, table.place(row, column), expected=expected)
             return
         named[key] = name
     for column in filled:
-        value, place = _value(table, row, column, stated, cells), _place(table, row, column)
+        value = _value(table, row, column, stated, cells)
         if value is not None:
             names: Mapping[str, str] = {**named, **table.values[column]}
-            pair = names["part"], names["operator"]
-            cells.by_pair.setdefault(pair, []).append((names.get("trial") or None, value, place))
-
-
-def _is_filled(table: StudyTable, row: int, column: int) -> bool:
-    filled = (row, column) in table.sheet.faults or text_of(table.sheet.cell(row, column)) != ""
-    return filled and not table.sheet.is_struck(row, column)
+            given = cells.by_pair.setdefault((names["part"], names["operator"]), [])
+            given.append((names.get("trial") or None, value, table.place(row, column)))
 
 
 def _value(table: StudyTable, row: int, column: int, stated: Unit | None, cells: _Cells) -> float | None:
@@ -210,18 +145,14 @@ def _value(table: StudyTable, row: int, column: int, stated: Unit | None, cells:
     problem, number = Sentence("not a number"), None
     if fault is not None:
         problem = Sentence("a formula without a usable result")
-    elif not isinstance(cell, bool | dt.date | dt.time | dt.timedelta):
+    elif not not_typed_as_number(cell):
         number = decimal_number(cell) if isinstance(cell, str) else float(cell)
     if number is not None and np.isfinite(number):
-        return float((stated or table.units.get(column) or unit("mm", "length")).to_si(number))
-    place, shown = _place(table, row, column), str(cell) if fault is None else fault
+        return float((stated or table.unit(column) or unit("mm", "length")).to_si(number))
+    shown = str(cell) if fault is None else fault
     expected = Sentence("a number such as 12.345 or 12,345; an empty cell where nothing was read is a gap in the study")
-    cells.problems.append(GaugeStudyError(problem, place=place, value=shown, expected=expected))
+    cells.refuse(problem, table.place(row, column), shown, expected=expected)
     return None
-
-
-def _place(table: StudyTable, row: int, column: int) -> Place:
-    return table.sheet.place(row, column, text_of(table.sheet.filled(table.row, column)))
 
 
 def _gaps(cells: _Cells, table: StudyTable) -> Iterator[GaugeStudyError]:
@@ -276,15 +207,12 @@ def _gaps(cells: _Cells, table: StudyTable) -> Iterator[GaugeStudyError]:
 
 def _messages(table: StudyTable, stated: Unit | None, values: np.ndarray) -> Iterator[Message]:
     place = Place(table.sheet.file, table.sheet.name)
-    if table.sheet.note:
-        yield Message("info", "read_as", table.sheet.note, place)
-    yield from form_doubts([table.sheet])
-    if stated is None and not table.units:
+    units = dict.fromkeys(unit.name for unit in map(table.unit, table.values) if unit)
+    if stated is None and not units:
         text = Sentence("No heading states a unit: the readings are taken as mm.")
         yield Message("info", "unit_assumed", text, place)
-    if stated is None and len({unit.name for unit in table.units.values()}) > 1:
-        names = tuple(dict.fromkeys(unit.name for unit in table.units.values()))
-        text = Sentence("The headings state several units: {units}.", units=names)
+    if stated is None and len(units) > 1:
+        text = Sentence("The headings state several units: {units}.", units=tuple(units))
         yield Message("warning", "several_units", text, place)
     middle = median(values.ravel().tolist())
     if not _USUAL_M[0] <= middle <= _USUAL_M[1]:
@@ -351,24 +279,22 @@ def read_study(
         a unit that is none of length.
     """
     stated = None if length_unit is None else unit(length_unit, "length")
-    data, file, sheets = open_sheets(source, name, _likeness, GaugeStudyError, _WANTED)
-    table = _the_table(sheets, file, sheet)
-    readings, problems = crossed(table, stated, hashlib.sha256(data).hexdigest())
-    if problems or readings is None:
-        raise faults_together(problems)
-    return readings
-
-
-def _the_table(sheets: list[Sheet], file: str, wanted: str | None) -> StudyTable:
-    shown = [sheet for sheet in sheets if not sheet.hidden and wanted in (None, sheet.name)]
-    if not shown:
-        names = one_of(repr(sheet.name) for sheet in sheets if not sheet.hidden)
-        raise GaugeStudyError(Sentence("no such sheet"), place=Place(file), value=wanted, expected=names)
-    tables = [table for table in map(_find_table, shown) if table is not None]
-    if not tables:
-        raise GaugeStudyError(Sentence("holds no table of repeated readings"), place=Place(file), expected=_HEADINGS)
-    if len(tables) > 1:
-        sheets_named = tuple(repr(table.sheet.name) for table in tables)
+    missing = GaugeStudyError(Sentence("holds no table of repeated readings"), expected=_HEADINGS)
+    held = ValueFile.open(source, name, _find_tables, _likeness, missing, _WANTED, sheet)
+    if len(held.tables) > 1:
+        sheets_named = tuple(repr(table.sheet.name) for table in held.tables)
         problem = Sentence("several sheets hold readings: {sheets}", sheets=sheets_named)
-        raise GaugeStudyError(problem, place=Place(file), expected=Sentence("one of them"))
-    return tables[0]
+        raise GaugeStudyError(problem, place=Place(held.file), expected=Sentence("one of them"))
+    (table,), cells = held.tables, _Cells()
+    for row in table.rows:
+        if len(cells.problems) <= FAULTS:
+            _read_row(table, row, stated, cells)
+    cells.problems += islice(_gaps(cells, table), 0 if cells.problems else FAULTS)
+    cells.settle()
+    parts = tuple(dict.fromkeys(part for part, _ in cells.by_pair))
+    operators = tuple(dict.fromkeys(operator for _, operator in cells.by_pair))
+    values = np.array(
+        [[[value for _, value, _ in cells.by_pair[part, operator]] for operator in operators] for part in parts]
+    )
+    messages = (*held.notes, *_messages(table, stated, values))
+    return StudyReadings(parts, operators, values, held.file, held.sha256, messages)

@@ -7,41 +7,28 @@ and column.
 
 from __future__ import annotations
 
-import datetime as dt
 import hashlib
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.controller_tables import SelectorRange
 from atleak.catalogue.written_numbers import ENGINE_SPEED, TEMPERATURE, AskedNumber, read_number
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import InputError, Message, Place, PressureTableError, one_of
-from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
-from atleak.common.units import UNIT_KINDS, Unit, find_unit, unit_names
-from atleak.measurements.gauge_readings import LINE_TAP, GaugeCell, GaugeReading, PressureTable, ranges_of
+from atleak.common.units import UNIT_KINDS, Unit, unit
+from atleak.measurements.gauge_readings import LINE_TAP, Engine, GaugeCell, GaugeReading, PressureTable, ranges_of
 from atleak.readers.cells.extent import FAULTS
-from atleak.readers.cells.sheet import Cell as SheetCell
 from atleak.readers.cells.sheet import Sheet, column_letter, text_of
-from atleak.readers.cells.sheet_file import open_sheets
-from atleak.readers.gauges.gauge_headings import (
-    GaugeTable,
-    GaugeWords,
-    Said,
-    engine_words,
-    find_gauge_tables,
-    is_blank_heading,
-    likeness,
-)
-from atleak.readers.gauges.value_table import Faults, in_si, is_number, not_typed_as_number, split_cell, written_in_cell
-from atleak.readers.own_forms import form_doubts
+from atleak.readers.gauges.gauge_headings import GaugeTable, GaugeWords, Said, find_gauge_tables, likeness
+from atleak.readers.gauges.value_table import Faults, ValueFile, asked_in, is_number
 
-HIGHEST = 6.0e6  # [Pa] that a gauge in a transmission can show: choice of this project
+# 6 MPa is the most that a gauge in a transmission can show: choice of this project
+_PRESSURE = AskedNumber(UNIT_KINDS["pressure"], "kPa", 450.0, (0.0, 6000.0))
+_CLOCK = re.compile(r"(\d{1,2}):(\d{2})(?::(\d{2}))?(?:\.\d*)?")
 _ASIDE_SHOWN = 6
 _NOT_UNDERSTOOD = {  # what is said of an empty cell, and of one that names nothing known
     "range": (Sentence("no range in this row"), Sentence("no such range of this unit")),
@@ -85,201 +72,117 @@ class _Rows(Faults):
             ]
 
 
-def asked_pressure(unit: Unit) -> AskedNumber:
+def asked_pressure(shown: Unit) -> AskedNumber:
     """Return the pressure that is asked for in a cell, in its unit."""
-    return AskedNumber(UNIT_KINDS["pressure"], unit.name, round(450e3 / unit.factor, 3), (0.0, HIGHEST / unit.factor))
-
-
-def _read_rows(tables: Sequence[GaugeTable], words: GaugeWords, ranges: Sequence[SelectorRange]) -> _Rows:
-    """Return the readings of several tables of one file, and what of them cannot be read."""
-    rows = _Rows()
-    for table in tables:
-        _Reader(table, words, ranges, rows).read()
-    rows.count_repeats()
-    return rows
+    return asked_in(_PRESSURE, shown, "pressure")
 
 
 class _Reader:
     """Reads the rows of one table."""
 
-    def __init__(self, table: GaugeTable, words: GaugeWords, ranges: Sequence[SelectorRange], rows: _Rows) -> None:
-        self.table, self.sheet, self.words, self.ranges, self.rows = table, table.sheet, words, ranges, rows
-        self.columns = {
-            kind: table.column(kind)
-            for kind in ("range", "engine", "tap", "temperature", "engine_speed", "repeat", "time", "gauge", "unit")
-        }
+    def __init__(self, table: GaugeTable, controller: Controller, rows: _Rows) -> None:
+        self.table, self.sheet, self.rows = table, table.sheet, rows
+        self.words, self.ranges = GaugeWords.of(controller), ranges_of(controller)
 
     def read(self) -> None:
-        """Read every row that holds a reading."""
+        """Read every row that holds a reading, and say what was left aside and assumed."""
         before = len(self.rows.taken)
-        for row in self.table.rows:
-            filled = [column for column in self.table.values if self._is_reading(row, column)]
-            if len(self.rows.problems) > FAULTS:
-                return
-            if filled:
-                self._row(row, filled)
-        if len(self.rows.taken) > before:
-            self._unknown_columns()
-            self._say_what_was_taken()
+        for row, columns in self.table.filled(self.table.rows, self.rows):
+            self._row(row, columns)
+        if len(self.rows.taken) == before:
+            return
+        self._unknown_columns()
+        if "tap" not in self.table.columns and any(said.tap is None for said in self.table.values.values()):
+            text = Sentence("the table names no tap: its readings are taken as main pressure, at the line's tap")
+            self.rows.messages.append(Message("info", "tap_assumed", text, self.table.place(self.table.row)))
 
-    def _is_reading(self, row: int, column: int) -> bool:
-        """Return whether a reading stands in a cell: what is crossed out is none, and a message says so."""
-        return self.rows.holds(self.sheet, row, column, self._place(row, column))
-
-    def _row(self, row: int, filled: Sequence[int]) -> None:
+    def _row(self, row: int, columns: Sequence[int]) -> None:
         named = self._named(row)
         if named is None:
             return
-        head = self.table.head.temperature
-        if self.columns["temperature"] is None and head is not None:
-            temperature = self._in_si(head[0], TEMPERATURE, head[3], self._place(*head[1:3]))
-        else:
-            temperature = self._number(row, "temperature", TEMPERATURE)
-        speed = self._number(row, "engine_speed", ENGINE_SPEED)
-        time, order = self._time(row), self._order(row, "repeat")
+        temperature = self._number(row, "temperature", TEMPERATURE, "temperature")
+        if "temperature" not in self.table.columns:
+            temperature = self._temperature_above
+        speed = self._number(row, "engine_speed", ENGINE_SPEED, "rotational_speed")
+        time, order = self._order(row, "time"), self._order(row, "repeat")
         order = time if order is None else order
-        gauge = self._cell(row, "gauge")
-        for column in filled:
-            said, place = named.over(self.table.said(column)), self._place(row, column)
+        for column in columns:
+            said = named.over(self.table.values[column])
             if said.range is None or said.range not in self.ranges or said.engine is None:
+                place = self.table.place(self.table.row, column)
                 heading = self.table.headings[column].text
-                place = self._place(self.table.row, column)
                 self.rows.refuse(_NOT_UNDERSTOOD["range"][1], place, heading, self.ranges, once=True)
                 continue
             cell = GaugeCell(said.range, said.engine, said.tap or LINE_TAP)
-            pressure = self._pressure(row, column, cell)
+            problem = Sentence("{cell}: not a pressure").of(cell=(cell.range, cell.engine.label))
+            pressure = self.table.number(self.rows, row, column, _PRESSURE, "pressure", problem=problem)
             if pressure is None:
                 continue
+            self.rows.units[pressure.unit.name] = None
             reading = GaugeReading(
                 cell,
-                pressure,
+                pressure.si,
                 time=time,
-                gauge="" if gauge is None else text_of(gauge),
+                gauge=text_of(self.table.cell(row, "gauge")),
                 temperature=temperature,
                 engine_speed=speed if speed is not None else said.engine_speed,
-                place=place,
+                place=self.table.place(row, column),
             )
             counted = order if order is not None else (None if said.repeat is None else float(said.repeat))
             self.rows.taken.append((reading, counted))
 
-    def _cell(self, row: int, kind: str) -> SheetCell | None:
-        """Return what a row says in the column of a kind; None where there is no such column, or nothing in it."""
-        column = self.columns[kind]
-        cell = None if column is None else self.sheet.filled(row, column)
-        return None if is_blank_heading(cell) else cell
-
     def _named(self, row: int) -> Said | None:
         """Return what the cells of a row say of its readings; None where one of them is not understood."""
         named, understood = Said(), True
-        accepted = {"range": self.ranges, "engine": engine_words(), "tap": self.words.tap_ids}
-        for kind, names in accepted.items():
-            column = self.columns[kind]
-            if column is None:
+        engines = tuple(str(engine.label) for engine in Engine)
+        for kind, names in {"range": self.ranges, "engine": engines, "tap": self.words.tap_ids}.items():
+            if kind not in self.table.columns:
                 continue
-            cell = self._cell(row, kind)
-            said = None if cell is None else self.words.said_by(cell, kind)
+            cell = self.table.cell(row, kind)
+            said = self.words.said_by(cell, kind)
             if said is None or (said.range is not None and said.range not in self.ranges):
-                problem = _NOT_UNDERSTOOD[kind][cell is not None]
-                self.rows.refuse(problem, self._place(row, column), None if cell is None else text_of(cell), names)
+                problem, found = _NOT_UNDERSTOOD[kind][cell != ""], text_of(cell) or None
+                self.rows.refuse(problem, self.table.place_of(row, kind), found, names)
                 understood = False
             else:
                 named = said.over(named)
         return named if understood else None
 
-    def _pressure(self, row: int, column: int, of: GaugeCell) -> float | None:
-        """Return a cell's pressure [Pa]; None where it is a problem."""
-        place, cell = self._place(row, column), self.sheet.cell(row, column)
-        fault = self.sheet.faults.get((row, column))
-        template, value, expected = Sentence("{cell}: not a pressure"), str(cell), None
-        unit = None
-        if fault is not None:
-            template, value = Sentence("{cell}: a formula without a usable result"), fault
-            expected = Sentence("a pressure")
-        elif not_typed_as_number(cell):
-            template = Sentence("{cell}: not a number")
-            expected = Sentence("a pressure: format the cell as number or text and type it again")
-        else:
-            text, written = split_cell(cell)
-            unit = find_unit(written, "pressure") if written else self._unit(row, column)
-            if unit is not None:
-                number = written_in_cell(cell, text, asked_pressure(unit))
-                expected = number.reason
-                if number.value is not None:
-                    self.rows.units[unit.name] = None
-                    return float(unit.to_si(number.value))
-            elif written:
-                units = one_of(unit_names("pressure"))
-                expected = Sentence("a number, and behind it nothing or {units}", units=units)
-        if expected is not None:
-            self.rows.refuse(template.of(cell=(of.range, of.engine.label)), place, value, expected=expected)
-        return None
-
-    def _unit(self, row: int, column: int) -> Unit | None:
-        """Return the unit of a reading: in its row, in its heading, or above the table; None where it is a problem."""
-        heading, head = self.table.headings[column], self.table.head.unit
-        stated = self._cell(row, "unit")
-        if stated is not None:
-            name, place = str(stated), self._place(row, self.columns["unit"])
-        elif heading.unit is not None:
-            return heading.unit
-        elif head is not None and heading.wrong_unit is None:
-            name, place = head[0], self._place(*head[1:])
-        else:
-            name, place = heading.wrong_unit or "", self._place(self.table.row, column)
-        unit = find_unit(name, "pressure") if name else None
-        if unit is None:
-            problem = Sentence("unknown unit of pressure") if name else Sentence("no unit of the pressures")
-            expected = Sentence("{units}, in the heading as in 'slow idle [kPa]'", units=one_of(unit_names("pressure")))
-            self.rows.refuse(problem, place, name or heading.text or None, expected=expected, once=True)
-        return unit
-
-    def _number(self, row: int, kind: str, asked: AskedNumber) -> float | None:
+    def _number(self, row: int, kind: str, asked: AskedNumber, of: str) -> float | None:
         """Return the number of a row in SI, °C for a temperature; None where there is none or it is a problem."""
-        column, cell = self.columns[kind], self._cell(row, kind)
-        if column is None or cell is None:
+        if self.table.cell(row, kind) == "":
             return None
-        return self._in_si(cell, asked, self.table.headings[column].unit, self._place(row, column))
+        number = self.table.number(self.rows, row, self.table.columns[kind], asked, of, unit(asked.unit, of))
+        return None if number is None else number.si
 
-    def _in_si(self, cell: SheetCell, asked: AskedNumber, stated: Unit | None, place: Place) -> float | None:
-        """Return a temperature [°C] or speed [1/s]; its unit stands behind it, in the heading, or is the usual one."""
-        kind = "temperature" if asked is TEMPERATURE else "rotational_speed"
-        number = in_si(cell, asked, kind, stated)
-        if number.value is not None:
-            return number.value
-        low, high = asked.limits
-        expected = Sentence("{low:g} to {high:g} {unit}", low=low, high=high, unit=asked.unit)
-        problem = Sentence("not one temperature") if asked is TEMPERATURE else Sentence("not one engine speed")
-        self.rows.refuse(problem, place, str(cell), expected=expected)
-        return None
-
-    def _time(self, row: int) -> float | None:
-        """Return the time of a row [s]: a clock's, or a number of what its heading names, seconds unless that does."""
-        column, cell, time = self.columns["time"], self._cell(row, "time"), self._order(row, "time")
-        if column is None or time is None:
+    @cached_property
+    def _temperature_above(self) -> float | None:
+        """Return the temperature above the table [°C]; None where there is none or it is a problem."""
+        if self.table.head.temperature is None:
             return None
-        clock = isinstance(cell, dt.time) or ":" in str(cell)
-        minutes = re.search(r"\b(min|minut\w*)\b", self.table.headings[column].text.lower())
-        return time * 60.0 if minutes and not clock else time
+        cell, place, said = self.table.head.temperature
+        number = self.rows.number(cell, place, TEMPERATURE, "temperature", (said, place), unit("°C", "temperature"))
+        return None if number is None else number.si
 
     def _order(self, row: int, kind: str) -> float | None:
-        cell = self._cell(row, kind)
-        if cell is None:
+        """Return a repeat, or a time [s]: a clock's, or a number of seconds unless its heading says minutes."""
+        cell = self.table.cell(row, kind)
+        if cell == "":
             return None
-        if isinstance(cell, dt.time):
-            return cell.hour * 3600.0 + cell.minute * 60.0 + cell.second
-        clock = re.fullmatch(r"(\d{1,2}):(\d{2})(?::(\d{2}))?", str(cell).strip())
+        clock = _CLOCK.fullmatch(str(cell).strip())
         if clock:
             return int(clock[1]) * 3600.0 + int(clock[2]) * 60.0 + int(clock[3] or 0)
         number = read_number(str(cell), AskedNumber(Sentence("repeat"), "", 2.0)).value
         if number is None:
-            place, expected = self._place(row, self.columns[kind]), Sentence("1, 2, 3 … or a time")
+            place, expected = self.table.place_of(row, kind), Sentence("1, 2, 3 … or a time")
             self.rows.refuse(Sentence("not a repeat"), place, str(cell), expected=expected)
-        return number
+        heading = self.table.heading(self.table.columns[kind]).lower()
+        minutes = kind == "time" and re.search(r"\b(min|minut\w*)\b", heading)
+        return number * 60.0 if number is not None and minutes else number
 
     def _unknown_columns(self) -> None:
         """Refuse a column of numbers whose heading says nothing known; name what is left aside."""
         aside = []
-        labels = {*self.ranges, *engine_words(), *self.words.tap_ids}
         for column in range(self.sheet.width):
             heading = self.table.headings.get(column)
             if heading is not None and heading.kind not in (None, "aside"):
@@ -289,27 +192,15 @@ class _Reader:
             if heading is None or heading.kind == "aside":
                 aside.append(column_letter(column) if heading is None else heading.text)
             else:
+                labels = {*self.ranges, *(str(engine.label) for engine in Engine), *self.words.tap_ids}
                 names = one_of(sorted(labels, key=len))
                 expected = Sentence("{names}; or 'note' over what is no reading", names=names)
-                place = self._place(self.table.row, column)
-                problem = Sentence("no such column of a pressure table")
-                self.rows.refuse(problem, place, heading.text, expected=expected)
+                place = self.table.place(self.table.row, column)
+                self.rows.refuse(Sentence("no such column of a pressure table"), place, heading.text, expected=expected)
         if aside:
-            text = Sentence(
-                "columns left aside, which hold no readings: {columns}",
-                columns=tuple(map(repr, aside[:_ASIDE_SHOWN])),
-            )
-            self.rows.messages.append(Message("info", "column_aside", text, self._place(self.table.row)))
-
-    def _say_what_was_taken(self) -> None:
-        taps = [self.table.said(column).tap for column in self.table.values]
-        if self.columns["tap"] is None and None in taps:
-            text = Sentence("the table names no tap: its readings are taken as main pressure, at the line's tap")
-            self.rows.messages.append(Message("info", "tap_assumed", text, self._place(self.table.row)))
-
-    def _place(self, row: int, column: int | None = None) -> Place:
-        heading: Any = self.table.headings.get(column) if column is not None else None
-        return self.sheet.place(row, column, heading.text if heading is not None else "")
+            shown = tuple(map(repr, aside[:_ASIDE_SHOWN]))
+            text = Sentence("columns left aside, which hold no readings: {columns}", columns=shown)
+            self.rows.messages.append(Message("info", "column_aside", text, self.table.place(self.table.row)))
 
 
 _WANTED = Sentence("a table of gauge readings as .xlsx workbook or .csv text")
@@ -346,17 +237,30 @@ def read_pressure_table(
         with all problems found: an unknown range, state of the engine, tap or unit, a cell that is no pressure, a
         cell given twice; or where the file as a whole holds no such table, or none filled in.
     """
-    data, file, sheets = open_sheets(source, name, likeness_of(controller), PressureTableError, _WANTED)
-    tabs = find_tabs(sheets, controller)
-    if not tabs.tables:
-        raise PressureTableError(Sentence("holds no table of gauge readings"), place=Place(file), expected=_HEADINGS)
-    table = tabs.read(file, data)
+    words = GaugeWords.of(controller)
+    missing = PressureTableError(Sentence("holds no table of gauge readings"), expected=_HEADINGS)
+    find = partial(find_gauge_tables, words=words)
+    held = ValueFile.open(source, name, find, likeness_of(controller), missing, _WANTED)
+    table = _read(held, controller)
     if table is None:
-        first = tabs.tables[0]
-        place = Place(file, first.sheet.name, first.sheet.row_number(first.row))
+        first = held.tables[0]
+        place = Place(held.file, first.sheet.name, first.sheet.row_number(first.row))
         expected = Sentence("at least one gauge reading")
         raise PressureTableError(Sentence("no pressure is filled in"), place=place, expected=expected)
     return table
+
+
+def _read(held: ValueFile[GaugeTable], controller: Controller) -> PressureTable | None:
+    """Return the gauge readings of all tables; None where none of them is filled in."""
+    rows = _Rows()
+    for table in held.tables:
+        _Reader(table, controller, rows).read()
+    rows.count_repeats()
+    rows.settle()
+    if not rows.readings:
+        return None
+    readings, messages = tuple(rows.readings), (*held.notes, *rows.messages)
+    return PressureTable(held.file, held.sha256, held.sheet, tuple(rows.units), readings, messages)
 
 
 class PressureTabs:
@@ -376,25 +280,7 @@ class PressureTabs:
         PressureTableError
             as `read_pressure_table`.
         """
-        rows = _read_rows(self.tables, GaugeWords.of(self.controller), ranges_of(self.controller))
-        if rows.problems:
-            raise faults_together(sorted(rows.problems, key=lambda each: (each.place.sheet or "", each.place.row or 0)))
-        if not rows.readings:
-            return None
-        names = dict.fromkeys(table.sheet.name for table in self.tables if table.sheet.name is not None)
-        notes = dict.fromkeys(table.sheet.note for table in self.tables if table.sheet.note)
-        return PressureTable(
-            file=file,
-            sha256=hashlib.sha256(data).hexdigest(),
-            sheet=", ".join(names) or None,
-            units=tuple(rows.units),
-            readings=tuple(rows.readings),
-            messages=(
-                *(Message("info", "read_as", note, Place(file)) for note in notes),
-                *form_doubts(table.sheet for table in self.tables),
-                *rows.messages,
-            ),
-        )
+        return _read(ValueFile(file, hashlib.sha256(data).hexdigest(), self.tables), self.controller)
 
 
 def likeness_of(controller: Controller) -> Callable[[Sheet], float]:

@@ -9,16 +9,17 @@ from __future__ import annotations
 import datetime as dt
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import zip_longest
 from pathlib import Path
+from typing import NamedTuple
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.repairs import LandKey
 from atleak.catalogue.written_numbers import AskedNumber
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import InputError, Message, Place, ReadingsError, VacuumTableError, one_of
-from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
-from atleak.common.units import Quantity, Unit, find_unit, unit, unit_names
+from atleak.common.units import Quantity, Unit, find_unit, unit
 from atleak.measurements.gauge_readings import LINE_TAP
 from atleak.measurements.own_forms import VACUUM
 from atleak.measurements.vacuum import (
@@ -29,22 +30,23 @@ from atleak.measurements.vacuum import (
     VacuumStand,
     VacuumTable,
 )
-from atleak.readers.cells.extent import FAULTS
-from atleak.readers.cells.sheet import BRACKETS, Cell, text_of
+from atleak.readers.cells.sheet import Cell, text_of
 from atleak.readers.dates import words
-from atleak.readers.gauges.gauge_headings import GaugeWords, is_blank_heading
+from atleak.readers.gauges.gauge_headings import GaugeWords
 from atleak.readers.gauges.value_table import (
+    Amount,
     Faults,
     ValueFile,
     ValueFinder,
     ValueTable,
     first_cell,
-    in_si,
+    is_nothing,
     is_number,
     label_of,
     not_typed_as_number,
     phrases,
     split_cell,
+    unit_in,
 )
 from atleak.readers.sheets.controller_names import ControllerNames
 
@@ -54,6 +56,7 @@ _AMBIENT = AskedNumber(Sentence("ambient pressure"), "kPa", 101.3, (60.0, 110.0)
 _TEMPERATURE = AskedNumber(Sentence("temperature"), "°C", 20.5, (-10.0, 60.0))
 _ORIFICE = AskedNumber(Sentence("orifice diameter"), "mm", 0.5, (0.05, 5.0))
 _FLOW_AREA = AskedNumber(Sentence("flow area"), "mm²", 0.157, (0.001, 20.0))
+_MM = unit("mm", "length")
 _OVER_SUPPLY = 3386.389  # [Pa], 1 in-Hg, by which a gauge may show more than the supply: choice of this project
 _ORDER = ("target", "reading", "unit", "orifice", "state")
 _WANTED = Sentence("a table of a vacuum test as .xlsx workbook or .csv text")
@@ -63,8 +66,7 @@ _HEADINGS = Sentence(
 )
 
 
-@dataclass(frozen=True)
-class _Amount:
+class _Stated(NamedTuple):
     """A number of a row about the stand, and what is said of its unit."""
 
     cell: Cell
@@ -160,7 +162,7 @@ class _Targets:
         return None, tuple(lands)
 
     def _circuit(self, text: str) -> str | None:
-        return self.circuits.get(tuple(words(text).split()))
+        return self.circuits.get(words(text))
 
     def _lands_of(self, circuit: str) -> tuple[LandKey, ...]:
         return tuple(land.key for land in self.controller.lands_around(circuit))
@@ -195,163 +197,135 @@ class _Reader:
                 going_on = column if label == "calibration" else None
             else:
                 going_on = None
-                if cell != "" and row != self.table.row and (self.table.row is None or row > self.table.row):
+                if cell != "" and row > self.table.row:
                     readings.append(row)
         for label, row, column in sorted(stand, key=lambda each: each[0] != "supply"):
             self._stand(label, row, column)
         self.rows.rows += len(readings)
-        for row in readings:
-            if len(self.rows.problems) > FAULTS:
-                return
-            self._reading(row)
+        for row, (column,) in self.table.filled(readings, self.rows):
+            self._reading(row, column)
 
     # --- the stand
 
     def _stand(self, label: str, row: int, column: int) -> None:
-        amounts = self._amounts(row, column)
+        stated = self._numbers(row, column)
         if label == "calibration":
-            self._calibration(row, column, amounts)
-        elif not amounts:
+            self._calibration(row, column, stated)
+        elif not stated:
             cell = self.sheet.cell(row, column)
             problem, expected = Sentence("no value stands beside it"), Sentence("a number with its unit")
             self.rows.refuse(problem, self.table.place(row, column), text_of(cell), expected=expected)
         else:
-            asked, of, usual = _OF_STAND[label]
-            value = self._in_si(row, amounts[0], asked, of, unit(usual, of) if usual else None)
-            if value is not None:
-                self.rows.stated[label] = value
+            asked, of = _OF_STAND[label]
+            amount = self._amount(row, stated[0], asked, of, None if of == "pressure" else unit(asked.unit, of))
+            if amount is not None:
+                self.rows.stated[label] = amount.si
                 if label == "supply":
-                    self.rows.supply_place = self.table.place(row, amounts[0].column)
+                    self.rows.supply_place, self.rows.unit = self.table.place(row, stated[0].column), amount.unit
 
-    def _amounts(self, row: int, column: int) -> list[_Amount]:
+    def _numbers(self, row: int, column: int) -> list[_Stated]:
         """Return the numbers behind a label, each with the unit behind it, in the next cell or in the label."""
         sheet, found = self.sheet, []
         text = text_of(sheet.cell(row, column))
-        inside, rest = BRACKETS.search(text), text.partition(":")[2].strip()
-        over = inside[1] if inside else ""
+        rest = text.partition(":")[2].strip()
         cells: list[tuple[Cell, int]] = [(rest, column)] if rest and sheet.merged.get((row, column)) is None else []
         cells += [(sheet.cell(row, at), at) for at in range(column + 1, len(sheet.rows[row]))]
-        at = 0
-        while at < len(cells):
-            cell, where = cells[at]
-            at += 1
-            if is_blank_heading(cell) or not (is_number(split_cell(cell)[0]) or not_typed_as_number(cell)):
+        for (cell, at), (beside, _) in zip_longest(cells, cells[1:], fillvalue=("", 0)):
+            number, behind = split_cell(cell)
+            if is_nothing(cell) or not (is_number(number) or not_typed_as_number(cell)):
                 continue
-            beside = cells[at][0] if at < len(cells) else ""
-            said = split_cell(cell)[1]
-            if not said and isinstance(beside, str) and beside.strip() and not is_number(split_cell(beside)[0]):
-                said = beside.strip()
-                at += 1
-            found.append(_Amount(split_cell(cell)[0] if said else cell, where, said or over or self._over(where)))
+            if not behind and isinstance(beside, str) and not is_number(split_cell(beside)[0]):
+                behind = beside.strip()
+            found.append(_Stated(cell, at, behind or unit_in(text) or self.calibrated.get(at, "")))
         return found
 
-    def _over(self, column: int) -> str:
-        return self.calibrated.get(column, "")
+    def _amount(self, row: int, stated: _Stated, asked: AskedNumber, of: str, usual: Unit | None) -> Amount | None:
+        """Return a number about the stand; None where it is a problem."""
+        place = self.table.place(row, stated.column)
+        cell = _without_sign(stated.cell) if of == "pressure" else stated.cell
+        return self.rows.number(cell, place, asked, of, (stated.unit, place), usual)
 
-    def _in_si(self, row: int, amount: _Amount, asked: AskedNumber, of: str, usual: Unit | None) -> float | None:
-        """Return an amount in SI; None where it is a problem."""
-        place = self.table.place(row, amount.column)
-        known = find_unit(amount.unit, of) if amount.unit else usual
-        shown = f"{text_of(amount.cell)} {amount.unit}".strip()
-        if known is None:
-            problem = Sentence("unknown unit") if amount.unit else Sentence("no unit stands with this value")
-            self.rows.refuse(problem, place, amount.unit or shown, expected=one_of(unit_names(of)))
-            return None
-        number = in_si(_without_sign(amount.cell) if of == "pressure" else amount.cell, asked, of, known)
-        if number.value is None:
-            self.rows.refuse(Sentence("not accepted as {name}", name=asked.name), place, shown, expected=number.reason)
-        elif asked is _SUPPLY:
-            self.rows.unit = known
-        return number.value
-
-    def _calibration(self, row: int, column: int, amounts: Sequence[_Amount]) -> None:
+    def _calibration(self, row: int, column: int, stated: Sequence[_Stated]) -> None:
         """Read the known orifice, what the stand showed, and the stand's own orifice where that is stated."""
-        if not amounts:  # headings over calibrations that stand below
-            texts = ((at, BRACKETS.search(text_of(cell))) for at, cell in enumerate(self.sheet.rows[row]))
-            self.calibrated = {at: inside[1] for at, inside in texts if inside}
+        if not stated:  # headings over calibrations that stand below
+            texts = ((at, unit_in(text_of(cell))) for at, cell in enumerate(self.sheet.rows[row]))
+            self.calibrated = {at: said for at, said in texts if said}
             return
-        kinds = [_kind_of(amount.unit) for amount in amounts]
+        kinds = [_kind_of(each.unit) for each in stated]
         if None in kinds and "pressure" not in kinds and len(kinds) > 1:
             free = [at for at, kind in enumerate(kinds) if kind is None]
             kinds[next((at for at in free if at > 0), free[0])] = "pressure"
-        sizes = [amount for amount, kind in zip(amounts, kinds, strict=True) if kind != "pressure"]
-        shown = [amount for amount, kind in zip(amounts, kinds, strict=True) if kind == "pressure"]
+        sizes = [each for each, kind in zip(stated, kinds, strict=True) if kind != "pressure"]
+        shown = [each for each, kind in zip(stated, kinds, strict=True) if kind == "pressure"]
+        place = self.table.place(row, column)
         if not sizes or len(shown) != 1:
-            place = self.table.place(row, column)
             expected = Sentence("the known orifice and what the stand showed: calibration, 0.5 mm, 21.6 in-Hg")
             self.rows.refuse(Sentence("not a calibration"), place, expected=expected)
             return
-        mm = unit("mm", "length")
-        orifices = [self._in_si(row, each, _ORIFICE, "length", mm) for each in sizes[:2]]
-        vacuum = self._in_si(row, shown[0], _VACUUM, "pressure", self.rows.unit)
-        if vacuum is not None and orifices[0] is not None and None not in orifices:
-            fitted = orifices[1] if len(orifices) > 1 else None
-            self.rows.calibrations.append(Calibration(orifices[0], vacuum, fitted, self.table.place(row, column)))
+        known, *own = (self._amount(row, each, _ORIFICE, "length", _MM) for each in sizes[:2])
+        vacuum = self._amount(row, shown[0], _VACUUM, "pressure", self.rows.unit)
+        if vacuum is not None and known is not None and None not in own:
+            fitted = own[0].si if own and own[0] else None
+            self.rows.calibrations.append(Calibration(known.si, vacuum.si, fitted, place))
 
     # --- readings
 
-    def _reading(self, row: int) -> None:
+    def _reading(self, row: int, column: int) -> None:
         table, rows = self.table, self.rows
-        column = table.columns["reading"]
-        if not rows.holds(self.sheet, row, column, table.place(row, column)):
-            return
         named = self._target(row)
-        vacuum = self._vacuum(row)
+        vacuum = self._vacuum(row, column)
         orifice = None
         if table.cell(row, "orifice") != "":
-            orifice = table.value(rows, row, "orifice", _ORIFICE, "length", unit("mm", "length"))
+            orifice = table.number(rows, row, table.columns["orifice"], _ORIFICE, "length", _MM)
         state = text_of(table.cell(row, "state"))
         known = phrases("vacuum_states").get(words(state)) if state else "worn"
         if known is None:
             accepted = ("worn", "repaired")
             rows.refuse(Sentence("no such state of a bore"), table.place_of(row, "state"), state, accepted)
         if named is not None and vacuum is not None and known is not None:
-            target, place = text_of(table.cell(row, "target")), table.place(row, column)
-            reading = VacuumReading(target, *named, vacuum, orifice, known == "repaired", place)
-            rows.readings.append(reading)
+            target, size, place = text_of(table.cell(row, "target")), orifice and orifice.si, table.place(row, column)
+            rows.readings.append(VacuumReading(target, *named, vacuum, size, known == "repaired", place))
 
     def _target(self, row: int) -> tuple[str | None, tuple[LandKey, ...]] | None:
         cell, place = self.table.cell(row, "target"), self.table.place_of(row, "target")
+        problem, expected = Sentence("no land leaks from this circuit"), _LAND
         if isinstance(cell, dt.date | dt.time):
             problem = Sentence("the spreadsheet made a date of a land")
-            self.rows.refuse(problem, place, cell, expected=Sentence("{land}, in a cell formatted as text", land=_LAND))
-            return None
-        try:
-            circuit, lands = self.targets.named(cell)
-        except ReadingsError as error:
-            fault = self.rows.error(
-                error.problem, place=place, value=error.value, expected=error.expected, nearest=error.nearest
-            )
-            self.rows.problems.append(fault)
-            return None
-        if not lands:
-            problem, expected = Sentence("no land leaks from this circuit"), _LAND
-            self.rows.refuse(problem, place, text_of(cell), expected=expected)
-            return None
-        return circuit, lands
+            expected = Sentence("{land}, in a cell formatted as text", land=_LAND)
+        else:
+            try:
+                circuit, lands = self.targets.named(cell)
+            except ReadingsError as error:
+                self.rows.problems.append(
+                    VacuumTableError(
+                        error.problem, place=place, value=error.value, expected=error.expected, nearest=error.nearest
+                    )
+                )
+                return None
+            if lands:
+                return circuit, lands
+        self.rows.refuse(problem, place, text_of(cell), expected=expected)
+        return None
 
-    def _vacuum(self, row: int) -> float | None:
+    def _vacuum(self, row: int, column: int) -> float | None:
         """Return what the gauge showed [Pa]; never more than the supply, as far as that is known."""
-        cell, table = self.table.cell(row, "reading"), self.table
-        vacuum = table.value(
-            self.rows, row, "reading", _VACUUM, "pressure", self.rows.unit, unit_beside=True, changed=_without_sign
-        )
-        supply = self.rows.supply
-        if vacuum is not None and vacuum > supply + _OVER_SUPPLY:
-            shown = self.rows.unit or unit("in-Hg", "pressure")
-            expected = Sentence("0 to {supply:.4g} {unit}", supply=shown.from_si(supply), unit=shown.name)
-            problem = Sentence("more than the stand's supply")
-            self.rows.refuse(problem, table.place_of(row, "reading"), text_of(cell), expected=expected)
-            return None
-        return vacuum
+        table, rows = self.table, self.rows
+        vacuum = table.number(rows, row, column, _VACUUM, "pressure", rows.unit, change=_without_sign)
+        if vacuum is None or vacuum.si <= rows.supply + _OVER_SUPPLY:
+            return None if vacuum is None else vacuum.si
+        shown = rows.unit or vacuum.unit
+        expected = Sentence("0 to {supply:.4g} {unit}", supply=shown.from_si(rows.supply), unit=shown.name)
+        found = text_of(self.sheet.filled(row, column))
+        rows.refuse(Sentence("more than the stand's supply"), table.place(row, column), found, expected=expected)
+        return None
 
 
-_OF_STAND: dict[str, tuple[AskedNumber, str, str]] = {
-    "supply": (_SUPPLY, "pressure", ""),
-    "ambient": (_AMBIENT, "pressure", ""),
-    "temperature": (_TEMPERATURE, "temperature", "°C"),
-    "orifice": (_ORIFICE, "length", "mm"),
-    "flow_area": (_FLOW_AREA, "area", "mm²"),
+_OF_STAND = {
+    "supply": (_SUPPLY, "pressure"),
+    "ambient": (_AMBIENT, "pressure"),
+    "temperature": (_TEMPERATURE, "temperature"),
+    "orifice": (_ORIFICE, "length"),
+    "flow_area": (_FLOW_AREA, "area"),
 }
 
 
@@ -396,13 +370,12 @@ def read_vacuum_table(source: str | Path | bytes, controller: Controller, *, nam
     """
     targets = _Targets(controller)
     missing = VacuumTableError(Sentence("holds no table of a vacuum test"), expected=_HEADINGS)
-    held = ValueFile.open(source, name, targets.finder, missing, _WANTED)
+    held = ValueFile.open(source, name, targets.finder.find, targets.finder.likeness, missing, _WANTED)
     rows = _Rows()
     for table in held.tables:
         _Reader(table, targets, rows).read()
     rows.refuse_impossible()
-    if rows.problems:
-        raise faults_together(rows.problems)
+    rows.settle()
     if not rows.readings and (rows.rows or not rows.stated):
         problem, expected = Sentence("no reading is filled in"), Sentence("at least one reading of a circuit or land")
         raise VacuumTableError(problem, place=Place(held.file), expected=expected)

@@ -179,7 +179,7 @@ def test_everything_wrong_is_listed_with_row_column_value_and_what_was_expected(
         ("a,b\n1,2\n", "holds no table of a vacuum test"),
         ("circuit,reading\nforward_clutch,17\n", "no unit stands with this value"),
         ("supply,25\nforward_clutch,17 in-Hg\n", "row 1, column 2: no unit stands with this value"),
-        ("supply,250,in-Hg\nforward_clutch,17\n", "not accepted as supply vacuum (found '250 in-Hg')"),
+        ("supply,250,in-Hg\nforward_clutch,17\n", "not accepted as supply vacuum (found '250'); expected 3 to 31"),
         ("supply,25,in-Hg\ncircuit,reading\nforward_clutch,\n", "no reading is filled in"),
         ("supply,25,in-Hg\ncalibration,0.5 mm\nforward_clutch,17\n", "not a calibration"),
     ],
