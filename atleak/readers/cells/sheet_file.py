@@ -18,9 +18,9 @@ from atleak.common.sentences import Sentence
 from atleak.measurements.own_forms import OWN_FORMS
 from atleak.readers.cells.extent import EXPECTED, MOST_TEXT, bounded, excess
 from atleak.readers.cells.sheet import NO_WIDTH, Cell, Sheet
-from atleak.readers.cells.workbook_marks import Marks
+from atleak.readers.cells.workbook_marks import CellRange, Marks
 from atleak.readers.process.parent import WORKBOOK, read_apart
-from atleak.readers.process.workbooks import Range, first_rows, measuring_sheets, stray_cells
+from atleak.readers.process.workbooks import first_rows, measuring_sheets, stray_cells
 
 _WANTED = Sentence("a measuring sheet as .xlsx workbook or .csv text")
 Knows = Callable[[str], bool]  # whether sheets of this kind use a word
@@ -299,7 +299,7 @@ def read_workbook(data: bytes, file: str, *, only_look: bool = False) -> list[Sh
             name=worksheet["name"],
             rows=[_seen(row) for row in worksheet["rows"]],
             merged=_merged(worksheet["merged"]),
-            faults=worksheet["faults"],
+            faults=worksheet["marks"]["faults"],
             hidden=worksheet["hidden"],
             marks=Marks(**worksheet["marks"]),
         )
@@ -314,7 +314,7 @@ def _seen(row: Sequence[Cell]) -> Sequence[Cell]:
     return [cell.translate(NO_WIDTH).strip() if isinstance(cell, str) else cell for cell in row]
 
 
-def _merged(ranges: Iterable[Range]) -> dict[tuple[int, int], tuple[int, int]]:
+def _merged(ranges: Iterable[CellRange]) -> dict[tuple[int, int], tuple[int, int]]:
     return {
         (row, column): (top, left)
         for (top, left), (bottom, right) in ranges

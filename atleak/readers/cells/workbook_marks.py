@@ -1,6 +1,6 @@
-"""Reads what a workbook's author hid, crossed out, coloured or commented on, from the XML of an xlsx or ods.
+"""Reads what cells alone do not show of an xlsx or ods: what its author hid, crossed out, coloured or commented on.
 
-Cells are read without their styles elsewhere, so this looks at the XML itself. Bytes in, plain data out.
+Merged ranges of an ods and formulas without a result of an xlsx are read too. Bytes in, plain data out.
 """
 
 from __future__ import annotations
@@ -10,28 +10,24 @@ import posixpath
 import re
 import zipfile
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
-from itertools import accumulate
+from dataclasses import dataclass, field, replace
+from itertools import chain, islice
 from typing import Literal
 from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 Hiding = Literal["by hand", "by a filter", "in a folded outline"]
+CellRange = tuple[tuple[int, int], tuple[int, int]]  # first and last (row, column)
 
 PART_LIMIT = 32_000_000  # bytes of one unpacked part; a measuring sheet is a hundredth of it
 _LIST_LIMIT = 2_000_000  # of one that lists sheets, or relations
 _COLUMNS = 16_384  # of a sheet
 _WORDS = 300  # characters of a comment
 
-# no pattern runs past the next "<", so that none takes more than linear time on a hostile file
-_ROW = re.compile(rb"<(?:\w{1,20}:)?row\b([^<>]*)>")
-_COLUMN = re.compile(rb"<(?:\w{1,20}:)?col\b([^<>]*)>")
-_TEXT = re.compile(rb"<(?:\w{1,20}:)?c\b([^<>]*)>\s*<(?:\w{1,20}:)?v>(\d{1,9})</")
-_FILLED = re.compile(rb"<(?:\w{1,20}:)?c\b([^<>]*[^<>/])>\s*<(?:\w{1,20}:)?(?:v|f|is)\b")
-_PLAIN = re.compile(rb"|rgb (?:00|FF)(?:000000|FFFFFF)|theme [01]|indexed (?:8|9|64|65)|auto 1", re.IGNORECASE)
-_ATTRIBUTE = re.compile(rb'(?:^|\s)(\w+)="([^"<>]*)"')
-_REFERENCE = re.compile(rb"([A-Z]{1,3})(\d{1,7})")
-_AREA = re.compile(rb"\$?([A-Z]{1,3})\$?(\d{1,7}):\$?([A-Z]{1,3})\$?(\d{1,7})")
-_YES = {b"1", b"true"}
+_PLAIN = re.compile(r"|rgb (?:00|FF)(?:000000|FFFFFF)|theme [01]|indexed (?:8|9|64|65)|auto 1", re.IGNORECASE)
+_REFERENCE = re.compile(r"([A-Z]{1,3})(\d{1,9})", re.IGNORECASE)
+_AREA = re.compile(r"\$?[A-Z]{1,3}\$?(\d{1,7}):\$?[A-Z]{1,3}\$?(\d{1,7})")
+_YES = {"1", "true"}
 _PLAIN_IN_ODS = re.compile(r"|transparent|#0{6}|#f{6}", re.IGNORECASE)
 _TABLE = "{urn:oasis:names:tc:opendocument:xmlns:table:1.0}"
 _STYLE = "{urn:oasis:names:tc:opendocument:xmlns:style:1.0}"
@@ -43,7 +39,7 @@ _SEEN = ("background-color", "color")  # of a cell's ground and its letters
 
 @dataclass(frozen=True)
 class Marks:
-    """What is hidden, crossed out, coloured or commented on, on one sheet; rows and columns count from 0.
+    """What stands on one sheet besides its values; rows and columns count from 0.
 
     A row hidden in several ways counts as hidden by the filter. Colours are those of a filled cell's ground and
     letters as the file writes them, to tell cells apart; of cells that have those of an empty sheet there are none.
@@ -54,6 +50,8 @@ class Marks:
     struck: frozenset[tuple[int, int]] = frozenset()  # cells crossed out
     colours: dict[tuple[int, int], str] = field(default_factory=dict)
     comments: dict[tuple[int, int], str] = field(default_factory=dict)
+    faults: dict[tuple[int, int], str] = field(default_factory=dict)  # formulas with an error or no stored result
+    merged: list[CellRange] = field(default_factory=list)  # of an ods alone
 
 
 def marks(data: bytes) -> dict[str, Marks]:
@@ -84,7 +82,7 @@ def column_index(letters: str) -> int:
     return index - 1
 
 
-def whole_number(text: str | bytes) -> int:
+def whole_number(text: str) -> int:
     """Return the number that an attribute of a workbook's XML states; where it is none, the XML counts as damaged."""
     try:
         return int(text)
@@ -126,185 +124,144 @@ def _targets(archive: zipfile.ZipFile, part: str) -> Iterator[tuple[str, str]]:
 
 
 def _xlsx(archive: zipfile.ZipFile, names: set[str]) -> dict[str, Marks]:
-    def part(name: str) -> bytes:
-        return unpacked_part(archive, name) if name in names else b""
-
-    styles_xml = part("xl/styles.xml")
-    styles, coloured = _struck_styles(styles_xml), _coloured_styles(styles_xml)
-    strings = _struck_strings(part("xl/sharedStrings.xml"))
-    marks_by_sheet = {}
-    for sheet, path in sheet_paths(archive).items():
-        if path in names:
-            sheet_xml = unpacked_part(archive, path)
-            filters = _filters(archive, names, path, sheet_xml) if b"hidden=" in sheet_xml else []
-            marks_by_sheet[sheet] = Marks(
-                _hidden_rows(sheet_xml, filters),
-                frozenset(_hidden_columns(sheet_xml)),
-                frozenset(_struck_cells(sheet_xml, styles, strings)),
-                dict(_coloured_cells(sheet_xml, coloured)),
-                dict(_comments(archive, names, path)),
-            )
-    return marks_by_sheet
+    struck, coloured = set[int](), dict[int, str]()  # styles of cells
+    if "xl/styles.xml" in names:
+        struck, coloured = _styles(unpacked_part(archive, "xl/styles.xml"))
+    texts = unpacked_part(archive, "xl/sharedStrings.xml") if "xl/sharedStrings.xml" in names else b""
+    struck_texts = _struck_texts(texts) if b"trike" in texts else set[int]()
+    return {
+        sheet: _xlsx_sheet(archive, names, path, struck, coloured, struck_texts)
+        for sheet, path in sheet_paths(archive).items()
+        if path in names
+    }
 
 
-def _attributes(tag: bytes) -> dict[bytes, bytes]:
-    return dict(_ATTRIBUTE.findall(tag))
-
-
-def _elements(xml: bytes, name: bytes) -> list[bytes]:
-    """Return the text after each opening tag of that name, up to the next such tag."""
-    return re.split(rb"<(?:\w{1,20}:)?" + name + rb"(?=[\s>/])", xml)[1:]
-
-
-def _inside(xml: bytes, name: bytes) -> bytes:
-    """Return the content of the first element of that name."""
-    parts = _elements(xml, name)
-    return re.split(rb"</(?:\w{1,20}:)?" + name + rb">", parts[0], maxsplit=1)[0] if parts else b""
-
-
-def _is_struck(xml: bytes) -> bool:
-    return any(
-        _attributes(tag).get(b"val", b"1") in _YES
-        for tag in re.findall(rb"<(?:\w{1,20}:)?d?strike\b([^<>]*?)/?>", xml, re.IGNORECASE)
-    )
-
-
-def _styles(xml: bytes) -> list[tuple[int, int]]:
-    """Return the number of the font and of the ground of every style of cells."""
-    tags = (_attributes(style.split(b">")[0].rstrip(b"/")) for style in _elements(_inside(xml, b"cellXfs"), b"xf"))
-    return [(whole_number(tag.get(b"fontId", b"0")), whole_number(tag.get(b"fillId", b"0"))) for tag in tags]
-
-
-def _struck_styles(xml: bytes) -> frozenset[int]:
-    if b"trike" not in xml:
-        return frozenset()
-    fonts = {number for number, font in enumerate(_elements(_inside(xml, b"fonts"), b"font")) if _is_struck(font)}
-    return frozenset(number for number, (font, _) in enumerate(_styles(xml)) if font in fonts)
-
-
-def _coloured_styles(xml: bytes) -> dict[int, str]:
-    """Return the colours of ground and letters of the styles that have others than the first one, the plain."""
-    grounds = [_colour(fill, b"fgColor") for fill in _elements(_inside(xml, b"fills"), b"fill")]
-    letters = [_colour(font, b"color") for font in _elements(_inside(xml, b"fonts"), b"font")]
-    colours = ["".join(grounds[fill : fill + 1] + letters[font : font + 1]) for font, fill in _styles(xml)]
-    return {number: colour for number, colour in enumerate(colours) if colour != colours[0]}
-
-
-def _colour(element: bytes, name: bytes) -> str:
-    """Return the attributes of a colour as they are written; nothing of the usual white ground and black letters."""
-    tag = re.search(rb"<(?:\w{1,20}:)?" + name + rb"\b([^<>]*)>", element)
-    colour = b" ".join(b"%s %s" % attribute for attribute in _attributes(tag[1].rstrip(b"/")).items()) if tag else b""
-    return "" if _PLAIN.fullmatch(colour) else f"{name.decode()} {colour.decode('utf-8', 'replace')};"
-
-
-def _coloured_cells(xml: bytes, styles: dict[int, str]) -> Iterator[tuple[tuple[int, int], str]]:
-    """Yield the place and the colours of every cell of such a style that holds something."""
-    for tag in _FILLED.findall(xml) if styles else ():
-        style = _attributes(tag).get(b"s", b"")
-        if style.isdigit() and int(style) in styles:
-            for place in _place_of_cell(tag):
-                yield place, styles[int(style)]
-
-
-def _comments(archive: zipfile.ZipFile, names: set[str], path: str) -> Iterator[tuple[tuple[int, int], str]]:
-    """Yield the place and the words of every comment on a sheet of an xlsx, without the heading of a threaded one."""
+def _xlsx_sheet(
+    archive: zipfile.ZipFile,
+    names: set[str],
+    path: str,
+    struck: set[int],
+    coloured: dict[int, str],
+    struck_texts: set[int],
+) -> Marks:
     folder, name = posixpath.split(path)
-    if f"{folder}/_rels/{name}.rels" not in names:
-        return
-    for _, part in _targets(archive, path):
+    parts = [target for _, target in _targets(archive, path)] if f"{folder}/_rels/{name}.rels" in names else []
+    filters = [_filter(element) for element in _filters_of_tables(archive, names, parts)]
+    folded: dict[int, bool] = {}  # hidden rows, and whether they stand in an outline
+    columns: list[range] = []
+    found = Marks(comments=dict(_comments(archive, names, parts)))
+    crossed = set[tuple[int, int]]()
+    row = -1
+    for event, element in ElementTree.iterparse(io.BytesIO(unpacked_part(archive, path)), ("start", "end")):
+        kind = _name(element)
+        if event == "start":
+            if kind == "row":
+                row = whole_number(element.get("r", str(row + 2))) - 1
+                if element.get("hidden") in _YES:
+                    folded[row] = element.get("outlineLevel", "0") != "0"
+            continue
+        if kind == "c" and (place := place_of_cell(element.get("r", ""))) is not None:
+            parts_of_cell = {_name(part): part for part in element}
+            value = next((part.text for part in element.iter() if _name(part) in ("v", "t") and part.text), None)
+            style, type_ = whole_number(element.get("s", "0")), element.get("t")
+            runs = [part for part in element.iter() if _name(part) == "r"]
+            shared = type_ == "s" and (value or "").isdigit() and int(value or 0) in struck_texts
+            if style in struck or shared or (runs and all(map(_is_struck, runs))):
+                crossed.add(place)
+            if style in coloured and parts_of_cell.keys() & {"v", "f", "is"}:
+                found.colours[place] = coloured[style]
+            formula = parts_of_cell.get("f")
+            if type_ == "e":
+                found.faults[place] = value or "an error"
+            elif formula is not None and not value and type_ != "str":  # an empty text is a result too
+                found.faults[place] = f"={formula.text or ''}"
+        elif kind == "col" and element.get("hidden") in _YES:
+            first, last = (whole_number(element.get(end, "0")) for end in ("min", "max"))
+            columns.append(range(max(first - 1, 0), min(last, _COLUMNS)))
+        elif kind == "autoFilter":
+            filters.append(_filter(element))
+        if kind in ("c", "row"):
+            element.clear()
+    hidden = {row: _hiding(any(row in rows for rows in filters), outlined) for row, outlined in folded.items()}
+    hidden_columns = frozenset(islice(chain.from_iterable(columns), _COLUMNS))
+    return replace(found, hidden_rows=hidden, hidden_columns=hidden_columns, struck=frozenset(crossed))
+
+
+def _name(element: Element) -> str:
+    return element.tag.rpartition("}")[2]
+
+
+def place_of_cell(reference: str) -> tuple[int, int] | None:
+    """Return row and column of a cell, both from 0; None where the reference is none.
+
+    >>> place_of_cell("AB7")
+    (6, 27)
+    """
+    match = _REFERENCE.fullmatch(reference)
+    return None if match is None else (int(match[2]) - 1, column_index(match[1].upper()))
+
+
+def _styles(xml: bytes) -> tuple[set[int], dict[int, str]]:
+    """Return the styles of cells that are crossed out, and the colours of those that have others than the first."""
+    listed = {_name(part): list(part) for part in ElementTree.fromstring(xml)}
+    fonts, fills = listed.get("fonts", []), listed.get("fills", [])
+    crossed = [_is_struck(font) for font in fonts]
+    letters, grounds = [_colour(font, "color") for font in fonts], [_colour(fill, "fgColor") for fill in fills]
+    numbers = [[whole_number(style.get(of, "0")) for of in ("fontId", "fillId")] for style in listed.get("cellXfs", [])]
+    colours = ["".join(grounds[fill : fill + 1] + letters[font : font + 1]) for font, fill in numbers]
+    struck = {style for style, (font, _) in enumerate(numbers) if any(crossed[font : font + 1])}
+    return struck, {style: colour for style, colour in enumerate(colours) if colour != colours[0]}
+
+
+def _struck_texts(xml: bytes) -> set[int]:
+    """Return the numbers of the shared texts that are crossed out throughout."""
+    runs = ([run for run in text if _name(run) == "r"] for text in ElementTree.fromstring(xml))
+    return {number for number, each in enumerate(runs) if each and all(map(_is_struck, each))}
+
+
+def _is_struck(element: Element) -> bool:
+    return any(_name(part).lower() in ("strike", "dstrike") and part.get("val", "1") in _YES for part in element.iter())
+
+
+def _colour(element: Element, name: str) -> str:
+    """Return the attributes of a colour as they are written; nothing of the usual white ground and black letters."""
+    colour = next((part.attrib for part in element.iter() if _name(part) == name), {})
+    said = " ".join(f"{key} {value}" for key, value in colour.items())
+    return "" if _PLAIN.fullmatch(said) else f"{name} {said};"
+
+
+def _comments(archive: zipfile.ZipFile, names: set[str], parts: Iterable[str]) -> Iterator[tuple[tuple[int, int], str]]:
+    """Yield the place and the words of every comment on a sheet of an xlsx, without the heading of a threaded one."""
+    for part in parts:
         if part in names and re.search(r"/comments?\d*\.xml$", part) and "threaded" not in part.lower():
             for comment in ElementTree.fromstring(unpacked_part(archive, part)).iter():
-                if comment.tag.endswith("}comment"):
-                    words = "".join(part.text or "" for part in comment.iter() if part.tag.endswith("}t"))
-                    for place in _place_of_cell(f'r="{comment.get("ref", "")}"'.encode()):
-                        yield place, words.rpartition("Comment:\n")[2].strip()[:_WORDS]
+                place = place_of_cell(comment.get("ref", "")) if _name(comment) == "comment" else None
+                if place is not None:
+                    words = "".join(part.text or "" for part in comment.iter() if _name(part) == "t")
+                    yield place, words.rpartition("Comment:\n")[2].strip()[:_WORDS]
 
 
-def _struck_strings(xml: bytes) -> frozenset[int]:
-    """Return the numbers of the shared texts that are crossed out throughout."""
-    if b"trike" not in xml:
-        return frozenset()
-    runs = enumerate(_elements(text, b"r") for text in _elements(xml, b"si"))
-    return frozenset(number for number, part in runs if part and all(map(_is_struck, part)))
+def _filters_of_tables(archive: zipfile.ZipFile, names: set[str], parts: Iterable[str]) -> Iterator[Element]:
+    for part in parts:
+        if "/tables/" in f"/{part}" and part in names:
+            table = ElementTree.fromstring(unpacked_part(archive, part))
+            yield from (element for element in table.iter() if _name(element) == "autoFilter")
 
 
-def _struck_cells(xml: bytes, styles: frozenset[int], strings: frozenset[int]) -> Iterator[tuple[int, int]]:
-    if styles:
-        numbers = b"|".join(b"%d" % style for style in sorted(styles))
-        for tag in re.findall(rb'<(?:\w{1,20}:)?c\b([^<>]*\ss="(?:' + numbers + rb')"[^<>]*)>', xml):
-            yield from _place_of_cell(tag)
-    if b"trike" in xml:
-        for cell in _elements(xml, b"c"):
-            runs = _elements(cell, b"r")
-            if runs and all(_is_struck(run) for run in runs):
-                yield from _place_of_cell(cell.partition(b">")[0])
-    if strings:
-        for tag, value in _TEXT.findall(xml):
-            if int(value) in strings and _attributes(tag).get(b"t") == b"s":
-                yield from _place_of_cell(tag)
-
-
-def _place_of_cell(tag: bytes) -> Iterator[tuple[int, int]]:
-    reference = _REFERENCE.fullmatch(_attributes(tag.rstrip(b"/")).get(b"r", b""))
-    if reference is not None:
-        yield int(reference[2]) - 1, column_index(reference[1].decode())
-
-
-def _hidden_rows(xml: bytes, filters: list[tuple[int, int]]) -> dict[int, Hiding]:
-    hidden: dict[int, Hiding] = {}
-    if b"hidden=" not in xml:
-        return hidden
-    row = -1
-    for tag in _ROW.findall(xml):
-        attributes = _attributes(tag.rstrip(b"/"))
-        row = whole_number(attributes[b"r"]) - 1 if b"r" in attributes else row + 1
-        if attributes.get(b"hidden") not in _YES:
-            continue
-        filtered = any(first <= row <= last for first, last in filters)
-        hidden[row] = _hiding(filtered, attributes.get(b"outlineLevel", b"0") != b"0")
-    return hidden
+def _filter(element: Element) -> range:
+    """Return the rows that a filter may hide, which is in use; the row of headings is never hidden by it."""
+    area = _AREA.match(element.get("ref", "")) if any(_name(part) == "filterColumn" for part in element) else None
+    return range(0) if area is None else range(int(area[1]), int(area[2]))
 
 
 def _hiding(filtered: bool, folded: bool) -> Hiding:
     return "by a filter" if filtered else "in a folded outline" if folded else "by hand"
 
 
-def _hidden_columns(xml: bytes) -> Iterator[int]:
-    begins = [0] * (_COLUMNS + 1)  # at each column: how many stretches begin there, less how many ended before it
-    for tag in _COLUMN.findall(_inside(xml, b"cols"))[:_COLUMNS]:
-        attributes = _attributes(tag.rstrip(b"/"))
-        if attributes.get(b"hidden") in _YES:
-            first, last = (whole_number(attributes.get(name, b"0")) for name in (b"min", b"max"))
-            first, last = max(first - 1, 0), min(last, _COLUMNS)
-            if first < last:
-                begins[first] += 1
-                begins[last] -= 1
-    yield from (column for column, within in enumerate(accumulate(begins[:-1])) if within)
-
-
-def _filters(archive: zipfile.ZipFile, names: set[str], path: str, xml: bytes) -> list[tuple[int, int]]:
-    """Return the first and last row of each filter in use, of the sheet itself and of the tables on it."""
-    parts = [xml]
-    folder, name = posixpath.split(path)
-    if f"{folder}/_rels/{name}.rels" in names:
-        tables = [target for _, target in _targets(archive, path) if "/tables/" in f"/{target}" and target in names]
-        parts += [unpacked_part(archive, target) for target in tables]
-    filtered = []
-    for part in parts:
-        area = _AREA.search(part, max(part.find(b"autoFilter"), 0)) if b"filterColumn" in part else None
-        if area is not None:
-            filtered.append((int(area[2]), int(area[4]) - 1))  # the row of headings is never hidden by it
-    return filtered
-
-
 # --- ods ------------------------------------------------------------------------------------------------------------
 
 
 def _ods(xml: bytes) -> dict[str, Marks]:
-    if not any(
-        sign in xml for sign in (b":visibility=", b"line-through", b":annotation", b"background-color", b":color=")
-    ):
-        return {}
     root = ElementTree.fromstring(xml)
     struck = {
         style.get(f"{_STYLE}name")
@@ -325,21 +282,27 @@ def _ods(xml: bytes) -> dict[str, Marks]:
     return {table.get(f"{_TABLE}name", ""): _ods_sheet(table, struck, colours) for table in root.iter(f"{_TABLE}table")}
 
 
-def _ods_sheet(table: ElementTree.Element, struck: set[str | None], colours: dict[str | None, str]) -> Marks:
+def _ods_sheet(table: Element, struck: set[str | None], colours: dict[str | None, str]) -> Marks:
     rows: dict[int, Hiding] = {}
     coloured: dict[tuple[int, int], str] = {}
     comments: dict[tuple[int, int], str] = {}
+    merged: list[CellRange] = []
     styles: dict[int, str | None] = {}  # of the cells of a column that name none, by the column's end
     columns: set[int] = set()
     cells: set[tuple[int, int]] = set()
     folded = {id(line) for group in table.iter(f"{_TABLE}table-row-group") for line in group.iter(f"{_TABLE}table-row")}
-    for first, element in placed(table.iter(f"{_TABLE}table-column"), "columns"):
+    for first, element in _placed(table.iter(f"{_TABLE}table-column"), "columns"):
         end = first + _repeated(element, "columns")
         if element.get(f"{_TABLE}visibility", "visible") != "visible":
             columns.update(range(first, min(end, _COLUMNS)))  # empty past the last column
         styles[end] = element.get(f"{_TABLE}default-cell-style-name")
-    for row, line in placed(table.iter(f"{_TABLE}table-row"), "rows"):
-        filled = [(column, cell) for column, cell in placed(line, "columns") if len(cell)]
+    for row, line in _placed(table.iter(f"{_TABLE}table-row"), "rows"):
+        placed_cells = list(_placed(line, "columns"))
+        for column, cell in placed_cells:
+            down, across = (whole_number(cell.get(f"{_TABLE}number-{way}-spanned", "1")) for way in ("rows", "columns"))
+            if down * across > 1:
+                merged.append(((row, column), (row + down - 1, column + across - 1)))
+        filled = [(column, cell) for column, cell in placed_cells if len(cell)]
         shown = line.get(f"{_TABLE}visibility", "visible")
         if shown != "visible" and filled:
             rows[row] = _hiding(shown == "filter", id(line) in folded)
@@ -353,10 +316,10 @@ def _ods_sheet(table: ElementTree.Element, struck: set[str | None], colours: dic
             for note in cell.iter(f"{_OFFICE}annotation"):
                 words = "\n".join("".join(paragraph.itertext()) for paragraph in note.iter(f"{_TEXT_OF}p"))
                 comments[row, column] = words.strip()[:_WORDS]
-    return Marks(rows, frozenset(columns), frozenset(cells), coloured, comments)
+    return Marks(rows, frozenset(columns), frozenset(cells), coloured, comments, merged=merged)
 
 
-def placed(elements: Iterable[ElementTree.Element], what: str) -> Iterator[tuple[int, ElementTree.Element]]:
+def _placed(elements: Iterable[Element], what: str) -> Iterator[tuple[int, Element]]:
     """Yield rows or columns, or the cells of a row, with the place of each: one may stand for many."""
     place = 0
     for element in elements:
@@ -364,5 +327,5 @@ def placed(elements: Iterable[ElementTree.Element], what: str) -> Iterator[tuple
         place += _repeated(element, what)
 
 
-def _repeated(element: ElementTree.Element, what: str) -> int:
+def _repeated(element: Element, what: str) -> int:
     return max(whole_number(element.get(f"{_TABLE}number-{what}-repeated", "1")), 1)

@@ -2,33 +2,21 @@
 
 from __future__ import annotations
 
-import html
 import io
 import itertools
-import re
 import zipfile
 from array import array
 from collections.abc import Iterable, Iterator
 from typing import IO, Any, TypedDict
-from xml.etree import ElementTree
 from xml.parsers import expat
 
 from atleak.common.sentences import Sentence
 from atleak.readers.cells.extent import COLUMNS as WIDTH
 from atleak.readers.cells.extent import EXPECTED, MOST_SHEETS, excess, trimmed
-from atleak.readers.cells.workbook_marks import (
-    Marks,
-    column_index,
-    marks,
-    placed,
-    sheet_paths,
-    unpacked_part,
-    whole_number,
-)
+from atleak.readers.cells.workbook_marks import CellRange, Marks, marks, place_of_cell, sheet_paths
 from atleak.readers.process.child import Refused, of_library
 
 NativeCell = Any  # str, float, int, bool, date or time; "" where empty
-Range = tuple[tuple[int, int], tuple[int, int]]  # first and last (row, column), both from 0
 
 _CELLS = 1_000_000
 """Cells that a measuring sheet may span at most; a filled one spans thousands."""
@@ -42,12 +30,6 @@ _BLOCK = 20_000
 """Rows of a log that are handed over together."""
 _NAN = float("nan")
 
-_CELL = re.compile(rb"<(?:\w+:)?c\b([^>]*?)(?:/>|>(.*?)</(?:\w+:)?c>)", re.DOTALL)
-_FORMULA = re.compile(rb"<(?:\w+:)?f(?:\s[^>]*)?/?>([^<]*)")
-_VALUE = re.compile(rb"<(?:\w+:)?[vt]\b[^>]*>([^<]+)")
-_REFERENCE = re.compile(rb'\br="([A-Z]{1,3})(\d{1,9})"')
-_ODS = "{urn:oasis:names:tc:opendocument:xmlns:table:1.0}"
-
 
 class MeasuringSheet(TypedDict):
     """A worksheet with what its cells alone do not show; ``rows`` and all places count from cell A1."""
@@ -55,8 +37,7 @@ class MeasuringSheet(TypedDict):
     name: str
     hidden: bool
     rows: list[list[NativeCell]]
-    merged: list[Range]
-    faults: dict[tuple[int, int], str]
+    merged: list[CellRange]
     marks: dict[str, Any]  # the fields of `atleak.readers.cells.workbook_marks.Marks`
 
 
@@ -69,8 +50,7 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
         where the file is protected by a password, no workbook, or holds more cells than a measuring sheet can.
     """
     _refuse_other_kinds(data)
-    merges, faults = _merges_and_faults(data) if data.startswith(b"PK") else ({}, {})
-    marked = marks(data)
+    marked: dict[str, Marks] = {}
     for name, hidden, sheet in _worksheets(data):
         rows, columns = (0, 0) if sheet.end is None else (sheet.end[0] + 1, sheet.end[1] + 1)
         _refuse_vast(rows, columns, name, columns * rows > _CELLS)
@@ -80,13 +60,14 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
         cells = trimmed(rows_of_cells)
         if (too_much := excess(cells)) is not None:
             raise Refused(too_much, sheet=name, expected=EXPECTED)
+        marked = marked or marks(data)
+        found = marked.get(name, Marks())
         yield {
             "name": name,
             "hidden": hidden,
             "rows": cells,
-            "merged": _within(merges.get(name, []) if ranges is None else ranges, cells, name),
-            "faults": faults.get(name, {}),
-            "marks": vars(marked.get(name, Marks())),
+            "merged": _within(found.merged if ranges is None else ranges, cells, name),
+            "marks": vars(found),
         }
 
 
@@ -107,7 +88,7 @@ def first_rows(data: bytes) -> Iterator[MeasuringSheet]:
         cells = trimmed([row[:WIDTH] for row in itertools.islice(rows, _LOOK)])
         ranges = [] if sheet.merged_cell_ranges is None else sheet.merged_cell_ranges
         merged = _within(ranges, cells, name)
-        yield {"name": name, "hidden": hidden, "rows": cells, "merged": merged, "faults": {}, "marks": vars(Marks())}
+        yield {"name": name, "hidden": hidden, "rows": cells, "merged": merged, "marks": vars(Marks())}
 
 
 def log_blocks(data: bytes) -> Iterator[tuple[str, int, list[bytes | list[NativeCell | None]]]]:
@@ -177,11 +158,9 @@ def _outermost(stream: IO[bytes]) -> tuple[int, int]:
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal rows, columns
-        if tag.rpartition(":")[2] == "c":
-            reference = _REFERENCE.match(f'r="{attributes.get("r", "").upper()}"'.encode())
-            if reference:
-                row, column = _row_and_column(reference)
-                rows, columns = max(rows, row + 1), max(columns, column + 1)
+        place = place_of_cell(attributes.get("r", "")) if tag.rpartition(":")[2] == "c" else None
+        if place is not None:
+            rows, columns = max(rows, place[0] + 1), max(columns, place[1] + 1)
 
     parser = expat.ParserCreate()
     parser.StartElementHandler = start
@@ -239,7 +218,7 @@ def _refuse_vast(rows: int, columns: int, sheet: str | None, vast: bool) -> None
         )
 
 
-def _within(ranges: list[Range], cells: list[list[NativeCell]], sheet: str) -> list[Range]:
+def _within(ranges: list[CellRange], cells: list[list[NativeCell]], sheet: str) -> list[CellRange]:
     """Cut merged ranges to the cells that exist; refuse ranges that cover more than those, since they overlap."""
     rows, columns = len(cells), max(map(len, cells), default=0)
     kept, covered = [], 0
@@ -255,56 +234,3 @@ def _within(ranges: list[Range], cells: list[list[NativeCell]], sheet: str) -> l
             expected=Sentence("a workbook as a spreadsheet program saves it: open it there and save it anew"),
         )
     return kept
-
-
-def _merges_and_faults(data: bytes) -> tuple[dict[str, list[Range]], dict[str, dict[tuple[int, int], str]]]:
-    """Return what calamine does not read: merged ranges of an ods, formulas without result of an xlsx."""
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        names = set(archive.namelist())
-        if "xl/workbook.xml" in names:
-            return {}, {
-                sheet: _formula_faults(unpacked_part(archive, path))
-                for sheet, path in sheet_paths(archive).items()
-                if path in names
-            }
-        return (_ods_merges(unpacked_part(archive, "content.xml")) if "content.xml" in names else {}), {}
-
-
-def _formula_faults(xml: bytes) -> dict[tuple[int, int], str]:
-    """Return the cells whose formula has an error or no stored result."""
-    faults: dict[tuple[int, int], str] = {}
-    if not _FORMULA.search(xml) and b't="e"' not in xml:
-        return faults  # the usual case, in a tenth of the time
-    for attributes, content in _CELL.findall(xml):
-        reference = _REFERENCE.search(attributes)
-        if reference is None:
-            continue
-        place = _row_and_column(reference)
-        value, formula = _VALUE.search(content), _FORMULA.search(content)
-        if b't="e"' in attributes:
-            faults[place] = value[1].decode("utf-8", "replace") if value else "an error"
-        elif formula and not value and b't="str"' not in attributes:  # an empty text is a result too
-            faults[place] = "=" + html.unescape(formula[1].decode("utf-8", "replace"))
-    return faults
-
-
-def _row_and_column(reference: re.Match[bytes]) -> tuple[int, int]:
-    """Return row and column, both from 0.
-
-    >>> _row_and_column(_REFERENCE.search(b'<c r="AB7">'))
-    (6, 27)
-    """
-    return int(reference[2]) - 1, column_index(reference[1].decode())
-
-
-def _ods_merges(xml: bytes) -> dict[str, list[Range]]:
-    merges: dict[str, list[Range]] = {}
-    for table in ElementTree.fromstring(xml).iter(f"{_ODS}table"):
-        ranges = merges.setdefault(table.get(f"{_ODS}name", ""), [])
-        for row, line in placed(table.iter(f"{_ODS}table-row"), "rows"):
-            for column, cell in placed(line, "columns"):
-                down = whole_number(cell.get(f"{_ODS}number-rows-spanned", "1"))
-                across = whole_number(cell.get(f"{_ODS}number-columns-spanned", "1"))
-                if down * across > 1:
-                    ranges.append(((row, column), (row + down - 1, column + across - 1)))
-    return merges

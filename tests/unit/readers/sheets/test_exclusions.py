@@ -5,6 +5,8 @@ from __future__ import annotations
 import io
 import time
 import zipfile
+from contextlib import nullcontext
+from xml.etree.ElementTree import ParseError
 
 import openpyxl
 import pytest
@@ -386,11 +388,16 @@ def test_marks_are_cheap_even_where_the_xml_is_hostile(book):
     assert time.perf_counter() - start < 2.0  # a twentieth of it where nothing else runs
     source = zipfile.ZipFile(io.BytesIO(data))
     parts = {name: source.read(name) for name in source.namelist()}
-    parts["xl/worksheets/sheet1.xml"] = b"<worksheet><sheetData>" + b'<c hidden="1" <row <c s="1" ' * 200_000
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as made:
-        for name, content in parts.items():
-            made.writestr(name, content)
-    start = time.perf_counter()
-    assert marks(buffer.getvalue())["Sheet"].struck == frozenset()
-    assert time.perf_counter() - start < 10.0
+    wide, broken = b'<col min="1" max="16384" hidden="1"/>' * 200_000, b'<c hidden="1" <row <c s="1" ' * 200_000
+    for xml, told in (
+        (b"<x><cols>" + wide + b"</cols></x>", nullcontext()),
+        (b"<x>" + broken, pytest.raises(ParseError)),
+    ):
+        buffer = io.BytesIO()
+        with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as made:
+            for name, content in (parts | {"xl/worksheets/sheet1.xml": xml}).items():
+                made.writestr(name, content)
+        start = time.perf_counter()
+        with told:
+            assert len(marks(buffer.getvalue())["Sheet"].hidden_columns) == 16384
+        assert time.perf_counter() - start < 10.0
