@@ -209,7 +209,8 @@ class CatalogueError(InputError):
 class ReadingsError(InputError):
     """A measuring sheet that cannot be used."""
 
-    role = ""  # component, plane or land: the word that was found may be the sheet's own for one
+    role = ""  # component, plane or land: the word that was found may be the sheet's own; columns: which is what
+    offer: Mapping[str, str] = {}  # what is said of the columns where the sheet can be read so
 
 
 class OtherControllerError(ReadingsError):

@@ -139,6 +139,7 @@ def _columns(file: SourceFile, case: PageCase) -> None:
     stored = f"sheet-said-{file.sha256}-{case.sheet_columns if mine else ''}"
     if stored not in st.session_state:
         likely = {} if look.understood else {**look.chosen, "header": look.header}
+        likely = dict(error.offer) if isinstance(error, ReadingsError) and error.offer else likely
         unit = (case.sheet_unit or AS_STATED) if mine else AS_STATED
         st.session_state[stored] = _Draft(file, case, dict(now.columns) if now else likely, unit, stored)
     draft: _Draft = st.session_state[stored]
@@ -404,8 +405,8 @@ def _own_words(draft: _Draft, last: Readings | AtleakError | None, key: str) -> 
     say, controller = reader.say(), controller_of(draft.case)
     said = ((*name.split(" ", 1), text) for name, text in draft.mapping.items() if name.startswith(_NAMED))
     known = {(role, word): name for role, name, word in said}
-    problems = [each for each in getattr(last, "problems", (last,)) if isinstance(each, ReadingsError) and each.role]
-    unknown = dict.fromkeys((each.role, str(each.value)) for each in problems)
+    problems = [each for each in getattr(last, "problems", (last,)) if isinstance(each, ReadingsError)]
+    unknown = dict.fromkeys((each.role, str(each.value)) for each in problems if f"{each.role} " in _NAMED)
     asked = [*known, *[each for each in unknown if each not in known][:_WORDS]]
     of_role: dict[str, dict[str, str]] = {
         "component": {

@@ -86,7 +86,17 @@ def _best_delimiter(start: str, file: str, score: Callable[[Sheet], float]) -> t
     if best[0] < _COMPLETE and " " in start:
         by_spaces = [(likeness(spaces), spaces) for spaces in (_ALIGNED, _WORDS)]
         best = max([best, *(scored for scored in by_spaces if scored[0] >= _COMPLETE)], key=lambda scored: scored[0])
+    if best[0] < _COMPLETE and _is_of_words(start, best[1]):
+        return best[0], _WORDS
     return best
+
+
+def _is_of_words(text: str, delimiter: str) -> bool:
+    """Return whether all lines with decimals have as many words, and none of them is cut by the delimiter."""
+    lines = [line for line in text.splitlines() if re.search(r"\d[.,]\d", line)]
+    cut = re.compile(rf"(?<!\d){re.escape(delimiter)}|{re.escape(delimiter)}(?!\d)")
+    words = {len(line.split()) for line in lines}
+    return len(lines) > 1 and len(words) == 1 and max(words) > 2 and not any(map(cut.search, lines))
 
 
 def csv_bytes(rows: Iterable[Sequence[str]]) -> bytes:

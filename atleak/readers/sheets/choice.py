@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -10,16 +9,16 @@ from dataclasses import dataclass, replace
 from atleak.catalogue.instruments import Part
 from atleak.catalogue.words import PART_WORDS
 from atleak.common.errors import Message, Place, ReadingsError, unknown
-from atleak.common.sentences import Option, Sentence
+from atleak.common.sentences import Sentence
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Sheet
 from atleak.readers.own_forms import own_form_of
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.diameters import PlaceKey, filled_down
-from atleak.readers.sheets.layout import find_tables, likely_table, mapped_tables, suggestion, turned
+from atleak.readers.sheets.layout import find_tables, mapped_tables, turned
 from atleak.readers.sheets.mapping import NOTHING_SAID, SheetMapping
 from atleak.readers.sheets.rows import SheetRows
-from atleak.readers.sheets.table import EXPECTED_SHEET, HeadedTable, best_header
+from atleak.readers.sheets.table import EXPECTED_SHEET, HeadedTable, best_header, which_columns
 from atleak.readers.sheets.words import is_repeat_title
 
 
@@ -141,7 +140,7 @@ def choose_sheet(
         looked_at = [page for page in every if page in shown or not page.sheet.hidden]
     readable = [table for page in looked_at for table in page.readable]
     if not readable:
-        raise _no_readings(every, file, names)
+        raise _no_readings(every, file)
     return SheetChoice(file, wanted, every, looked_at, [filled_down(table, fill_down) for table in readable])
 
 
@@ -191,7 +190,7 @@ def _wanted(every: Sequence[_SheetTables], file: str, wanted: str) -> _SheetTabl
     return chosen
 
 
-def _no_readings(every: Sequence[_SheetTables], file: str, naming: ControllerNames) -> ReadingsError:
+def _no_readings(every: Sequence[_SheetTables], file: str) -> ReadingsError:
     sheets = [page.sheet for page in every]
     if not any(str(cell).strip() for sheet in sheets for row in sheet.rows for cell in row):
         return ReadingsError(
@@ -201,17 +200,14 @@ def _no_readings(every: Sequence[_SheetTables], file: str, naming: ControllerNam
     for table in tables:
         if table.left_aside and table.values and table.of("component"):
             problem = Sentence("the table in {where} is left aside ({why}), and there is no other")
-            return ReadingsError(
+            return which_columns(
                 problem.of(where=table.where, why=table.left_aside),
-                place=Place(file, table.sheet.name, table.sheet.row_number(max(table.first, 0))),
-                expected=Sentence(
-                    "a title that says 'measured' where these are the readings, or {option}",
-                    option=Option("map", f"header={table.sheet.row_number(max(table.last, 0))}"),
-                ),
+                table.sheet.place(max(table.first, 0)),
+                expected=Sentence("a title that says 'measured' where these are the readings"),
             )
     headers = [*tables, *filter(None, map(best_header, sheets))]
     if headers:
-        return _incomplete(max(headers, key=lambda table: table.score), naming)
+        return _incomplete(max(headers, key=lambda table: table.score))
     names = [sheet.name for sheet in sheets if sheet.name is not None]
     problem = Sentence("no row of headings found: not a measuring sheet?")
     if len(names) > 1:
@@ -219,16 +215,10 @@ def _no_readings(every: Sequence[_SheetTables], file: str, naming: ControllerNam
             "no row of headings found in any of the sheets {sheets}: not a measuring sheet?", sheets=_quoted(names)
         )
     place = Place(file, sheets[0].name if len(sheets) == 1 else None)
-    fullest = max(sheets, key=lambda sheet: sum(map(bool, itertools.chain(*sheet.rows))))
-    return ReadingsError(problem, place=place, expected=_expected(fullest, naming))
+    return which_columns(problem, place)
 
 
-def _expected(sheet: Sheet, names: ControllerNames) -> Sentence:
-    options = suggestion(likely_table(sheet, names), names)
-    return Sentence("{headings}; or {suggestion}", headings=EXPECTED_SHEET, suggestion=options)
-
-
-def _incomplete(table: HeadedTable, names: ControllerNames) -> ReadingsError:
+def _incomplete(table: HeadedTable) -> ReadingsError:
     """Return why a table cannot be read whose headings are the best of the file, and what may be meant by them."""
     missing = [] if table.of("component") else [Sentence("component")]
     missing += [] if table.values else [Sentence("diameter, or coordinate x1 and coordinate x2")]
@@ -243,8 +233,7 @@ def _incomplete(table: HeadedTable, names: ControllerNames) -> ReadingsError:
         template = Sentence("{problem}: what a diameter should be or was, and a mean, is no measurement ({headings})")
         problem = template.of(problem=problem, headings=_quoted(others))
     value = ", ".join(repr(column.name) for column in table.columns)
-    expected = _expected(table.sheet, names)
-    return ReadingsError(problem, place=table.sheet.place(table.last), value=value, expected=expected)
+    return which_columns(problem, table.sheet.place(table.last), value)
 
 
 def require_one_measurement(read: Sequence[SheetRows], file: str) -> list[ReadingsError]:

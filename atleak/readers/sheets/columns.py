@@ -8,12 +8,11 @@ from functools import reduce
 from itertools import pairwise
 
 from atleak.common.errors import ReadingsError
-from atleak.common.sentences import Option, Sentence
+from atleak.common.sentences import Sentence
 from atleak.common.units import Unit, find_unit
 from atleak.readers.sheets.column_headings import HeadedColumn, Role
 from atleak.readers.sheets.controller_names import ControllerNames
-from atleak.readers.sheets.layout import suggestion
-from atleak.readers.sheets.table import HeadedTable
+from atleak.readers.sheets.table import HeadedTable, which_columns
 from atleak.readers.sheets.words import plain, says_date, sheet_vocabulary, text_of
 
 _COORDINATES = ("coordinate 1", "coordinate 2")
@@ -146,18 +145,17 @@ def _makes_one(column: HeadedColumn, other: HeadedColumn) -> bool:
 
 
 def _same_value(table: HeadedTable, name: str, first: HeadedColumn, second: HeadedColumn) -> ReadingsError:
-    return ReadingsError(
+    return which_columns(
         Sentence(
             "two columns are read as the same {what}: {first!r} and {second!r}",
             what=_VALUE_WORDS.get(name, Sentence("coordinate")),
             first=first.name,
             second=second.name,
         ),
-        place=table.heading_place(second.index),
+        table.heading_place(second.index),
         expected=Sentence(
-            "one state of the valve body: delete or hide the other column, or {option}; or, if they are repeats, "
-            "headings such as 'diameter 1 [mm]' and 'diameter 2 [mm]'",
-            option=Option("map", f'"value={second.name}"'),
+            "one state of the valve body: delete or hide the other column; or, if they are repeats, headings such as "
+            "'diameter 1 [mm]' and 'diameter 2 [mm]'"
         ),
     )
 
@@ -229,14 +227,11 @@ def _missing(table: HeadedTable, names: ControllerNames, columns: Columns) -> It
         missing.append(Sentence("the measurement plane (or land)"))
     if missing:
         what = reduce(lambda first, second: Sentence("{first} nor {second}", first=first, second=second), missing)
-        yield ReadingsError(
+        yield which_columns(
             Sentence("no column holds {what}", what=what),
-            place=table.sheet.place(max(table.last, 0)),
-            value=", ".join(column.name for column in table.columns),
-            expected=Sentence(
-                "headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'; or {suggestion}",
-                suggestion=suggestion(table, names),
-            ),
+            table.sheet.place(max(table.last, 0)),
+            ", ".join(column.name for column in table.columns),
+            Sentence("headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'"),
         )
 
 

@@ -235,8 +235,8 @@ LABELLED: Mapping[str, Role] = {  # what a cell may say; a number stands for a l
 Label = dict[str, str]  # what one cell says of a diameter, each as a cell of its own column would say it
 
 
-def read_label(cell: Cell, names: ControllerNames) -> Label | None:
-    """Return what a cell says, if all of it is understood.
+def read_label(cell: Cell, names: ControllerNames, *, dotted: bool = False) -> Label | None:
+    """Return what a cell says, if all of it is understood; ``dotted`` where "8.1" is no size, but valve and land.
 
     >>> from atleak.catalogue.controller_file import load_controller
     >>> names = ControllerNames(load_controller("minimal_example"))
@@ -244,7 +244,7 @@ def read_label(cell: Cell, names: ControllerNames) -> Label | None:
     {'component': 'pressure_regulator', 'part': 'sleeve', 'plane': '2', 'direction': '90°'}
     >>> read_label("bore 25/1", ControllerNames(load_controller("four_speed_2023")))
     {'component': '25', 'part': 'sleeve', 'plane': '1'}
-    >>> read_label("V06_L1_SPOOL", ControllerNames(load_controller("four_speed_2023")))
+    >>> read_label("SPOOL_6_L1", ControllerNames(load_controller("four_speed_2023")))
     {'component': '6', 'part': 'spool', 'land': '1'}
     >>> read_label("ring gauge 18.0", names), read_label("pressure_regulator/3", names)
     (None, None)
@@ -254,7 +254,7 @@ def read_label(cell: Cell, names: ControllerNames) -> Label | None:
         return None
     rest, unit = unit_of_heading(text_of(cell))
     folded = plain(rest)
-    for component, other in (*_with_component(folded, names), (None, folded)):
+    for component, other in (*_with_component(folded, names, dotted), (None, folded)):
         label: Label = {} if component is None else {"component": component}
         label |= {} if unit is None else {"unit": unit.name}
         if _takes_rest(other, label) and _is_placed(label, names) and label:
@@ -262,7 +262,7 @@ def read_label(cell: Cell, names: ControllerNames) -> Label | None:
     return None
 
 
-def _with_component(folded: str, names: ControllerNames) -> Iterator[tuple[str, str]]:
+def _with_component(folded: str, names: ControllerNames, dotted: bool) -> Iterator[tuple[str, str]]:
     """Yield each component that a text may name, the longest name first, with the rest of the text."""
     for name, component in names.by_length:
         if component not in names.with_lands:
@@ -271,8 +271,9 @@ def _with_component(folded: str, names: ControllerNames) -> Iterator[tuple[str, 
             match = re.search(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])", folded) if name in folded else None
             if match is not None:
                 yield component, f"{folded[: match.start()]} {folded[match.end() :]}"
-    words = folded.split()
-    placed = len(re.findall(r"\d+", folded)) > 1 and not re.search(r"\d[.,]\d", folded)  # not "bore 12.1", a size
+    words = folded.replace("_", " ").split()
+    sized = re.search(r"\d[.,]\d", folded) and not dotted  # "bore 12.1"
+    placed = len(re.findall(r"\d+", folded)) > 1 and not sized
     for _ in range(len(words) - 1) if placed else ():
         if len(words[0]) > 1 and (part_of(words[0]) or words[0] in sheet_vocabulary("diameter")):
             words.append(words.pop(0))  # "bore 14/1" as "14/1 bore"

@@ -6,31 +6,26 @@ likely is what, for a person to judge.
 
 from __future__ import annotations
 
-import re
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise, zip_longest
 from typing import Any
 
 from atleak.common.errors import ReadingsError
-from atleak.common.sentences import Option, Sentence, all_of
+from atleak.common.sentences import Sentence, all_of
 from atleak.readers.cells.extent import MOST_TABLES
-from atleak.readers.cells.sheet import Cell, Sheet, column_letter
+from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.cells.workbook_marks import Marks
-from atleak.readers.sheets.column_headings import read_heading
 from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, is_whole, numbers_of, read_label
-from atleak.readers.sheets.mapping import ROLES, SheetMapping, tables_of_form
-from atleak.readers.sheets.table import HeadedTable, best_header, find_headers, headings, read_together
+from atleak.readers.sheets.mapping import NOTHING_SAID, SheetMapping, tables_of_form
+from atleak.readers.sheets.table import HeadedTable, find_headers, headings, read_together
 from atleak.readers.sheets.words import (
     is_blank,
     letters,
     number_of,
     part_in,
-    part_said,
     plain,
     summary_of,
-    text_of,
 )
 
 _TITLE_ROWS = 4
@@ -50,9 +45,22 @@ def find_tables(sheet: Sheet, names: ControllerNames) -> list[HeadedTable]:
 
 
 def mapped_tables(sheet: Sheet, mapping: SheetMapping, names: ControllerNames) -> list[HeadedTable]:
-    """Return the table whose columns a person named, cut by lines between its rows; no title leaves it aside."""
-    table = _titled(_by_content(mapping.table(sheet, names), Sizes(names.controller)), names)
-    return list(_sections(replace(table, left_aside=None), names))
+    """Return the tables whose columns a person named, cut by lines between their rows; no title leaves one aside.
+
+    A table begins wherever its headings come again.
+    """
+    table = _by_content(mapping.table(sheet, names), Sizes(names.controller))
+    depth = table.last - table.first
+    again = [
+        replace(table, first=row, last=row + depth, messages=())
+        for row in (table.rows if any(table.headed) else ())
+        if tuple(headings(table.sheet, row, row + depth))[: len(table.headed)] == table.headed
+    ]
+    return [
+        section
+        for cut in _cut(table.sheet, [table, *again])
+        for section in _sections(replace(_titled(cut, names, mapping), left_aside=None), names, mapping)
+    ]
 
 
 def _strips(sheet: Sheet, names: ControllerNames) -> list[Sheet]:
@@ -87,13 +95,18 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[HeadedTable]:
         problem = Sentence("this sheet has {count} tables with headings of their own", count=len(headers))
         expected = Sentence("at most {count}", count=MOST_TABLES)
         raise ReadingsError(problem, place=sheet.place(), expected=expected)
+    for table in _cut(sheet, headers):
+        yield _by_content(table, Sizes(names.controller))
+
+
+def _cut(sheet: Sheet, headers: Sequence[HeadedTable]) -> Iterator[HeadedTable]:
+    """Yield every table of a sheet with its own rows: down to the headings of the next, or the titles over these."""
     for header, following in zip_longest(headers, headers[1:]):
         end = len(sheet.rows)
         if following is not None:
-            titles = [row for row in _title_rows(sheet, following.first, header.last) if _is_single(sheet, row)]
+            titles = [row for row in _title_rows(sheet, following.first, header.last) if is_single(sheet, row)]
             end = min([following.first, *titles])
-        table = replace(header, sheet=_only(sheet, 0, sheet.width, end))
-        yield _by_content(table, Sizes(names.controller))
+        yield replace(header, sheet=_only(sheet, 0, sheet.width, end))
 
 
 def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
@@ -113,7 +126,7 @@ def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
     return replace(table, columns=tuple(kept))
 
 
-def _is_single(sheet: Sheet, row: int) -> bool:
+def is_single(sheet: Sheet, row: int) -> bool:
     """Return whether a row holds one text and nothing else: a title, or a line between the rows."""
     cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
     return len(cells) == 1 and isinstance(cells[0], str) and number_of(cells[0]) is None
@@ -156,25 +169,28 @@ def _between(table: HeadedTable, begin: int, end: int) -> HeadedTable:
     return replace(table, columns=tuple(column for column in table.columns if begin <= column.index < end))
 
 
-def _titled(table: HeadedTable, names: ControllerNames) -> HeadedTable:
+def _titled(table: HeadedTable, names: ControllerNames, said: SheetMapping = NOTHING_SAID) -> HeadedTable:
     """Return the table with what its title lines and its sheet's name say of it."""
     above = _title_rows(table.sheet, table.first, -1)
     texts = [" ".join(str(cell) for cell in table.sheet.rows[row] if not is_blank(cell)) for row in above]
     lines = [(Sentence("the title {said!r}", said=text), text) for text in texts]
     if table.sheet.name is not None:
         lines.append((Sentence("the sheet's name {said!r}", said=table.sheet.name), table.sheet.name))
-    return replace(_said(table, lines, names), left_aside=_why_aside(table, [*texts[:1], table.sheet.name or ""]))
+    return replace(_said(table, lines, names, said), left_aside=_why_aside(table, [*texts[:1], table.sheet.name or ""]))
 
 
-def _said(table: HeadedTable, lines: Sequence[tuple[Sentence, str]], names: ControllerNames) -> HeadedTable:
+def _said(
+    table: HeadedTable, lines: Sequence[tuple[Sentence, str]], names: ControllerNames, said: SheetMapping
+) -> HeadedTable:
     """Return the table with part and component from the nearest line that says one, where no column does."""
 
     def component(text: str) -> str | None:
-        return names.component_in(text) or (names.component(text) if text == table.sheet.name else None)
+        named = said.named("component", text) or names.component_in(text)
+        return named or (names.component(text) if text == table.sheet.name else None)
 
     named_by: list[Sentence] = []
     for name, read, wanted in (
-        ("part", part_in, bool(table.values) and not table.has_part),
+        ("part", lambda text: said.named("part", text) or part_in(text), bool(table.values) and not table.has_part),
         ("component", component, not table.of("component")),
     ):
         found = next(((line, value) for line, text in lines if (value := read(text)) is not None), None)
@@ -198,17 +214,17 @@ def _why_aside(table: HeadedTable, titles: Sequence[str]) -> Sentence | None:
     return None
 
 
-def _sections(table: HeadedTable, names: ControllerNames) -> Iterator[HeadedTable]:
+def _sections(table: HeadedTable, names: ControllerNames, said: SheetMapping = NOTHING_SAID) -> Iterator[HeadedTable]:
     """Yield the table, cut where a line between its rows names the part or component that no column does."""
     if table.left_aside or not table.values or (table.has_part and table.of("component")):
         yield table
         return
     section, sheet = table, table.sheet
     for row in table.rows:
-        if not _is_single(sheet, row):
+        if not is_single(sheet, row):
             continue
         text = next(str(cell) for cell in sheet.rows[row] if not is_blank(cell))
-        following = _said(table, [(Sentence("the line {said!r}", said=text), text)], names)
+        following = _said(table, [(Sentence("the line {said!r}", said=text), text)], names, said)
         if following.named_by == table.named_by:
             # an unknown line ends what the line before it says
             following = replace(table, part=None, component=None, named_by=None)
@@ -253,27 +269,7 @@ def turned(sheet: Sheet) -> Sheet | None:
     return replace(sheet, rows=rows, merged=merged, faults=faults, marks=marks, turned=not sheet.turned)
 
 
-# --- what a person is asked: which column most likely is what
-
-_LOOKED_AT = 60  # rows by which a sheet is told from a log, and a column from another
-_FIRST = 300  # rows among which the first reading is looked for
-
-
-def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
-    """Return the table that a sheet most likely holds: with the headings above the first row of a reading."""
-    table, sizes = best_header(sheet), Sizes(names.controller)
-    for row, cells in enumerate(sheet.rows[:_FIRST]):
-        named = any(read_label(cell, names) for cell in cells if not is_blank(cell))
-        if named and any(
-            sizes.near(value, UNITS) and not is_whole(cell) for cell in cells for value in numbers_of(cell)
-        ):
-            if table is not None and table.last == row - 1:
-                return table
-            headed = row > 0 and not any(number_of(text_of(cell)) for cell in sheet.rows[row - 1])
-            texts = tuple(headings(sheet, row - 1, row - 1)) if headed else ("",) * sheet.width
-            read = [column for index, text in enumerate(texts) if (column := read_heading(text, index)) is not None]
-            return HeadedTable(sheet, row - 1, row - 1, read_together(read), texts)
-    return table or HeadedTable(sheet, -1, -1, (), ())
+_LOOKED_AT = 60  # rows by which a sheet is told from a log
 
 
 def looks_measured(sheet: Sheet, names: ControllerNames, least: int = 1) -> bool:
@@ -303,71 +299,3 @@ def looks_measured(sheet: Sheet, names: ControllerNames, least: int = 1) -> bool
 
 def _exact(row: Sequence[Cell]) -> Iterator[float]:
     return (value for cell in row if not is_whole(cell) for value in numbers_of(cell))
-
-
-def likely(table: HeadedTable, names: ControllerNames) -> dict[str, int]:
-    """Return by role the column that it most likely is, by its heading or else by its cells; for a person to judge."""
-    sizes, every = Sizes(names.controller), range(table.sheet.width)
-    cells = {index: list(table.cells(index).values())[:_LOOKED_AT] for index in every}
-    says: dict[str, Callable[[Cell], bool]] = {
-        "component": lambda cell: names.component(cell) in names.with_lands,
-        "part": lambda cell: part_said(text_of(cell)) is not None,
-        "plane": names.is_plane,
-        "direction": lambda _: False,
-        "repeat": lambda _: False,
-    }
-    found: dict[str, int] = {}
-    headed = {role: [column.index for column in table.of(ROLES[role])] for role in says}
-    headed["plane"] += [column.index for column in table.of("land")]
-    for role, is_one in says.items():  # a heading whose cells say it, then any such cells
-        fits = [index for index in (*headed[role], *every) if 2 * sum(map(is_one, cells[index])) > len(cells[index])]
-        if fits and fits[0] not in found.values():
-            found[role] = fits[0]
-    for role, columns in headed.items():
-        if columns and role not in found and columns[0] not in found.values():
-            found[role] = columns[0]
-    for index in every:  # cells that say several things
-        meanings = Counter(name for cell in cells[index] for name in read_label(cell, names) or {})
-        most = {
-            "plane" if name == "land" else name for name, count in meanings.items() if 2 * count > len(cells[index])
-        }
-        found |= dict.fromkeys(sorted(most - {"unit"}), index) if len(most - {"unit"}) > 1 else {}
-    values = [column.index for column in table.values] or [
-        index
-        for index in every
-        if index not in found.values()
-        and table.role(index) not in ("specification", "remark", "gauge")
-        and sizes.fill([cell for cell in cells[index] if not is_whole(cell)])
-        and any(numbers_of(cell) for cell in cells[index])
-    ]
-    deviations = [index for index in every if letters(table.heading(index)).any("deviation")]
-    if table.of("specification") and deviations and not values:
-        return found | {"new": table.of("specification")[0].index, "deviation": deviations[0]}
-    if len(values) == 2 and "part" not in found:
-        first, second = (sum(map(sum, map(numbers_of, table.cells(index).values()))) for index in values)
-        spool, sleeve = values if first < second else reversed(values)
-        return found | {"value spool": spool, "value sleeve": sleeve}
-    if len(values) > 1:  # of which part, place or repeat only a person knows
-        return found | {f"value which {number}": index for number, index in enumerate(values, 1)}
-    return found | ({"value": values[0]} if values else {})
-
-
-def column_name(table: HeadedTable, index: int) -> str:
-    """Return how a mapping names a column: by its heading where no other one has it, or else by its letter."""
-    heading = table.heading(index)
-    unique = heading and sum(plain(text) == plain(heading) for text in table.texts) == 1
-    return heading if unique else column_letter(index)
-
-
-def suggestion(table: HeadedTable, names: ControllerNames) -> Sentence:
-    """Return the options that would settle which column is what, with COLUMN where only a person knows."""
-    found = {role: column_name(table, index) for role, index in likely(table, names).items()}
-    needed = {"component", "plane", "part", "value"} - ({"part", "value"} if "value spool" in found else set())
-    needed -= {"value"} if any(role.startswith(("deviation", "value ")) for role in found) else set()
-    found |= dict.fromkeys(sorted(needed - found.keys()), "COLUMN")
-    options = " ".join(f"--map {_quoted(role, column)}" for role, column in found.items())
-    return Sentence("which column is what: {options}", options=Option("map", text=options))
-
-
-def _quoted(role: str, column: str) -> str:
-    return f"{role}={column}" if re.fullmatch(r"[\w.]+", role + column) else f'"{role}={column}"'

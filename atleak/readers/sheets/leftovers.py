@@ -32,7 +32,7 @@ from atleak.readers.sheets.controller_names import (
     numbers_of,
 )
 from atleak.readers.sheets.rows import LABEL_OF, SheetRows, aside
-from atleak.readers.sheets.table import HeadedTable
+from atleak.readers.sheets.table import HeadedTable, which_columns
 from atleak.readers.sheets.words import (
     Words,
     is_blank,
@@ -478,9 +478,9 @@ def _which(table: HeadedTable, rivals: Sequence[int]) -> ReadingsError:
         names=tuple(_name(table, index) for index in rivals),
         read=tuple(repr(column.name) for column in table.values),
     )
-    return ReadingsError(
+    return which_columns(
         problem,
-        place=table.heading_place(rivals[0]),
+        table.heading_place(rivals[0]),
         expected=Sentence(
             "headings that say so: 'measured [mm]', or 'nominal', 'mean', 'remark' over what is not the measurement; "
             "'diameter 1', 'diameter 2' over repeats"

@@ -71,6 +71,7 @@ _OF_FORM: Mapping[str, Role] = {  # what a column of atleak's own forms is
 ABOUT = ("header", "rows", "missing", "spool", "sleeve")  # the table as a whole, or words that stand in it
 FORMAT = "measuring sheet"  # by which what is remembered of sheets is told from logs
 _NAME = re.compile(r"([a-z]+)(?![^\W\d_])[\s:,._]*(.*)", re.DOTALL)
+_WORDS = re.compile(r"[\w']+")
 _LETTERS, _NUMBER = re.compile(r"[A-Z]{1,2}"), re.compile(r"(?:column\s*)?(\d{1,5})", re.IGNORECASE)
 _LINES = re.compile(r"(\d+|[A-Z]{1,2})(?:\s*[-–]\s*(\d+|[A-Z]{1,2}))?")
 _PLACES: tuple[Role, ...] = ("plane", "land")
@@ -344,6 +345,13 @@ class SheetMapping:
                 raise _refused(Sentence("not understood as {role}", role=name), text, expected)
         return said
 
+    def named(self, role: str, text: str) -> str | None:
+        """Return what a title, a line or a sheet's name says in the sheet's own words."""
+        words = f" {' '.join(_WORDS.findall(plain(text)))} "
+        own = self._own_words()[role].items() if self.chosen else ()
+        found = {name for word, name in own if f" {' '.join(_WORDS.findall(word))} " in words}
+        return found.pop() if len(found) == 1 else None
+
     def _own_words(self) -> dict[str, dict[str, str]]:
         """Return what each of the sheet's own words means, by the role of the column in which it stands."""
         words: dict[str, dict[str, str]] = {"part": {}, "component": {}, "plane": {}}
@@ -608,7 +616,7 @@ def _split(table: HeadedTable, index: int, names: ControllerNames) -> HeadedTabl
     A cell that is not understood stays as a whole in the first of the new columns, to be refused there.
     """
     filled = table.sheet.filled
-    labels = {row: read_label(cell, names) or {} for row, cell in table.cells(index).items()}
+    labels = {row: read_label(cell, names, dotted=True) or {} for row, cell in table.cells(index).items()}
     wanted = list(dict.fromkeys(name for label in labels.values() for name in label)) or ["component"]
     columns = [(HeadedColumn(0, table.heading(index), LABELLED[name], rank=9), index) for name in wanted]
 

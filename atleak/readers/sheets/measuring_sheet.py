@@ -51,12 +51,13 @@ from atleak.readers.sheets.diameters import convert
 from atleak.readers.sheets.exclusions import LEFT_ASIDE
 from atleak.readers.sheets.head import is_typed, read_head
 from atleak.readers.sheets.land_values import LandValues, read_land_values
-from atleak.readers.sheets.layout import column_name, find_tables, likely, likely_table, turned
+from atleak.readers.sheets.layout import find_tables, turned
 from atleak.readers.sheets.leftovers import Account, units_apart
 from atleak.readers.sheets.mapping import SheetMapping, recalled, tables_of_form
 from atleak.readers.sheets.plausibility import check
 from atleak.readers.sheets.repeats import require_known
 from atleak.readers.sheets.rows import SheetRows, read_rows
+from atleak.readers.sheets.suggestions import Guess, column_name, likely_table, suggest
 from atleak.readers.sheets.table import HeadedTable, best_header
 from atleak.readers.sheets.words import is_word, text_of
 
@@ -181,29 +182,38 @@ def read_readings(
     if earlier is not None:
         settled = SheetMapping(earlier.with_chosen(settled.chosen))
         given_unit = given_unit or find_unit(earlier.entry.units.get("value", ""), "length")
-    chosen = choose_sheet(sheets, file, ControllerNames(controller), sheet, fill_down, settled)
-    require_known(chosen.tables, where or {})
-    tables = [*chosen.tables, *chosen.of_lands]
-    lands = read_land_values(tables, ControllerNames(controller), given_unit, where)
-    controller = lands.own.with_fitted(controller)
-    measured = _Measurement(chosen, sheets, lands, ControllerNames(controller), given_unit, where, settled)
-    result = measured.readings(hashlib.sha256(data).hexdigest(), pressures)
-    notes = [*form_doubts(chosen.sheets), *([] if earlier is None else [earlier.entry.note])]
-    result = replace(result, messages=(*notes, *result.messages))
-    if settled.chosen:
-        result = replace(result, columns=tuple(settled.chosen.items()), headings=measured.first.headed)
-    problems = [*measured.problems, *check(result, controller)]
-    others = [agreement.other_controller(table, controller, made_for) for table in chosen.tables]
-    problems = next(([other] for other in reversed(others) if other is not None), problems)
-    if with_cells:
-        result = replace(result, sheets=measured.sheets(problems))
-    if problems:
-        refused = sorted(problems, key=lambda problem: problem.place.row or 0)
-        refused += [ReadingsError(note.text, place=note.place) for note in notes]
-        raise ReadingsRefused(refused, result.sheets)
-    if not (result.readings or result.unworn or any(map(is_typed, sheets))) and pressures is None:
-        raise _none_left(result, measured.first)
-    return result
+    names, digest = ControllerNames(controller), hashlib.sha256(data).hexdigest()
+    note = () if earlier is None else (earlier.entry.note,)
+
+    def read(said: SheetMapping, down: bool, cells: bool = False) -> Readings:
+        chosen = choose_sheet(sheets, file, names, sheet, down, said)
+        require_known(chosen.tables, where or {})
+        lands = read_land_values([*chosen.tables, *chosen.of_lands], names, given_unit, where)
+        fitted = lands.own.with_fitted(controller)
+        measured = _Measurement(chosen, sheets, lands, ControllerNames(fitted), given_unit, where, said)
+        result = measured.readings(digest, pressures)
+        notes = [*form_doubts(chosen.sheets), *note]
+        result = replace(result, messages=(*notes, *result.messages))
+        if said.chosen:
+            result = replace(result, columns=tuple(said.chosen.items()), headings=measured.first.headed)
+        problems = [*measured.problems, *check(result, fitted)]
+        others = [agreement.other_controller(table, fitted, made_for) for table in chosen.tables]
+        problems = next(([other] for other in reversed(others) if other is not None), problems)
+        if cells:
+            result = replace(result, sheets=measured.sheets(problems))
+        if problems:
+            refused = sorted(problems, key=lambda problem: problem.place.row or 0)
+            refused += [ReadingsError(note.text, place=note.place) for note in notes]
+            raise ReadingsRefused(refused, result.sheets)
+        if not (result.readings or result.unworn or any(map(is_typed, sheets))) and pressures is None:
+            raise _none_left(result, measured.first)
+        return result
+
+    try:
+        return read(settled, fill_down, with_cells)
+    except ReadingsError as error:
+        suggest(error, sheets, names, settled, read)
+        raise
 
 
 class _Measurement:
@@ -418,7 +428,7 @@ def look_at(
     columns = tuple(column_name(table, index) for index in range(page.width))
     below = (list(table.cells(index).values()) for index in range(page.width))
     examples = tuple(text_of(next(iter(filled), "")) for filled in below)
-    said = chosen.places(page) or likely(table, names)
+    said = chosen.places(page) or Guess(table, names).roles
     asked = {role: columns[index] for role, index in said.items()}
     shown = tuple(page.name for page in pages if page.name)
     return SheetLook(shown, page.name, cells, columns, examples, found, asked, understood)

@@ -22,7 +22,7 @@ from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames, 
 from atleak.readers.sheets.diameters import FILL_DOWN, DiameterCell, PlaceKey, RawValue, broken_blocks
 from atleak.readers.sheets.exclusions import Exclusions, mark_messages
 from atleak.readers.sheets.repeats import Break, repeat_messages, rows_left_out, states_question
-from atleak.readers.sheets.table import HeadedTable
+from atleak.readers.sheets.table import COLUMNS, HeadedTable
 from atleak.readers.sheets.words import (
     A_DIAMETER,
     at,
@@ -290,10 +290,9 @@ class _Reader:
                 numbers[name], written = read(self.sheet.cell(row, column.index))
             except ReadingsError as error:
                 cell = text_of(self.sheet.cell(row, column.index))
-                if several_in(cell):
-                    each = Sentence("{expected}; or, where each of them is a reading, {option}")
-                    value = Option("map", f'"value={column.name}"')
-                    error.expected = each.of(expected=error.expected or A_DIAMETER, option=value)
+                if several_in(cell) and not self.table.mapped:
+                    each = Sentence("{expected}; where each of them is a reading, name the columns")
+                    error.expected, error.role = each.of(expected=error.expected or A_DIAMETER), COLUMNS
                 elif not re.search(r"\d", cell):
                     stands = Sentence("{expected}; or, for no reading, {option}")
                     missing = Option("map", f'"missing={cell}"')

@@ -13,7 +13,7 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 from atleak.catalogue.instruments import Part
-from atleak.common.errors import Message, Place
+from atleak.common.errors import Message, Place, ReadingsError
 from atleak.common.sentences import Sentence
 from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.sheets.column_headings import (
@@ -235,7 +235,18 @@ EXPECTED_SHEET = Sentence(
     "diameter or coordinate x1 and coordinate x2; also read: direction, repeat, unit"
 )
 
+COLUMNS = "columns"  # role of a problem that is settled by saying which column is what
+
 _DEPTH = 4  # rows that headings may be spread over
+
+
+def which_columns(
+    problem: Sentence, place: Place, value: object = None, expected: Sentence = EXPECTED_SHEET
+) -> ReadingsError:
+    """Return a problem that is settled by saying which column is what."""
+    error = ReadingsError(problem, place=place, value=value, expected=expected)
+    error.role = COLUMNS
+    return error
 
 
 def _starts_table(table: HeadedTable) -> bool:

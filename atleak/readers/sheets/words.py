@@ -233,6 +233,9 @@ _SIDES: tuple[tuple[Part, str, re.Pattern[str]], ...] = (
 )
 
 
+_OF_SIDES = {"o", "i", "d", "od", "id"}  # of "OD", "I.D."
+
+
 def part_words() -> list[str]:
     """Return the words a sheet may use for a part."""
     return [word for word in _PART_WORDS if len(word) > _SINGLE_LETTERS]
@@ -268,14 +271,17 @@ def side_of(text: str) -> Part | None:
 def part_said(text: str) -> Part | None:
     """Return the part that a cell names, by a word for it or as the one with an outer or inner diameter.
 
-    >>> part_said("Bohrung"), part_said("outer diameter"), part_said("ID"), part_said("outside the box")
-    ('sleeve', 'spool', 'sleeve', None)
+    >>> part_said("Spool diameter"), part_said("outer diameter"), part_said("ID"), part_said("outside the box")
+    ('spool', 'spool', 'sleeve', None)
+    >>> part_said("Spool OD"), part_said("Spool ID")
+    ('spool', None)
     """
-    part = part_of(text)
-    if part is not None or side_of(text) is None:
+    part, side = part_of(text), side_of(text)
+    if part is not None or re.search(r"\d", text):
         return part
-    others = letters(text).but("diameter", "outer", "inner")
-    return side_of(text) if {"o", "i", "d", "od", "id"}.issuperset(others) else None
+    others = [word for word in letters(text).but("diameter", "outer", "inner") if word not in _OF_SIDES]
+    said = {part_of(word) for word in others} | ({side} if side else set())
+    return said.pop() if len(said) == 1 else None
 
 
 @lru_cache(maxsize=4096)
@@ -389,7 +395,10 @@ def plane_names(cell: Cell) -> list[str]:
     """
     text = text_of(cell)
     short = re.sub(
-        r"^(measurement |measuring )?(plane|land|ebene|plaszczyzna|płaszczyzna|no\.?|nr\.?)\s*", "", text, flags=re.I
+        r"^(measurement |measuring )?(plane|land|l(?=\d)|ebene|plaszczyzna|płaszczyzna|no\.?|nr\.?)\s*",
+        "",
+        text,
+        flags=re.I,
     )
     short = short.strip("\"'“”„ ")
     names = [text, short]

@@ -9,6 +9,7 @@ import shlex
 import openpyxl
 import pytest
 
+from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import InputError, ReadingsError
 from atleak.readers.remembered_columns import MapFile, recall_all
 from atleak.readers.sheets.mapping import is_role, remember_sheet
@@ -75,9 +76,86 @@ def test_the_refusal_names_the_options_that_settle_the_sheet(example):
     with pytest.raises(ReadingsError, match="component=N° de pièce"):
         read(PLAIN.replace("Valve", "N° de pièce"), example)
     titled = "Bore gauge #2, micrometer no. 7\n" + PLAIN
-    with pytest.raises(ReadingsError, match="--map header=2"):
+    with pytest.raises(ReadingsError, match=r"is left aside.*--map component=Valve .*--map .value=Diameter"):
         read(titled, example)
     assert sizes(read(titled, example, {"header": "2"})) == PAIRS[:2]
+
+
+def printed(error):
+    words = shlex.split(re.search(r"--map .*", str(error))[0])
+    mapping = dict(word.split("=", 1) for word in words if word not in ("--map", "--fill-down"))
+    return {"mapping": mapping, "fill_down": "--fill-down" in words}
+
+
+SUGGESTED = {
+    "a deviation of each part": (
+        "Nr.;Bund;Nennmaß [mm];Abmaß Kolben [µm];Abmaß Bohrung [µm]\naccumulator;1;18,0;-2;41\ntcc_regulator;1;11,0;-2;31"
+    ),
+    "a title that speaks of deviations": (
+        "Scostamenti dal nominale\nComponente;Piano;Ø nominale (mm);Scost. cassetto (µm);Scost. foro (µm)\n"
+        "accumulator;1;18,0;-2;41\ntcc_regulator;1;11,0;-2;31"
+    ),
+    "words for the parts by size": (
+        "Vlv;Ld;Pt;mm\naccumulator;1;Q;17.998\naccumulator;1;R;18.041\ntcc_regulator;1;Q;10.998\ntcc_regulator;1;R;11.031"
+    ),
+    "an unknown column beside a known one": (
+        "Ventil;Bund;Kolben (mm);Aloja (mm)\naccumulator;1;17,998;18,041\ntcc_regulator;1;10,998;11,031"
+    ),
+    "planes and parts in headings": (
+        "Valvola;Descr;Cassetto 1;Sede 1\naccumulator;x;17,998;18,041\ntcc_regulator;y;10,998;11,031"
+    ),
+    "a number in the cells": "Nr;Bund;Ø T;Ø A\naccumulator;1;17,998;18,041\ntcc_regulator;1;10,998;11,031",
+    "titles over tables with the same headings": (
+        "QRST (mm)\nRepère;Portée;Cote\naccumulator;1;17,998\ntcc_regulator;1;10,998\n\n"
+        "UVWX (mm)\nRepère;Portée;Cote\naccumulator;1;18,041\ntcc_regulator;1;11,031"
+    ),
+    "headings in a column": "mm;accumulator-1;tcc_regulator-1\nspool;17.998;10.998\nbore;18.041;11.031",
+    "no headings and single spaces": (
+        "main, today\naccumulator L1 spool 17.998 bore 18.041\ntcc_regulator L1 spool 10.998 bore 11.031\nmm btw"
+    ),
+    "only the first of a block is named": (
+        "X;Y;Ø T (mm);Ø A (mm)\npressure_regulator;1;14.997;15.034\n;2;12.498;12.535"
+    ),
+}
+
+
+@pytest.mark.parametrize("sheet", SUGGESTED.values(), ids=SUGGESTED)
+def test_the_options_of_a_refusal_were_tried_on_the_sheet_and_settle_it(example, sheet):
+    with pytest.raises(ReadingsError) as caught:
+        read(sheet, example)
+    readings = read(sheet, example, **printed(caught.value))
+    assert len(readings.readings) == 4
+    left = [message for message in readings.messages if message.code in ("column_aside", "not_read")]
+    assert all(message.level == "info" for message in left)
+    by_part = {part: [one.diameter for one in readings.readings if one.part == part] for part in ("spool", "sleeve")}
+    assert all(spool < sleeve for spool, sleeve in zip(*by_part.values(), strict=True))
+    assert caught.value.offer == printed(caught.value)["mapping"]
+
+
+def test_a_component_in_a_line_of_its_own_is_named_in_the_words_of_the_sheet():
+    controller = load_controller("four_speed_2023")
+    sheet = "Plano;Q;R\nVálvula 14;;\n1;9.987;10.014\nVálvula 17;;\n1;11.993;12.031"
+    with pytest.raises(ReadingsError) as caught:
+        read(sheet, controller)
+    assert {"component 14": "Válvula 14", "component 17": "Válvula 17"}.items() <= caught.value.offer.items()
+    readings = read(sheet, controller, caught.value.offer)
+    assert sizes(readings) == [("14", 9.987), ("14", 10.014), ("17", 11.993), ("17", 12.031)]
+
+
+def test_own_words_for_parts_reach_the_names_of_sheets(example, filled_in):
+    table = "Componente;Plano;Medido\naccumulator;1;{}\ntcc_regulator;1;{}"
+    book = filled_in({"Qua": table.format(17.998, 10.998), "Rua": table.format(18.041, 11.031)}, "workbook")
+    with pytest.raises(ReadingsError) as caught:
+        read(book, example)
+    assert {"spool": "Qua", "sleeve": "Rua"}.items() <= caught.value.offer.items()
+    assert len(read(book, example, caught.value.offer).readings) == 4
+
+
+@pytest.mark.parametrize("headings", ["Shift 1 [mm];Shift 2 [mm]", "Spool Anna;Spool Ben"])
+def test_whether_columns_are_repeats_or_two_states_only_a_person_knows(example, headings):
+    with pytest.raises(ReadingsError) as caught:
+        read(f"Valve;Land;{headings}\ntcc_regulator;1;10.998;10.999\naccumulator;1;17.998;17.999", example)
+    assert "repeat" not in str(caught.value).partition("--map")[2]
 
 
 def test_of_several_columns_the_refusal_asks_of_which_they_are(example):
@@ -190,7 +268,7 @@ def test_the_number_of_a_unit_is_no_unit_of_length(example):
 
 def test_several_readings_in_a_cell_are_asked_about_and_count_each(example):
     sheet = "Valve;Plane;Part;Diameter [mm]\naccumulator;1;spool;17.998 / 17.997 / 17.999\naccumulator;1;bore;18.041"
-    with pytest.raises(ReadingsError, match=r"each of them is a reading, --map .value=Diameter \[mm\]"):
+    with pytest.raises(ReadingsError, match=r"each of them is a reading.*--map .value=Diameter \[mm\]"):
         read(sheet, example)
     readings = read(sheet, example, {"value": "Diameter [mm]"})
     assert [(one.part, one.repeat, round(one.diameter * 1e3, 4)) for one in readings.readings] == [
