@@ -89,7 +89,8 @@ def printed(error):
 
 SUGGESTED = {
     "a deviation of each part": (
-        "Nr.;Bund;Nennmaß [mm];Abmaß Kolben [µm];Abmaß Bohrung [µm]\naccumulator;1;18,0;-2;41\ntcc_regulator;1;11,0;-2;31"
+        "Nr.;Bund;Nennmaß [mm];Abmaß Kolben [µm];Abmaß Bohrung [µm]\n"
+        "accumulator;1;18,0;-2;41\ntcc_regulator;1;11,0;-2;31"
     ),
     "a title that speaks of deviations": (
         "Scostamenti dal nominale\nComponente;Piano;Ø nominale (mm);Scost. cassetto (µm);Scost. foro (µm)\n"
