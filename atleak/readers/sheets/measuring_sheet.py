@@ -9,7 +9,7 @@ What happens to a file:
 2. `layout` cuts a sheet into tables: `column_headings` reads single headings, `table` all of them together, `labels`
    cells that say several things; `words` and ``vocabulary.toml`` know the words of every language.
    What a person says of the columns (`mapping`) makes the same tables, and goes before what the headings say.
-3. `choice` picks the tables that are the measurement, and `columns` the columns of each that are read.
+3. `layout` picks the tables that are the measurement too, and `columns` the columns of each that are read.
 4. `rows` reads every row, with `controller_names`; `exclusions` leaves out rows that are no reading, and `repeats` asks
    where two states would be averaged. `diameters` makes metres of what they hold.
 5. `head` and `land_values` read what stands above the headings, and what lands have of their own. A
@@ -44,14 +44,13 @@ from atleak.readers.gauges.gauge_table import find_tabs, likeness_of
 from atleak.readers.own_forms import form_doubts
 from atleak.readers.remembered_columns import forget_columns
 from atleak.readers.sheets import agreement
-from atleak.readers.sheets.choice import SheetChoice, choose_sheet, require_one_measurement
 from atleak.readers.sheets.columns import find_columns
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.diameters import convert
 from atleak.readers.sheets.exclusions import LEFT_ASIDE
 from atleak.readers.sheets.head import is_typed, read_head
 from atleak.readers.sheets.land_values import LandValues, read_land_values
-from atleak.readers.sheets.layout import find_tables, turned
+from atleak.readers.sheets.layout import SheetChoice, choose_sheet, find_tables, require_one_measurement, turned
 from atleak.readers.sheets.leftovers import Account, units_apart
 from atleak.readers.sheets.mapping import SheetMapping, recalled, tables_of_form
 from atleak.readers.sheets.plausibility import check
