@@ -23,6 +23,7 @@ from atleak.readers.sheets.mapping import (
     SheetMapping,
     diameter_role,
     diameter_said,
+    names_column,
     remember_sheet,
     rows_role,
     with_row_turned,
@@ -214,7 +215,7 @@ def _row(draft: _Draft, look: SheetLook, sheet: SheetCells, number: int) -> None
 def _header(draft: _Draft, look: SheetLook, header: str) -> None:
     """Say where the headings stand; columns that were named stay what they are."""
     letters = {name: column_letter(index) for index, name in enumerate(look.columns)}
-    mapping = {name: letters.get(text, text) for name, text in draft.typed.items()}
+    mapping = {name: letters.get(text, text) if names_column(name) else text for name, text in draft.typed.items()}
     _say(draft, look, {**mapping, "header": header.strip()})
 
 

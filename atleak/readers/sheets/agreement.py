@@ -1,4 +1,7 @@
-"""What a sheet says twice: clearances and means beside the diameters, corrections, the controller at its head."""
+"""What a sheet says of its readings: clearances and means beside them, corrections, of which unit and controller.
+
+Titles, sheets and columns may name several transmissions or vehicles, and a line may void or correct readings.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +13,28 @@ from statistics import fmean
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import catalogue_files
-from atleak.common.errors import Message, OtherControllerError
-from atleak.common.sentences import Sentence, counted
+from atleak.common.errors import Message, OtherControllerError, Place, ReadingsError
+from atleak.common.sentences import Option, Sentence, all_of, counted
 from atleak.common.units import Unit
 from atleak.common.units import unit as unit_named
 from atleak.measurements.readings import Reading
-from atleak.readers.cells.sheet import rows_named
+from atleak.readers.cells.sheet import Cell, Sheet, rows_named
 from atleak.readers.sheets.column_headings import unit_of_heading
 from atleak.readers.sheets.columns import Columns
 from atleak.readers.sheets.diameters import DiameterCell
+from atleak.readers.sheets.mapping import rows_role, rows_said
+from atleak.readers.sheets.rows import SheetRows
 from atleak.readers.sheets.table import HeadedTable
-from atleak.readers.sheets.words import Words, is_blank, letters, part_of, plain, stated_number, text_of
+from atleak.readers.sheets.words import (
+    Words,
+    is_blank,
+    letters,
+    part_of,
+    plain,
+    sheet_vocabulary,
+    stated_number,
+    text_of,
+)
 
 _ROUNDED = 1.5e-6  # [m] by which a clearance or mean of rounded diameters may differ from theirs
 _SHOWN = 5  # rows that are named one by one
@@ -273,14 +287,15 @@ def other_controller(
     for row in range(max(table.first, 0)):
         for index, cell in enumerate(sheet.rows[row]):
             match = _CONTROLLER.search(cell) if isinstance(cell, str) else None
-            if match is None:
-                continue
-            form = _OF_A_FORM.match(cell)
-            sure = form is not None and (form.end() < len(cell) or (row, index) == (0, 0))
-            named = form[1] if form is not None and sure else match[1]
-            if named is None and not cell[match.end() :].strip(" .:"):
-                beside = text_of(sheet.cell(row, index + 1))
-                named = beside if _ID.fullmatch(beside) else None
+            named, sure = _by_model(cell, catalogue, mine), False
+            if match is not None:
+                form = _OF_A_FORM.match(cell)
+                sure = form is not None and (form.end() < len(cell) or (row, index) == (0, 0))
+                said = form[1] if form is not None and sure else match[1]
+                if said is None and not cell[match.end() :].strip(" .:"):
+                    beside = text_of(sheet.cell(row, index + 1))
+                    said = beside if _ID.fullmatch(beside) else None
+                named = said or named
             if named is None or plain(named) in mine or not (sure or plain(named) in catalogue or "_" in named):
                 continue
             error = OtherControllerError(
@@ -300,3 +315,163 @@ def other_controller(
             error.named = named
             return error
     return None
+
+
+def _by_model(cell: Cell, catalogue: Collection[str], mine: Collection[str]) -> str | None:
+    """Return the one other controller of the catalogue whose id holds a model that a cell names: "AW55", "4L60E"."""
+    words = set(re.findall(r"[^\W_]+", plain(cell))) if isinstance(cell, str) else set()
+    models = {word for word in words if len(word) > 3 and not word.isalpha() and not word.isdigit()}
+    own = {word for name in mine for word in re.findall(r"[^\W_]+", name)}
+    named = [name for name in catalogue if name not in mine and not models.isdisjoint(name.split("_"))]
+    return named[0] if len(named) == 1 and models.isdisjoint(own) else None
+
+
+# --- of one unit
+
+_NAMED = re.compile(r"([^\W\d_]{3,})[\s:#._-]*(?:(?i:no|nr|number|n°)\b[\s.:#]*)?([A-Z](?![\w])|[\w./-]*\d[\w./-]*)")
+_LISTED = 4  # values of a column that are named
+
+
+@dataclass(frozen=True)
+class _UnitName:
+    """What a text says of the unit that readings under it are of: by which word, which one, and where it stands."""
+
+    word: str
+    which: str
+    text: str
+    place: Place
+    is_sheet: bool
+
+
+def units_apart(read: Sequence[SheetRows]) -> list[ReadingsError]:
+    """Return the error where titles, names of sheets or a column call what is read more than one unit.
+
+    The parts of two units fit each other well enough to pass for one: nothing else would show it.
+    """
+    by_word: dict[str, dict[str, _UnitName]] = defaultdict(dict)
+    for rows in read:
+        for unit_name in _titles(rows):
+            by_word[unit_name.word].setdefault(unit_name.which, unit_name)
+    for named in by_word.values():
+        if len(named) > 1:
+            return [_by_titles(list(named.values()))]
+    column = _by_column(read)
+    return [] if column is None else [column]
+
+
+def _titles(rows: SheetRows) -> Iterator[_UnitName]:
+    sheet = rows.table.sheet
+    last = max(entry.row for entry in rows.entries)
+    texts = [(text, sheet.place(row), False) for row, text in _lines(sheet, rows.table.last, last)]
+    texts.append((rows.table.title, sheet.place(max(rows.table.first - 1, 0)), False))
+    for text, place, is_sheet in (*texts, (sheet.name or "", sheet.place(), True)):
+        for match in _NAMED.finditer(text):
+            if plain(match[1]) in sheet_vocabulary("whole_unit"):
+                yield _UnitName(plain(match[1]), match[2].strip("./-"), text, place, is_sheet)
+
+
+def _lines(sheet: Sheet, first: int, last: int) -> Iterator[tuple[int, str]]:
+    """Yield the lines of text between the readings of a table."""
+    for row in range(first + 1, last):
+        cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
+        if len(cells) == 1 and isinstance(cells[0], str):
+            yield row, " ".join(cells[0].split())
+
+
+def _by_titles(named: Sequence[_UnitName]) -> ReadingsError:
+    expected = Sentence(
+        "the readings of one unit: delete or hide the other ones; or one name over all, if it is one unit"
+    )
+    if all(unit_name.is_sheet for unit_name in named):
+        expected = Sentence(
+            "one: say which sheet, as in {option}; or one name for all, if it is one unit",
+            option=Option("sheet", f'"{named[0].text}"'),
+        )
+    return ReadingsError(
+        Sentence(
+            "the readings are of several units, by their titles: {titles}",
+            titles=all_of(Sentence("{said!r}", said=unit_name.text) for unit_name in named),
+        ),
+        place=named[1].place,
+        value=named[1].text,
+        expected=expected,
+    )
+
+
+def _by_column(read: Sequence[SheetRows]) -> ReadingsError | None:
+    """Return the error for a column of serial numbers or vehicles, where several stand beside the readings."""
+    values: dict[str, dict[str, set[tuple[str, ...]]]] = defaultdict(lambda: defaultdict(set))
+    places: dict[str, Place] = {}
+    for rows in read:
+        sheet = rows.table.sheet
+        for index in rows.table.span:
+            heading = rows.table.heading(index)
+            words = letters(heading)
+            of_unit = words.any("whole_unit", "head_vehicle", "head_vin", "head_serial")
+            of_others = words.any("part", "gauge", "head_instrument")  # whose serial number tells no units apart
+            if index in rows.columns.read or not of_unit or of_others or any(map(part_of, words)):
+                continue
+            places.setdefault(heading, rows.table.heading_place(index))
+            for entry in rows.entries:
+                cell = sheet.filled(entry.row, index)
+                if not is_blank(cell) and plain(text_of(cell)) != plain(entry.key.component):
+                    values[heading][text_of(cell)].add((entry.key.component, entry.key.part, entry.key.plane))
+    for heading, stations in values.items():
+        # where every value stands at one part of one component, it is the number of a part, or of a row
+        of_parts = len(stations) > 2 and all(len({station[0] for station in stood}) == 1 for stood in stations.values())
+        if len(stations) > 1 and not of_parts:
+            chosen = next(iter(stations))
+            return ReadingsError(
+                Sentence("column {heading!r} names several units, whose parts would be put together", heading=heading),
+                place=places[heading],
+                value=", ".join(list(stations)[:_LISTED]) + (" …" if len(stations) > _LISTED else ""),
+                expected=Sentence(
+                    "the rows of one unit, as in {option}; or a heading such as 'Part number', if it is one unit",
+                    option=Option("where", f'"{heading}={chosen}"'),
+                ),
+            )
+    return None
+
+
+# --- lines outside the readings that change them
+
+_SMALL = re.compile(r"(?<![\d.,])[+\-−]?0?[.,]\d{2,}|\d\s*(?:[µμu]m|microns?|mils?|thou)\b")
+_CODE = re.compile(r"(?<!\w)(\w{1,3})\s*[=:–—-]")
+
+
+def lines_that_change(sheet: Sheet, read: Sequence[SheetRows]) -> Iterator[ReadingsError]:
+    """Yield the problems of lines that say how readings are to be corrected, or that a code beside them voids them.
+
+    ``read`` are the tables of the sheet with their readings. The rows that count settle it: without such a line, and
+    without the rows of such a code.
+    """
+    with_readings, first = {row for rows in read for row in rows.of_row}, min(rows.table.first for rows in read)
+    for row, cells in enumerate(sheet.rows):
+        text = ("," if sheet.is_text else " ").join(text_of(cell) for cell in cells).strip(" ,")
+        words = letters(text) if row not in with_readings else Words()
+        void: set[int] = set()
+        problem = Sentence("this line may say that readings are not meant as they stand")
+        if words.any("counts_not"):
+            codes = {plain(code) for code in _CODE.findall(text)}
+            void = {at for rows in read for at in _coded(rows, codes)}
+            problem = Sentence("by this line some readings do not count")
+        elif (_is_correction(words) and row > first) or words.any("changes_readings"):
+            told = row < first and _is_correction(words)  # as one that was not applied
+            is_small = any(re.search("[1-9]", number) for number in _SMALL.findall(text))
+            void = {row} if is_small and not told and not words.any("corrected") else set()
+        if void:
+            others = rows_said(sheet.row_number(at) for at in range(len(sheet.rows)) if at not in void | {row})
+            expected = Sentence(
+                "corrected readings, or ones that hold as they stand; then the rows that count, without this line: "
+                "{option}",
+                option=Option("map", f'"{rows_role(sheet.name)}={others}"'),
+            )
+            yield ReadingsError(problem, place=sheet.place(row), value=text[:80], expected=expected)
+
+
+def _coded(rows: SheetRows, codes: Collection[str]) -> Iterator[int]:
+    """Yield the rows in which a column that is not read holds one of the codes."""
+    for index in rows.table.span:
+        if index not in rows.columns.read:
+            filled = rows.table.sheet.filled
+            yield from (row for row in rows.of_row if plain(text_of(filled(row, index))) in codes)

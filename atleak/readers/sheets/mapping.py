@@ -142,11 +142,7 @@ class SheetMapping:
 
     @property
     def _roles(self) -> Iterator[tuple[str, str]]:
-        return (
-            (name, text)
-            for name, text in self.chosen.items()
-            if _NAME.sub(r"\1", name) not in ABOUT and not _is_word(name)
-        )
+        return ((name, text) for name, text in self.chosen.items() if names_column(name))
 
     def _lines(self, name: str) -> list[tuple[int, int]]:
         """Return the first and last row of each range that is stated; (0, 0) for none."""
@@ -414,15 +410,23 @@ def rows_role(sheet: str | None) -> str:
     return f"rows {sheet or ''}".strip()
 
 
+def rows_said(numbers: Iterable[int]) -> str:
+    """Return the numbers of rows as they are said, in ranges.
+
+    >>> rows_said([1, 2, 3, 5]), rows_said([])
+    ('1-3,5', 'none')
+    """
+    return ",".join(f"{run[0]}" if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs_of(numbers)) or "none"
+
+
 def with_row_turned(chosen: Mapping[str, str], sheet: SheetCells, number: int) -> dict[str, str]:
     """Return what was said of a sheet, but that a row of it does not count, or that it counts again."""
     said, role = SheetMapping(chosen), rows_role(sheet.name)
     counted = [each for each in sheet.numbers if said.counts(sheet.name, each) != (each == number)]
     others = {name: text for name, text in chosen.items() if name != role}
-    if len(counted) == len(sheet.numbers):
+    if len(counted) == len(sheet.numbers) and "rows" not in others:  # which would hold for this sheet too
         return others
-    ranges = (f"{run[0]}" if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs_of(counted))
-    return {**others, role: ",".join(ranges) or "none"}
+    return {**others, role: rows_said(counted)}
 
 
 def diameter_said(name: str) -> dict[str, str]:
@@ -547,6 +551,11 @@ def remember_sheet(path: Path, readings: Readings, unit: str | None = None) -> N
         return
     units = {"value": unit} if unit else {}
     remember(path, fingerprint(readings.headings), columns, units, format=FORMAT, columns=readings.headings)
+
+
+def names_column(name: str) -> bool:
+    """Tell whether a role is said with a column, and not with rows or a word of the sheet."""
+    return _NAME.sub(r"\1", name) not in ABOUT and not _is_word(name)
 
 
 def _is_word(name: str) -> bool:

@@ -14,8 +14,8 @@ What happens to a file:
    where two states would be averaged. `diameters` makes metres of what they hold.
 5. `head` and `land_values` read what stands above the headings, and what lands have of their own. A
    repair that is fitted comes first: the diameters are compared with its nominal ones.
-6. `leftovers` looks at all cells again: what has the size of a diameter and was not read is named or refused.
-7. `agreement` compares the diameters with clearances and means on the sheet, `plausibility` with the controller.
+6. `account` looks at all cells again: what has the size of a diameter and was not read is named or refused.
+7. `agreement` compares the diameters with what else the sheet says of them, `plausibility` with the controller.
 """
 
 from __future__ import annotations
@@ -44,6 +44,7 @@ from atleak.readers.gauges.gauge_table import find_tabs, likeness_of
 from atleak.readers.own_forms import form_doubts
 from atleak.readers.remembered_columns import forget_columns
 from atleak.readers.sheets import agreement
+from atleak.readers.sheets.account import Account
 from atleak.readers.sheets.columns import find_columns
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.diameters import convert
@@ -51,7 +52,6 @@ from atleak.readers.sheets.exclusions import LEFT_ASIDE
 from atleak.readers.sheets.head import is_typed, read_head
 from atleak.readers.sheets.land_values import LandValues, read_land_values
 from atleak.readers.sheets.layout import SheetChoice, choose_sheet, find_tables, require_one_measurement, turned
-from atleak.readers.sheets.leftovers import Account, units_apart
 from atleak.readers.sheets.mapping import SheetMapping, recalled, tables_of_form
 from atleak.readers.sheets.plausibility import check
 from atleak.readers.sheets.repeats import require_known
@@ -235,7 +235,8 @@ class _Measurement:
         self.first = next((rows.table for rows in self.filled), chosen.tables[0])
         problems = [problem for rows in self.rows for problem in rows.problems]
         problems += require_one_measurement(self.rows, chosen.file)
-        problems += [] if problems else units_apart(self.filled)
+        problems += [] if problems else agreement.units_apart(self.filled)
+        problems += [] if problems else self._lines_that_change()
         entries = [entry for rows in self.filled for entry in rows.entries]
         headings = self.first.heading_place(self.first.values[0].index)
         self.converted = convert(entries, names.controller, headings)
@@ -252,6 +253,14 @@ class _Measurement:
                 break
             read.append(read_rows(table, names, self.unit, where, self.said.leaves_out(table.sheet)))
         return [rows for rows in read if not rows.columns.problems or rows.table.count_values()]
+
+    def _lines_that_change(self) -> Iterator[ReadingsError]:
+        """Yield the problems of lines that change readings, but of rows that are said not to count."""
+        for sheet in self.given:
+            without = self.said.leaves_out(sheet)
+            kept = [[] if row in without else cells for row, cells in enumerate(sheet.rows)]
+            read = [rows for rows in self.filled if rows.table.sheet.name == sheet.name and not rows.table.sheet.turned]
+            yield from agreement.lines_that_change(replace(sheet, rows=kept), read) if read else ()
 
     def _account(self, names: ControllerNames) -> Account:
         """Return what became of every cell of the file."""
@@ -371,7 +380,7 @@ def _score(sheet: Sheet) -> float:
 
 def _none_left(result: Readings, table: HeadedTable) -> ReadingsError:
     """Return the error where every reading was left aside, or none is filled in."""
-    reasons = [message.text for message in result.messages if message.code in LEFT_ASIDE]
+    reasons = [message.text for message in result.messages if message.code in (*LEFT_ASIDE, "rows_left_out")]
     problem, place = Sentence("no readings are filled in: every diameter is empty"), table.sheet.place(table.last)
     if reasons:
         problem = Sentence("no reading is left: {reasons}", reasons=in_a_row(reasons))

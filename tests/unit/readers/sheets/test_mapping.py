@@ -12,7 +12,7 @@ import pytest
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import InputError, ReadingsError
 from atleak.readers.remembered_columns import MapFile, recall_all
-from atleak.readers.sheets.mapping import is_role, remember_sheet
+from atleak.readers.sheets.mapping import is_role, remember_sheet, with_row_turned
 from atleak.readers.sheets.measuring_sheet import ReadingsRefused, forget_sheet, read_readings
 
 CHINESE = """测量记录;;;;
@@ -308,6 +308,19 @@ def test_rows_and_headings_are_counted_as_the_sheet_counts_them(example):
     levels = "Typ;Ort;Innen;Innen\n;;0 Grad;90 Grad\naccumulator;1;18.041;18.044"
     columns = {"component": "A", "plane": "B", "value sleeve 0°": "C", "value sleeve 90°": "D", "header": "1-2"}
     assert [one.direction for one in read(levels, example, columns).readings] == [0.0, 90.0]
+
+
+def test_a_row_counts_again_also_where_the_rows_of_all_sheets_were_said(example, filled_in):
+    book = filled_in({"S": PLAIN}, "workbook")
+    sheet = read(book, example, with_cells=True).sheets[0]
+    assert with_row_turned({"rows": "1-2"}, sheet, 3) == {"rows": "1-2", "rows S": "1-3"}
+    assert with_row_turned({"rows S": "1-2"}, sheet, 3) == {}
+    assert sizes(read(book, example, {"rows": "1-2", "rows S": "1-3"})) == PAIRS[:2]
+
+
+def test_rows_none_says_that_it_leaves_all_rows_out(example):
+    with pytest.raises(ReadingsError, match="no reading is left: rows 2–3 left aside, as said"):
+        read(PLAIN, example, {"rows": "none"})
 
 
 def test_headings_that_run_down_a_column(example):

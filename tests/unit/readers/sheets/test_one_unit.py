@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 
 import openpyxl
 import pytest
@@ -236,3 +237,48 @@ def test_hundredths_of_a_millimetre_are_a_unit(controller, heading):
     assert readings.unit == "1/100 mm"
     lines = ("tcc_regulator;1;spool;1099.8;1/100 mm", "tcc_regulator;1;bore;11032;1/1000 mm")
     assert read(controller, "Valve;Land;Part;Diameter;Unit", *lines).unit == "1/100 mm, µm"
+
+
+TABLE = "Valve;Land;Spool [mm];Bore [mm];Code\ntcc_regulator;1;10.998;11.032;V\naccumulator;1;17.998;18.041;"
+
+
+@pytest.mark.parametrize(
+    ("before", "behind", "left"),
+    [
+        ("", "gauge reads 0.003 low", 4),
+        ("add 3 µm to all bores", "", 4),
+        ("", "Zero offset 0.002 mm", 4),
+        ("", "Messschraube zeigt 0,003 zu wenig", 4),
+        ("", "Zero error of the micrometer: +0.004 mm", 4),
+        ("", "V = void", 2),
+        ("", "V – ungültig", 2),
+    ],
+)
+def test_a_line_that_changes_readings_is_asked_about_and_the_rows_that_count_settle_it(
+    controller, before, behind, left
+):
+    written = "\n".join(filter(None, (before, TABLE, behind))).encode()
+    with pytest.raises(ReadingsError, match="line") as caught:
+        read_readings(written, controller, name="sheet.csv")
+    role, rows = re.search(r'--map "(rows)=([^"]*)"', str(caught.value)).groups()
+    readings = read_readings(written, controller, name="sheet.csv", mapping={role: rows})
+    assert len(readings.readings) == left
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "measured at 20 °C, micrometer 0-25",
+        "Spools under the lens 20x",
+        "V = new bore",
+        "corrected for an offset of 0.003",
+    ],
+)
+def test_a_line_that_changes_nothing_is_no_question(controller, line):
+    assert len(read_readings(f"{TABLE}\n{line}".encode(), controller, name="sheet.csv").readings) == 4
+
+
+@pytest.mark.parametrize("head", ["Valve body;AW55", "AW55-50SN valve body", "Transmission: 4L60E"])
+def test_a_head_that_names_another_model_of_the_catalogue_is_refused(controller, head):
+    with pytest.raises(ReadingsError, match="made for controller"):
+        read_readings(f"{head}\n{TABLE}".encode(), controller, name="sheet.csv")
