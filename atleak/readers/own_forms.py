@@ -7,7 +7,7 @@ numbers were added, the sheet is read as any other one, and a message says so.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 from atleak.catalogue.written_numbers import decimal_number
@@ -16,12 +16,24 @@ from atleak.common.sentences import Sentence
 from atleak.common.translations import languages
 from atleak.common.units import Unit, find_unit
 from atleak.common.wording import wording
-from atleak.measurements.own_forms import BEGINNING, LANDS, OWN_FORMS, TYPED, OwnForm
+from atleak.measurements.own_forms import BEGINNING, LANDS, MEASUREMENTS, OWN_FORMS, TYPED, OwnForm
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter, text_of
+from atleak.readers.sheets.column_headings import KEYS, OF_LANDS, HeadedColumn, Role
+from atleak.readers.sheets.table import HeadedTable, headings
 
 _SEARCHED = 60  # rows in which the mark and the headings are looked for
 _NOT_KNOWN = Sentence("its mark was changed")
 _CHANGED = Sentence("its headings were changed")
+
+
+_OF_FORM: Mapping[str, Role] = {  # what a column of atleak's own forms is
+    **{role: role for role in (*KEYS, *OF_LANDS, "diameter")},
+    "name": "component",
+    **dict.fromkeys(("coordinate 1", "coordinate 2"), "coordinate"),
+    "nominal": "specification",
+    **dict.fromkeys(("clearance", "deviation", "stated length", "stated position"), "quantity"),
+    **dict.fromkeys(("note", "note on repairs"), "remark"),
+}
 
 
 @dataclass(frozen=True)
@@ -125,3 +137,26 @@ def _added(table: FormTable) -> list[int]:
         for column in others
         if any(column < len(cells) and decimal_number(str(cells[column])) is not None for cells in below)
     )
+
+
+def tables_of_form(sheet: Sheet) -> list[HeadedTable] | None:
+    """Return the tables of a form that atleak wrote, whose columns are known; None of any other sheet."""
+    tables = form_tables(sheet, MEASUREMENTS, TYPED, LANDS)
+    if tables is None:
+        return None
+    ends = [table.row for table in tables[1:]] + [len(sheet.rows)]
+    return [_of_form(table, end) for table, end in zip(tables, ends, strict=False)]
+
+
+def _of_form(table: FormTable, end: int) -> HeadedTable:
+    columns = [
+        HeadedColumn(
+            *(at, table.heading(key), _OF_FORM[key], table.unit(key, "length")),
+            coordinate=int(key[-1]) if key.startswith("coordinate") else None,
+            rank=9 if key == "component" else 0,
+        )
+        for key, at in sorted(table.columns.items(), key=lambda held: held[1])
+        if key in _OF_FORM
+    ]
+    sheet = replace(table.sheet, rows=table.sheet.rows[:end])
+    return HeadedTable(sheet, table.row, table.row, tuple(columns), tuple(headings(sheet, table.row, table.row)))

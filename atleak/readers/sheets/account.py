@@ -90,7 +90,8 @@ class Account:
         self._slipped(rows)
         others = [index for index in others if not self._is_quantity(rows, index)]
         rivals = [index for index in others if self._is_rival(rows, index)]
-        repeats_sizes = len(rivals) == 1 and _is_headed(table) and _says_other(table, rivals[0])
+        headed = all(letters(column.heading).any(*_MEASURED) for column in table.values)
+        repeats_sizes = len(rivals) == 1 and headed and _says_other(table, rivals[0])
         if repeats_sizes and not self._differs(rows, rivals[0]):
             self._leave_column(table, rivals[0], self._sizes_in(rows, rivals[0]), None)
         elif table.mapped:  # a person said which one is the measurement
@@ -326,7 +327,9 @@ class Account:
         table, sheet = rows.table, rows.table.sheet
         usual = {index for index in range(sheet.width) if self._is_usual(rows, index)}
         for row in table.rows:
-            if not _lacks_value(rows, row) or all(is_blank(sheet.filled(row, key.index)) for key in rows.columns.keys):
+            groups = ([sheet.cell(row, column.index) for column in of.values()] for of in rows.columns.groups)
+            named = any(not is_blank(sheet.filled(row, key.index)) for key in rows.columns.keys)
+            if not named or not any(all(map(is_blank, cells)) for cells in groups):
                 continue
             for index, cell in enumerate(sheet.rows[row]):
                 if index in usual or (row, index) in self._done[sheet.name]:
@@ -414,11 +417,6 @@ def _units(table: HeadedTable, index: int) -> tuple[Unit, ...]:
     return () if unit is None or not rest.strip() else (unit,)
 
 
-def _is_headed(table: HeadedTable) -> bool:
-    """Return whether every column that was read says by a word of its own that it holds diameters."""
-    return all(letters(column.heading).any(*_MEASURED) for column in table.values)
-
-
 def _says_other(table: HeadedTable, index: int) -> bool:
     """Return whether a heading says in a word what its column holds, and not that it is a reading."""
     words = letters(unit_of_heading(table.heading(index))[0])
@@ -442,14 +440,6 @@ def _name(table: HeadedTable, index: int) -> Sentence:
     if text:
         return Sentence("{heading!r}", heading=text)
     return Sentence("{column} (without a heading)", column=table.sheet.place(0, index).column)
-
-
-def _lacks_value(rows: SheetRows, row: int) -> bool:
-    """Return whether a row leaves one of its diameters empty."""
-    sheet = rows.table.sheet
-    return any(
-        all(is_blank(sheet.cell(row, column.index)) for column in group.values()) for group in rows.columns.groups
-    )
 
 
 def _slip(table: HeadedTable, row: int, index: int) -> ReadingsError:

@@ -22,7 +22,8 @@ from atleak.readers.cells.sheet import Cell, Sheet, rows_named
 from atleak.readers.sheets.column_headings import unit_of_heading
 from atleak.readers.sheets.columns import Columns
 from atleak.readers.sheets.diameters import DiameterCell
-from atleak.readers.sheets.mapping import rows_role, rows_said
+from atleak.readers.sheets.layout import is_single
+from atleak.readers.sheets.mapping import SheetMapping, rows_role, rows_said
 from atleak.readers.sheets.rows import SheetRows
 from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import (
@@ -362,20 +363,13 @@ def units_apart(read: Sequence[SheetRows]) -> list[ReadingsError]:
 def _titles(rows: SheetRows) -> Iterator[_UnitName]:
     sheet = rows.table.sheet
     last = max(entry.row for entry in rows.entries)
-    texts = [(text, sheet.place(row), False) for row, text in _lines(sheet, rows.table.last, last)]
+    lines = [row for row in range(rows.table.last + 1, last) if is_single(sheet, row)]
+    texts = [(" ".join(map(text_of, sheet.rows[row])).strip(), sheet.place(row), False) for row in lines]
     texts.append((rows.table.title, sheet.place(max(rows.table.first - 1, 0)), False))
     for text, place, is_sheet in (*texts, (sheet.name or "", sheet.place(), True)):
         for match in _NAMED.finditer(text):
             if plain(match[1]) in sheet_vocabulary("whole_unit"):
                 yield _UnitName(plain(match[1]), match[2].strip("./-"), text, place, is_sheet)
-
-
-def _lines(sheet: Sheet, first: int, last: int) -> Iterator[tuple[int, str]]:
-    """Yield the lines of text between the readings of a table."""
-    for row in range(first + 1, last):
-        cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
-        if len(cells) == 1 and isinstance(cells[0], str):
-            yield row, " ".join(cells[0].split())
 
 
 def _by_titles(named: Sequence[_UnitName]) -> ReadingsError:
@@ -439,16 +433,17 @@ _SMALL = re.compile(r"(?<![\d.,])[+\-−]?0?[.,]\d{2,}|\d\s*(?:[µμu]m|microns?
 _CODE = re.compile(r"(?<!\w)(\w{1,3})\s*[=:–—-]")
 
 
-def lines_that_change(sheet: Sheet, read: Sequence[SheetRows]) -> Iterator[ReadingsError]:
+def lines_that_change(sheet: Sheet, every: Sequence[SheetRows], said: SheetMapping) -> Iterator[ReadingsError]:
     """Yield the problems of lines that say how readings are to be corrected, or that a code beside them voids them.
 
-    ``read`` are the tables of the sheet with their readings. The rows that count settle it: without such a line, and
-    without the rows of such a code.
+    The rows that count settle it: without such a line, and without the rows of such a code.
     """
-    with_readings, first = {row for rows in read for row in rows.of_row}, min(rows.table.first for rows in read)
-    for row, cells in enumerate(sheet.rows):
+    read = [rows for rows in every if rows.table.sheet.name == sheet.name and not rows.table.sheet.turned]
+    passed = {row for rows in read for row in rows.of_row} | said.leaves_out(sheet)
+    first = min((rows.table.first for rows in read), default=0)
+    for row, cells in enumerate(sheet.rows if read else ()):
         text = ("," if sheet.is_text else " ").join(text_of(cell) for cell in cells).strip(" ,")
-        words = letters(text) if row not in with_readings else Words()
+        words = letters(text) if row not in passed else Words()
         void: set[int] = set()
         problem = Sentence("this line may say that readings are not meant as they stand")
         if words.any("counts_not"):

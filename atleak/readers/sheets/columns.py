@@ -16,11 +16,6 @@ from atleak.readers.sheets.table import HeadedTable, which_columns
 from atleak.readers.sheets.words import plain, says_date, sheet_vocabulary, text_of
 
 _COORDINATES = ("coordinate 1", "coordinate 2")
-_VALUE_WORDS = {
-    "diameter": Sentence("diameter"),
-    "coordinate 1": Sentence("coordinate 1"),
-    "coordinate 2": Sentence("coordinate 2"),
-}
 
 
 @dataclass(frozen=True)
@@ -148,7 +143,7 @@ def _same_value(table: HeadedTable, name: str, first: HeadedColumn, second: Head
     return which_columns(
         Sentence(
             "two columns are read as the same {what}: {first!r} and {second!r}",
-            what=_VALUE_WORDS.get(name, Sentence("coordinate")),
+            what=Sentence("diameter") if name == "diameter" else Sentence("coordinate"),
             first=first.name,
             second=second.name,
         ),

@@ -18,10 +18,10 @@ from atleak.common.sentences import Sentence, all_of
 from atleak.readers.cells.extent import FAULTS, MOST_TABLES
 from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.cells.workbook_marks import Marks
-from atleak.readers.own_forms import own_form_of
+from atleak.readers.own_forms import own_form_of, tables_of_form
 from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, is_whole, numbers_of, read_label
 from atleak.readers.sheets.diameters import PlaceKey, filled_down
-from atleak.readers.sheets.mapping import NOTHING_SAID, SheetMapping, tables_of_form
+from atleak.readers.sheets.mapping import NOTHING_SAID, SheetMapping
 from atleak.readers.sheets.rows import SheetRows
 from atleak.readers.sheets.table import (
     EXPECTED_SHEET,

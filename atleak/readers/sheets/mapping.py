@@ -14,16 +14,12 @@ from typing import Any
 
 from atleak.catalogue.words import PART_WORDS
 from atleak.common.errors import Message, ReadingsError, nearest_name, unknown
-from atleak.common.sentences import Option, Sentence
-from atleak.measurements.own_forms import LANDS, MEASUREMENTS, TYPED
+from atleak.common.sentences import Sentence
 from atleak.measurements.readings import Readings, SheetCells
 from atleak.measurements.road_test import QUANTITIES
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter, runs_of
-from atleak.readers.own_forms import FormTable, form_tables
 from atleak.readers.remembered_columns import CONSTANT, RememberedColumns, recall_all, remember, signature
 from atleak.readers.sheets.column_headings import (
-    KEYS,
-    OF_LANDS,
     HeadedColumn,
     Role,
     is_explained,
@@ -33,14 +29,19 @@ from atleak.readers.sheets.column_headings import (
     unit_of_heading,
 )
 from atleak.readers.sheets.controller_names import (
-    LABELLED,
-    MILLIMETRE,
     ControllerNames,
     is_whole,
     numbers_of,
-    read_label,
 )
-from atleak.readers.sheets.table import HeadedTable, best_header, headings, read_together
+from atleak.readers.sheets.table import (
+    HeadedTable,
+    best_header,
+    each_reading,
+    headings,
+    read_together,
+    split,
+    with_sums,
+)
 from atleak.readers.sheets.words import (
     direction_of,
     is_blank,
@@ -48,9 +49,6 @@ from atleak.readers.sheets.words import (
     part_said,
     plain,
     repeat_of,
-    several_in,
-    sheet_vocabulary,
-    stated_number,
     text_of,
 )
 
@@ -59,14 +57,6 @@ ROLES: Mapping[str, Role] = {
     "value": "diameter",
     "deviation": "diameter",
     "new": "specification",
-}
-_OF_FORM: Mapping[str, Role] = {  # what a column of atleak's own forms is
-    **{role: role for role in (*KEYS, *OF_LANDS, "diameter")},
-    "name": "component",
-    **dict.fromkeys(("coordinate 1", "coordinate 2"), "coordinate"),
-    "nominal": "specification",
-    **dict.fromkeys(("clearance", "deviation", "stated length", "stated position"), "quantity"),
-    **dict.fromkeys(("note", "note on repairs"), "remark"),
 }
 ABOUT = ("header", "rows", "missing", "spool", "sleeve")  # the table as a whole, or words that stand in it
 FORMAT = "measuring sheet"  # by which what is remembered of sheets is told from logs
@@ -78,8 +68,6 @@ _PLACES: tuple[Role, ...] = ("plane", "land")
 _NAMED: tuple[Role, ...] = ("component", *_PLACES)  # of which a sheet may have words of its own
 _KEPT_ROWS = 300  # among which headings are looked for
 _DEPTH = 4  # rows that they may be spread over
-_DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
-_OF_NEW = Sentence("the column of nominal diameters, as in {option}", option=Option("map", "new=Nominal"))
 _EXAMPLES = Sentence("a heading of the sheet; a letter such as C, or 'column 3'; or a value for all rows: =spool")
 
 
@@ -267,20 +255,20 @@ class SheetMapping:
         if (component := self._constants.get("component")) is not None:
             table = replace(table, component=names.require_component(component))
         for column in table.values:
-            table = _each_reading(table, column)
+            table = each_reading(table, column)
             said = read_heading(column.heading)
             if said is not None and said.role == "mean":
                 text = Sentence("column {heading!r} holds means, by its heading: each counts as one reading")
                 place, text = table.heading_place(column.index), text.of(heading=column.name)
                 table = replace(table, messages=(*table.messages, Message("info", "means_as_readings", text, place)))
-        for name in filter(_is_deviation, self._values):
-            table = _with_sums(table, at[name], at.get("new"))
+        for name in (name for name in self._values if name.startswith("deviation")):
+            table = with_sums(table, at[name], at.get("new"))
         for index in dict.fromkeys(at.values()):
             names_of = [name for name in at if at[name] == index]
             if len(names_of) > 1 and not self._values.keys().isdisjoint(names_of):
                 problem = Sentence("one column is named for several: {names}", names=tuple(names_of))
                 raise _refused(problem, column_letter(index), Sentence("a column of its own for each diameter"))
-            table = _split(table, index, names) if len(names_of) > 1 else table
+            table = split(table, index, names) if len(names_of) > 1 else table
         return table
 
     def _all_columns(self, texts: Sequence[str], at: Mapping[str, int]) -> tuple[HeadedColumn, ...]:
@@ -454,29 +442,6 @@ def diameter_role(said: Mapping[str, str], role: str = "value") -> str:
     return " ".join([role, *(word.format(said[name]) for name, word in words.items() if said.get(name))])
 
 
-def tables_of_form(sheet: Sheet) -> list[HeadedTable] | None:
-    """Return the tables of a form that atleak wrote, whose columns are known; None of any other sheet."""
-    tables = form_tables(sheet, MEASUREMENTS, TYPED, LANDS)
-    if tables is None:
-        return None
-    ends = [table.row for table in tables[1:]] + [len(sheet.rows)]
-    return [_of_form(table, end) for table, end in zip(tables, ends, strict=False)]
-
-
-def _of_form(table: FormTable, end: int) -> HeadedTable:
-    columns = [
-        HeadedColumn(
-            *(at, table.heading(key), _OF_FORM[key], table.unit(key, "length")),
-            coordinate=int(key[-1]) if key.startswith("coordinate") else None,
-            rank=9 if key == "component" else 0,
-        )
-        for key, at in sorted(table.columns.items(), key=lambda held: held[1])
-        if key in _OF_FORM
-    ]
-    sheet = replace(table.sheet, rows=table.sheet.rows[:end])
-    return HeadedTable(sheet, table.row, table.row, tuple(columns), tuple(headings(sheet, table.row, table.row)))
-
-
 def _role(name: str) -> Role:
     match = _NAME.fullmatch(name)
     assert match is not None
@@ -562,79 +527,6 @@ def _is_word(name: str) -> bool:
     """Tell whether a name is followed by the sheet's own word for one component, plane or land."""
     match = _NAME.fullmatch(name)
     return match is not None and match[1] in _NAMED and bool(match[2])
-
-
-def _is_deviation(name: str) -> bool:
-    return name.startswith("deviation")
-
-
-def _each_reading(table: HeadedTable, column: HeadedColumn) -> HeadedTable:
-    """Return the table with a column of its own, a repeat, for each of the readings that stand in one cell."""
-    cells = {row: several_in(cell) or (cell,) for row, cell in table.cells(column.index).items()}
-    most = max(map(len, cells.values()), default=1)
-    if most == 1:
-        return table
-    text = Sentence("cells of column {heading!r} hold several readings: each counts as a repeat", heading=column.name)
-    columns = [(replace(column, repeat=repeat), column.index) for repeat in range(1, most + 1)]
-    made = table.with_columns(
-        columns, lambda row: (*cells.get(row, ()), *[""] * most)[:most], frozenset({column.index})
-    )
-    message = Message("info", "several_in_a_cell", text, table.heading_place(column.index))
-    return replace(made, messages=(*made.messages, message))
-
-
-def _with_sums(table: HeadedTable, index: int, new: int | None) -> HeadedTable:
-    """Return the table with diameters behind its last column: deviations, and what they are from."""
-    column = next(column for column in table.values if column.index == index)
-    nominal = next((column for column in table.of("specification") if column.index == new), None)
-    place, cells = table.place(max(table.last, 0), column), table.sheet
-    if nominal is None:
-        raise ReadingsError(Sentence("nothing says what the deviations are from"), place=place, expected=_OF_NEW)
-    if column.unit is None:
-        problem = Sentence("nothing says in which unit the deviations are")
-        raise ReadingsError(
-            problem, place=place, expected=Sentence("the unit in the heading, such as 'Deviation [µm]'")
-        )
-    if any(token in sheet_vocabulary("below") for token in tokens_of(column.heading)):
-        problem = Sentence("a heading that says 'below' leaves open which way its numbers count")
-        expected = Sentence("deviations with their sign, those of smaller parts with −, under a heading 'Deviation'")
-        raise ReadingsError(problem, place=place, value=column.heading, expected=expected)
-    small, unit = column.unit, nominal.unit or MILLIMETRE
-
-    def sums(row: int) -> Iterator[Cell]:
-        off, size = cells.cell(row, index), cells.filled(row, nominal.index)
-        apart, whole = (None, None) if is_blank(off) or row <= table.last else (stated_number(off), stated_number(size))
-        if apart is None or whole is None:
-            yield "" if is_blank(off) or row <= table.last else f"{size} {off}"
-        else:
-            total = (whole[1] or unit).to_si(whole[0]) + (apart[1] or small).to_si(apart[0])
-            yield round(total / MILLIMETRE.factor, _DIGITS)
-
-    text = Sentence(
-        "diameters are those of column {nominal!r} plus the deviations of column {deviation!r}",
-        nominal=nominal.name,
-        deviation=column.name,
-    )
-    made = table.with_columns([(replace(column, unit=MILLIMETRE), index)], sums, frozenset({index}))
-    return replace(made, messages=(*made.messages, Message("info", "diameters_of_deviations", text, place)))
-
-
-def _split(table: HeadedTable, index: int, names: ControllerNames) -> HeadedTable:
-    """Return a table with further columns behind its last one, for each thing that the cells of a column say.
-
-    A cell that is not understood stays as a whole in the first of the new columns, to be refused there.
-    """
-    filled = table.sheet.filled
-    labels = {row: read_label(cell, names, dotted=True) or {} for row, cell in table.cells(index).items()}
-    wanted = list(dict.fromkeys(name for label in labels.values() for name in label)) or ["component"]
-    columns = [(HeadedColumn(0, table.heading(index), LABELLED[name], rank=9), index) for name in wanted]
-
-    def cells(row: int) -> Iterator[Cell]:
-        label = labels.get(row)
-        for at, name in enumerate(wanted):
-            yield label[name] if label and name in label else filled(row, index) if label == {} and at == 0 else ""
-
-    return table.with_columns(columns, cells, frozenset({index}))
 
 
 @dataclass(frozen=True)

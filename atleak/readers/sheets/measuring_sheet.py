@@ -6,16 +6,13 @@ The form is that of the source study's Table 1, a tidy table, or a table with se
 What happens to a file:
 
 1. `readers.cells` turns its bytes into sheets: cells, what is merged, hidden or crossed out.
-2. `layout` cuts a sheet into tables: `column_headings` reads single headings, `table` all of them together, `labels`
-   cells that say several things; `words` and ``vocabulary.toml`` know the words of every language.
-   What a person says of the columns (`mapping`) makes the same tables, and goes before what the headings say.
-3. `layout` picks the tables that are the measurement too, and `columns` the columns of each that are read.
-4. `rows` reads every row, with `controller_names`; `exclusions` leaves out rows that are no reading, and `repeats` asks
-   where two states would be averaged. `diameters` makes metres of what they hold.
-5. `head` and `land_values` read what stands above the headings, and what lands have of their own. A
-   repair that is fitted comes first: the diameters are compared with its nominal ones.
-6. `account` looks at all cells again: what has the size of a diameter and was not read is named or refused.
-7. `agreement` compares the diameters with what else the sheet says of them, `plausibility` with the controller.
+2. `layout` cuts a sheet into tables by what `column_headings`, `table` and `words` understand of headings, or by what a
+   person says of the columns (`mapping`), and picks those that are the measurement.
+3. `rows` reads every row by its `columns`, without the `exclusions`; `repeats` asks where two states would be averaged.
+   `diameters` makes metres of what they hold, `head` and `land_values` read what stands beside.
+4. `account` looks at all cells again: what has the size of a diameter and was not read is named or refused.
+5. `agreement` compares the diameters with what else the sheet says of them, `plausibility` with the controller.
+6. Where a sheet cannot be read, `suggestions` says how it can: what it offers was tried on the file.
 """
 
 from __future__ import annotations
@@ -41,7 +38,7 @@ from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Sheet, sheet_cells
 from atleak.readers.cells.sheet_file import read_bytes, read_sheets
 from atleak.readers.gauges.gauge_table import find_tabs, likeness_of
-from atleak.readers.own_forms import form_doubts
+from atleak.readers.own_forms import form_doubts, tables_of_form
 from atleak.readers.remembered_columns import forget_columns
 from atleak.readers.sheets import agreement
 from atleak.readers.sheets.account import Account
@@ -52,7 +49,7 @@ from atleak.readers.sheets.exclusions import LEFT_ASIDE
 from atleak.readers.sheets.head import is_typed, read_head
 from atleak.readers.sheets.land_values import LandValues, read_land_values
 from atleak.readers.sheets.layout import SheetChoice, choose_sheet, find_tables, require_one_measurement, turned
-from atleak.readers.sheets.mapping import SheetMapping, recalled, tables_of_form
+from atleak.readers.sheets.mapping import SheetMapping, recalled
 from atleak.readers.sheets.plausibility import check
 from atleak.readers.sheets.repeats import require_known
 from atleak.readers.sheets.rows import SheetRows, read_rows
@@ -174,10 +171,8 @@ def read_readings(
     if pressures is not None and not any(any(map(str.isdigit, str(cell))) for cell in cells):
         digest, tab = pressures.sha256, pressures.sheet
         return Readings(pressures.file, digest, tab, "mm", False, "tidy", readings=(), pressures=pressures)
-    earlier = None
-    if remembered is not None:
-        shown = [page for page in sheets if (not page.hidden if sheet is None else page.name in (sheet, None))]
-        earlier = recalled(remembered, shown)
+    shown = [page for page in sheets if (not page.hidden if sheet is None else page.name in (sheet, None))]
+    earlier = None if remembered is None else recalled(remembered, shown)
     if earlier is not None:
         settled = SheetMapping(earlier.with_chosen(settled.chosen))
         given_unit = given_unit or find_unit(earlier.entry.units.get("value", ""), "length")
@@ -236,7 +231,8 @@ class _Measurement:
         problems = [problem for rows in self.rows for problem in rows.problems]
         problems += require_one_measurement(self.rows, chosen.file)
         problems += [] if problems else agreement.units_apart(self.filled)
-        problems += [] if problems else self._lines_that_change()
+        for sheet in self.given if not problems else ():
+            problems += agreement.lines_that_change(sheet, self.filled, said)
         entries = [entry for rows in self.filled for entry in rows.entries]
         headings = self.first.heading_place(self.first.values[0].index)
         self.converted = convert(entries, names.controller, headings)
@@ -253,14 +249,6 @@ class _Measurement:
                 break
             read.append(read_rows(table, names, self.unit, where, self.said.leaves_out(table.sheet)))
         return [rows for rows in read if not rows.columns.problems or rows.table.count_values()]
-
-    def _lines_that_change(self) -> Iterator[ReadingsError]:
-        """Yield the problems of lines that change readings, but of rows that are said not to count."""
-        for sheet in self.given:
-            without = self.said.leaves_out(sheet)
-            kept = [[] if row in without else cells for row, cells in enumerate(sheet.rows)]
-            read = [rows for rows in self.filled if rows.table.sheet.name == sheet.name and not rows.table.sheet.turned]
-            yield from agreement.lines_that_change(replace(sheet, rows=kept), read) if read else ()
 
     def _account(self, names: ControllerNames) -> Account:
         """Return what became of every cell of the file."""
@@ -436,8 +424,7 @@ def look_at(
     columns = tuple(column_name(table, index) for index in range(page.width))
     below = (list(table.cells(index).values()) for index in range(page.width))
     examples = tuple(text_of(next(iter(filled), "")) for filled in below)
-    said = chosen.places(page) or Guess(table, names).roles
-    asked = {role: columns[index] for role, index in said.items()}
+    asked = {role: columns[index] for role, index in (chosen.places(page) or Guess(table, names).roles).items()}
     shown = tuple(page.name for page in pages if page.name)
     return SheetLook(shown, page.name, cells, columns, examples, found, asked, understood)
 

@@ -49,15 +49,11 @@ _IN_TEXT = Sentence(
 )
 
 
-LABEL_OF: Mapping[str, CellMeaning] = {
-    "component": CellMeaning(CellKind.LABEL, Sentence("component")),
-    "part": CellMeaning(CellKind.LABEL, Sentence("part")),
-    "plane": CellMeaning(CellKind.LABEL, Sentence("plane")),
-    "land": CellMeaning(CellKind.LABEL, Sentence("land")),
-    "direction": CellMeaning(CellKind.LABEL, Sentence("direction")),
-    "repeat": CellMeaning(CellKind.LABEL, Sentence("repeat")),
-    "unit": CellMeaning(CellKind.LABEL, Sentence("unit")),
-}
+_LABELS = (
+    *(Sentence("component"), Sentence("part"), Sentence("plane"), Sentence("land"), Sentence("direction")),
+    *(Sentence("repeat"), Sentence("unit")),
+)
+LABEL_OF: Mapping[str, CellMeaning] = {str(said): CellMeaning(CellKind.LABEL, said) for said in _LABELS}
 _DIAMETER_OF: Mapping[Part, CellMeaning] = {part: CellMeaning(CellKind(part)) for part in ("spool", "sleeve")}
 
 
@@ -66,7 +62,7 @@ def aside(why: Sentence) -> CellMeaning:
     return CellMeaning(CellKind.ASIDE, why)
 
 
-_OWN_WORDS: Collection[Role] = ("component", "plane", "land")  # that a sheet may have for one
+_OWN_WORDS: Collection[Role] = ("component", "plane", "land", "part")  # that a sheet may have for one
 # what a cell of a key says: how it is read, and what is wrong where that fails
 _KEYS: Mapping[str, tuple[Callable[[Cell], Any], Sentence, Sentence]] = {
     "part": (
@@ -378,15 +374,12 @@ class _Reader:
 
     def _settled(self, cell: Cell, column: HeadedColumn, error: ReadingsError) -> ReadingsError:
         """Say how a column is named whose cells say several things at once, or what stands in it for one thing."""
-        said = (read_label(cell, self.names) or {}).keys() - {"unit"}
-        if len(said) > 1 and not self.table.mapped:
-            roles = sorted({"plane" if role == "land" else role for role in said})
-            options = " ".join(f'--map "{role}={column.name}"' for role in roles)
-            settled = Sentence("{expected}; or the column for all that it says: {options}")
-            error.expected = settled.of(expected=error.expected or "", options=Option("map", text=options))
+        if len((read_label(cell, self.names) or {}).keys() - {"unit"}) > 1 and not self.table.mapped:
+            error.role = COLUMNS
         elif column.role in _OWN_WORDS and "=" not in text_of(cell):
             error.role = column.role
-            own = Option("name", text=f'--map "{column.role} …={text_of(cell)}"')
+            of = "" if column.role == "part" else f"{column.role} "
+            own = Option("name", text=f'--map "{of}…={text_of(cell)}"')
             settled = Sentence("{expected}; or say which one the sheet means: {option}")
             error.expected = settled.of(expected=error.expected or "", option=own)
         return error

@@ -13,21 +13,19 @@ from functools import cached_property
 
 from atleak.common.errors import InputError, ReadingsError
 from atleak.common.sentences import Option, Sentence
-from atleak.common.units import Unit
 from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.measurements.readings import Readings
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter
 from atleak.readers.sheets.column_headings import (
     HeadedColumn,
     besides_numbers,
-    read_heading,
     tokens_of,
     unit_of_heading,
 )
 from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, is_whole, numbers_of, read_label
 from atleak.readers.sheets.layout import is_single, mapped_tables, turned
 from atleak.readers.sheets.mapping import ROLES, SheetMapping
-from atleak.readers.sheets.table import COLUMNS, HeadedTable, best_header, headings, read_together
+from atleak.readers.sheets.table import COLUMNS, HeadedTable, best_header, header_of
 from atleak.readers.sheets.words import is_blank, letters, number_of, part_of, part_said, plain, text_of
 
 _LOOKED_AT = 60  # rows by which a column is told from another
@@ -51,10 +49,8 @@ def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
                 return table
             headed = above and not any(number_of(text_of(cell)) for cell in sheet.rows[above[0]])
             headed = headed and _filled(sheet, above[0]) >= _filled(sheet, row) - 1
-            at = above[0] if headed else row - 1
-            texts = tuple(headings(sheet, at, at)) if headed else ("",) * sheet.width
-            read = [column for index, text in enumerate(texts) if (column := read_heading(text, index)) is not None]
-            return HeadedTable(sheet, at, at, read_together(read), texts)
+            without = HeadedTable(sheet, row - 1, row - 1, (), ("",) * sheet.width)
+            return header_of(sheet, above[0], above[0]) if headed else without
     return table or HeadedTable(sheet, -1, -1, (), ())
 
 
@@ -119,7 +115,9 @@ class Guess:
     def headed(self) -> tuple[HeadedColumn, ...]:
         """Return the columns that are headed as diameters, and hold numbers."""
         columns = (column for column in self.table.values if column.index not in self.labels.values())
-        return tuple(column for column in columns if any(map(_has_digit, self._cells[column.index])))
+        return tuple(
+            column for column in columns if any(map(str.isdigit, "".join(map(str, self._cells[column.index]))))
+        )
 
     @cached_property
     def diameters(self) -> list[int]:
@@ -140,13 +138,12 @@ class Guess:
         """Return the columns of deviations: small, in a unit that is stated, and some of them below nothing."""
         found = []
         for index, cells in self._cells.items():
-            numbers, unit = [value for cell in cells for value in numbers_of(cell)], self._unit(index)
-            if numbers and unit is not None and max(map(abs, numbers)) <= NOMINAL_TOLERANCE / unit.factor:
+            numbers = [value for cell in cells for value in numbers_of(cell)]
+            unit = unit_of_heading(self.table.heading(index))[1]
+            small = unit is not None and numbers and max(map(abs, numbers)) <= NOMINAL_TOLERANCE / unit.factor
+            if small and index not in self.labels.values():
                 found.append((min(numbers) < 0.0, index))
         return [index for _, index in found] if any(below for below, _ in found) and len(found) < 3 else []
-
-    def _unit(self, index: int) -> Unit | None:
-        return unit_of_heading(self.table.heading(index))[1] if index not in self.labels.values() else None
 
     @property
     def roles(self) -> dict[str, int]:
@@ -270,11 +267,8 @@ class Guess:
         for said in self._sayings():
             roles = {role: column_name(self.table, index) for role, index in (self.labels | said).items()}
             mapping = {**header, **roles, **self._lines()}
-            if "part" in roles:
-                yield mapping
-            yield from ({**mapping, **own} for own in self._own_parts())
-            if "part" not in roles:
-                yield mapping
+            own = [{**mapping, **words} for words in self._own_parts()]
+            yield from [mapping, *own] if "part" in roles else [*own, mapping]
             if "part" not in roles and not any("spool" in role for role in roles):
                 yield from self._by_titles(mapping, pages)
 

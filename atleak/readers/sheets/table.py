@@ -14,7 +14,7 @@ from typing import Any
 
 from atleak.catalogue.instruments import Part
 from atleak.common.errors import Message, Place, ReadingsError
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Option, Sentence
 from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.sheets.column_headings import (
     KEYS,
@@ -29,7 +29,18 @@ from atleak.readers.sheets.column_headings import (
     tokens_of,
     unit_of_heading,
 )
-from atleak.readers.sheets.words import is_blank, is_page_title, number_of, part_of, part_said, text_of
+from atleak.readers.sheets.controller_names import LABELLED, MILLIMETRE, ControllerNames, read_label
+from atleak.readers.sheets.words import (
+    is_blank,
+    is_page_title,
+    number_of,
+    part_of,
+    part_said,
+    several_in,
+    sheet_vocabulary,
+    stated_number,
+    text_of,
+)
 
 
 @dataclass(frozen=True)
@@ -335,12 +346,17 @@ def _headers_at(sheet: Sheet, first: int) -> Iterator[HeadedTable]:
     for last in range(first, min(first + _DEPTH, len(sheet.rows))):
         if last > first and not any(not is_blank(cell) for cell in sheet.rows[last]):
             return
-        texts = headings(sheet, first, last)
-        columns = [column for index, text in enumerate(texts) if (column := read_heading(text, index)) is not None]
-        header = HeadedTable(sheet, first, last, read_together(columns), tuple(texts))
+        header = header_of(sheet, first, last)
         if last > first and _is_data(header):
             return
         yield header
+
+
+def header_of(sheet: Sheet, first: int, last: int) -> HeadedTable:
+    """Return the table whose headings stand in these rows."""
+    texts = headings(sheet, first, last)
+    columns = [column for index, text in enumerate(texts) if (column := read_heading(text, index)) is not None]
+    return HeadedTable(sheet, first, last, read_together(columns), tuple(texts))
 
 
 def headings(sheet: Sheet, first: int, last: int) -> list[str]:
@@ -428,3 +444,78 @@ def _counted_from_one(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]
         )
     }
     return [replace(column, repeat=None) if column.station in uncounted else column for column in columns]
+
+
+# --- columns made from others
+
+_DIGITS = 6  # of a sum in mm, that no digit of the sheet is lost in
+_OF_NEW = Sentence("the column of nominal diameters, as in {option}", option=Option("map", "new=Nominal"))
+
+
+def each_reading(table: HeadedTable, column: HeadedColumn) -> HeadedTable:
+    """Return the table with a column of its own, a repeat, for each of the readings that stand in one cell."""
+    cells = {row: several_in(cell) or (cell,) for row, cell in table.cells(column.index).items()}
+    most = max(map(len, cells.values()), default=1)
+    if most == 1:
+        return table
+    text = Sentence("cells of column {heading!r} hold several readings: each counts as a repeat", heading=column.name)
+    columns = [(replace(column, repeat=repeat), column.index) for repeat in range(1, most + 1)]
+    made = table.with_columns(
+        columns, lambda row: (*cells.get(row, ()), *[""] * most)[:most], frozenset({column.index})
+    )
+    message = Message("info", "several_in_a_cell", text, table.heading_place(column.index))
+    return replace(made, messages=(*made.messages, message))
+
+
+def with_sums(table: HeadedTable, index: int, new: int | None) -> HeadedTable:
+    """Return the table with diameters behind its last column: deviations, and what they are from."""
+    column = next(column for column in table.values if column.index == index)
+    nominal = next((column for column in table.of("specification") if column.index == new), None)
+    place, cells = table.place(max(table.last, 0), column), table.sheet
+    if nominal is None:
+        raise ReadingsError(Sentence("nothing says what the deviations are from"), place=place, expected=_OF_NEW)
+    if column.unit is None:
+        problem = Sentence("nothing says in which unit the deviations are")
+        raise ReadingsError(
+            problem, place=place, expected=Sentence("the unit in the heading, such as 'Deviation [µm]'")
+        )
+    if any(token in sheet_vocabulary("below") for token in tokens_of(column.heading)):
+        problem = Sentence("a heading that says 'below' leaves open which way its numbers count")
+        expected = Sentence("deviations with their sign, those of smaller parts with −, under a heading 'Deviation'")
+        raise ReadingsError(problem, place=place, value=column.heading, expected=expected)
+    small, unit = column.unit, nominal.unit or MILLIMETRE
+
+    def sums(row: int) -> Iterator[Cell]:
+        off, size = cells.cell(row, index), cells.filled(row, nominal.index)
+        apart, whole = (None, None) if is_blank(off) or row <= table.last else (stated_number(off), stated_number(size))
+        if apart is None or whole is None:
+            yield "" if is_blank(off) or row <= table.last else f"{size} {off}"
+        else:
+            total = (whole[1] or unit).to_si(whole[0]) + (apart[1] or small).to_si(apart[0])
+            yield round(total / MILLIMETRE.factor, _DIGITS)
+
+    text = Sentence(
+        "diameters are those of column {nominal!r} plus the deviations of column {deviation!r}",
+        nominal=nominal.name,
+        deviation=column.name,
+    )
+    made = table.with_columns([(replace(column, unit=MILLIMETRE), index)], sums, frozenset({index}))
+    return replace(made, messages=(*made.messages, Message("info", "diameters_of_deviations", text, place)))
+
+
+def split(table: HeadedTable, index: int, names: ControllerNames) -> HeadedTable:
+    """Return a table with further columns behind its last one, for each thing that the cells of a column say.
+
+    A cell that is not understood stays as a whole in the first of the new columns, to be refused there.
+    """
+    filled = table.sheet.filled
+    labels = {row: read_label(cell, names, dotted=True) or {} for row, cell in table.cells(index).items()}
+    wanted = list(dict.fromkeys(name for label in labels.values() for name in label)) or ["component"]
+    columns = [(HeadedColumn(0, table.heading(index), LABELLED[name], rank=9), index) for name in wanted]
+
+    def cells(row: int) -> Iterator[Cell]:
+        label = labels.get(row)
+        for at, name in enumerate(wanted):
+            yield label[name] if label and name in label else filled(row, index) if label == {} and at == 0 else ""
+
+    return table.with_columns(columns, cells, frozenset({index}))

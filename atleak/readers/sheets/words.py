@@ -408,10 +408,9 @@ def plane_names(cell: Cell) -> list[str]:
 
 
 def at(place: Place, error: ReadingsError) -> ReadingsError:
-    """Return the same error with its place."""
-    found = ReadingsError(error.problem, place=place, value=error.value, expected=error.expected, nearest=error.nearest)
-    found.role = error.role
-    return found
+    """Return the error with its place."""
+    error.place = place
+    return error
 
 
 # --- what a row is, besides a reading ---------------------------------------------------------------------------------
@@ -482,14 +481,7 @@ def is_rejected(cell: Cell) -> bool:
     >>> is_rejected("Ausreißer"), is_rejected("do not use!"), is_rejected("no outlier")
     (True, True, False)
     """
-    text = plain(cell).strip(" .!()") if isinstance(cell, str) else ""
-    return text in sheet_vocabulary("counts_not") or text in {
-        "do not use",
-        "not valid",
-        "nicht verwenden",
-        "nie uzywac",
-        "nie uwzgledniac",
-    }
+    return isinstance(cell, str) and plain(cell).strip(" .!()") in sheet_vocabulary("counts_not")
 
 
 @lru_cache(maxsize=4096)
