@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path
@@ -59,16 +59,43 @@ _WITH_UNIT = re.compile(r"(.*?\d[.,]?)\s*([^\d\s.,][^\d]*)")
 
 @dataclass
 class Page:
-    """A sheet as it was read: its rows, and where the cells of each heading stand."""
+    """A sheet and what was read of it: its rows, and where the cells of each heading stand."""
 
     sheet: Sheet
     declared: Declared
-    units: Units  # in which its numbers are written
+    units: Units  # in which its numbers are written; the head says so itself
+    into: Description
     rows: list[WorkbookRow] = field(default_factory=list)
     columns: dict[str, int] = field(default_factory=dict)  # by heading
     lines: dict[str, int] = field(default_factory=dict)  # row by heading, of a form
 
-    def read(self, spot: Spot, places: Mapping[SheetColumn, tuple[int, int]], into: Description) -> WorkbookRow:
+    def read(self) -> bool:
+        """Read the sheet as it is declared: one key on each line, or one table on each row; False without headings."""
+        wanted = [FIELD, VALUE] if self.declared.is_form else [column.heading for column in self.declared.columns]
+        top = self._heading_row(wanted)
+        if top is not None:
+            (self._read_form if self.declared.is_form else self._read_table)(top)
+        return top is not None
+
+    def _heading_row(self, headings: Sequence[str]) -> int | None:
+        """Return the row in which most of the headings stand, the first of several; None where none does."""
+        wanted = {words(heading) for heading in headings}
+        found = [len({words(as_text(cell)) for cell in row} & wanted) for row in self.sheet.rows[:_LOOKED_AT]]
+        most = max(found, default=0)
+        return found.index(most) if most >= max(min(2, len(wanted)), 1) else None
+
+    def _spot(self, row: int | None = None, heading: str | None = None) -> Spot:
+        return Spot(self.declared.name, None if row is None else self.sheet.row_number(row), heading)
+
+    def _fault(self, spot: Spot, problem: Sentence, cell: Any = None, expected: Sentence | None = None) -> None:
+        self.into.faults.append(SheetFault(spot, problem, cell, expected))
+
+    def _unknown(self, spot: Spot, problem: Sentence, cell: Any, known: Iterable[SheetColumn]) -> None:
+        headings = [column.heading for column in known]
+        nearest = nearest_name(as_text(cell), headings)
+        self.into.faults.append(SheetFault(spot, problem, cell or None, one_of(headings), nearest))
+
+    def _row(self, spot: Spot, places: Mapping[SheetColumn, tuple[int, int]]) -> WorkbookRow:
         """Read the cells of one table, each at its row and column."""
         cells: dict[str, Any] = {}
         values: dict[str, Any] = {}
@@ -83,185 +110,134 @@ class Page:
             except NotAccepted as error:
                 fault = Sentence("not accepted"), error.wanted
             if fault is not None:
-                into.faults.append(SheetFault(Spot(spot.sheet, spot.row, column.heading), fault[0], cell, fault[1]))
+                self._fault(Spot(spot.sheet, spot.row, column.heading), fault[0], cell, fault[1])
         return WorkbookRow(spot, cells, values)
 
+    # --- a form
 
-def form_page(sheet: Sheet, declared: Declared, units: Units, into: Description) -> Page | None:
-    """Read a sheet with one key on each line; None where its headings are missing.
+    def _read_form(self, top: int) -> None:
+        headed = {words(as_text(cell)): number for number, cell in reversed(list(enumerate(self.sheet.rows[top])))}
+        rows = range(top + 1, len(self.sheet.rows))
+        places = self._places(rows, headed)
+        self.columns = {line.heading: column for line, (_, column) in places.items()}
+        self.lines = {line.heading: row for line, (row, _) in places.items()}
+        note = headed.get(words(NOTE_HEADING))
+        if note is not None:
+            self._say_lost([row for row in rows if _own(self.sheet, row, note)])
+        if self.declared is HEAD:
+            chosen = self._row(self._spot(), {line: places.pop(line) for line in UNIT_LINES if line in places})
+            for line in UNIT_LINES:
+                if line.heading not in chosen.cells and isinstance(line.kind, ChoiceCell):
+                    self.into.fault(chosen, line.heading, Sentence("not chosen"), one_of(line.kind.shown))
+            values = chosen.values
+            self.units = Units(**{line.key: values[line.heading] for line in UNIT_LINES if line.heading in values})
+        row_read = self._row(self._spot(), places)
+        self.rows = [row_read] if row_read.cells else []
 
-    Parameters
-    ----------
-    units
-        in which its numbers are written, unless it is the head, which says so itself.
-    """
-    top = _heading_row(sheet, [FIELD, VALUE])
-    if top is None:
-        return None
-    headed = {words(as_text(cell)): number for number, cell in reversed(list(enumerate(sheet.rows[top])))}
-    places = _places(sheet, declared, range(top + 1, len(sheet.rows)), headed, into)
-    page = Page(
-        *(sheet, declared, units),
-        columns={line.heading: column for line, (_, column) in places.items()},
-        lines={line.heading: row for line, (row, _) in places.items()},
-    )
-    note = headed.get(words(NOTE_HEADING))
-    if note is not None:
-        _say_lost(sheet, [row for row in range(top + 1, len(sheet.rows)) if _own(sheet, row, note)], into)
-    if declared is HEAD:
-        of_units = {line: places.pop(line) for line in UNIT_LINES if line in places}
-        page.units = _chosen(page.read(Spot(declared.name), of_units, into), into)
-    row_read = page.read(Spot(declared.name), places, into)
-    page.rows = [row_read] if row_read.cells else []
-    return page
-
-
-def _places(
-    sheet: Sheet, declared: Declared, rows: range, headed: Mapping[str, int], into: Description
-) -> dict[SheetColumn, tuple[int, int]]:
-    """Return where the value of each line of a form stands, and how it is known."""
-    label_column, value_column, known_column = headed[words(FIELD)], headed[words(VALUE)], headed.get(words(HOW_KNOWN))
-    every = (*(UNIT_LINES if declared is HEAD else ()), *declared.columns)
-    lines = {words(line.heading): line for line in every if not line.how_known}
-    basis_lines = {line.how_known: line for line in every if line.how_known}
-    places: dict[SheetColumn, tuple[int, int]] = {}
-    for row in rows:
-        label = as_text(sheet.cell(row, label_column))
-        line, spot = lines.get(words(label)), Spot(declared.name, sheet.row_number(row))
-        if line is None:
-            if label and _raw(sheet, row, value_column) is not None:
-                headings = [known_line.heading for known_line in lines.values()]
-                nearest = nearest_name(label, headings)
-                into.faults.append(SheetFault(spot, Sentence("unknown field"), label, one_of(headings), nearest))
-            continue
-        for column, asked in ((value_column, line), (known_column, basis_lines.get(line.key))):
-            if asked is None or column is None:
+    def _places(self, rows: range, headed: Mapping[str, int]) -> dict[SheetColumn, tuple[int, int]]:
+        """Return where the value of each line of a form stands, and how it is known."""
+        labels, values, how_known = headed[words(FIELD)], headed[words(VALUE)], headed.get(words(HOW_KNOWN))
+        every = (*(UNIT_LINES if self.declared is HEAD else ()), *self.declared.columns)
+        lines = {words(line.heading): line for line in every if not line.how_known}
+        basis_lines = {line.how_known: line for line in every if line.how_known}
+        places: dict[SheetColumn, tuple[int, int]] = {}
+        for row in rows:
+            label = as_text(self.sheet.cell(row, labels))
+            line = lines.get(words(label))
+            if line is None:
+                if label and _raw(self.sheet, row, values) is not None:
+                    self._unknown(self._spot(row), Sentence("unknown field"), label, lines.values())
                 continue
-            if places.setdefault(asked, (row, column))[0] != row and _raw(sheet, row, column) is not None:
-                into.faults.append(SheetFault(spot, Sentence("field given twice"), label, Sentence("each field once")))
-    return places
+            for column, asked in ((values, line), (how_known, basis_lines.get(line.key))):
+                if asked is None or column is None:
+                    continue
+                if places.setdefault(asked, (row, column))[0] != row and _raw(self.sheet, row, column) is not None:
+                    self._fault(self._spot(row), Sentence("field given twice"), label, Sentence("each field once"))
+        return places
 
+    # --- a table
 
-def _chosen(row: WorkbookRow, into: Description) -> Units:
-    """Return what the workbook's numbers are written in."""
-    for line in UNIT_LINES:
-        if line.heading not in row.cells and isinstance(line.kind, ChoiceCell):
-            into.fault(row, line.heading, Sentence("not chosen"), one_of(line.kind.shown))
-    return Units(**{line.key: row.values[line.heading] for line in UNIT_LINES if line.heading in row.values})
-
-
-def table_page(sheet: Sheet, declared: Declared, units: Units, into: Description) -> Page | None:
-    """Read a sheet with one table on each row; None where its headings are missing. Parameters as of `form_page`."""
-    top = _heading_row(sheet, [column.heading for column in declared.columns])
-    if top is None:
-        return None
-    columns = _columns(sheet, top, declared, into)
-    page = Page(sheet, declared, units, columns={column.heading: number for number, column in columns.items()})
-    note = next((number for number in range(sheet.width) if _is(sheet.cell(top, number), NOTE_HEADING)), None)
-    absent = [column.heading for column in declared.columns if column.required and column.heading not in page.columns]
-    for heading in absent:
-        problem = Sentence("the column {heading!r} is missing", heading=heading)
-        into.faults.append(SheetFault(Spot(declared.name, sheet.row_number(top)), problem))
-    remarks: list[int] = []
-    for row in range(top + 1, len(sheet.rows)):
-        mark = "" if note is None else sheet.cell(row, note)
-        spot = Spot(declared.name, sheet.row_number(row))
-        if row == top + 1 and _is(mark, UNIT_MARK):
-            _check_units(sheet, row, columns, declared, units, into)
-        elif not any(_own(sheet, row, number) for number in columns):
-            continue
-        elif not _is(mark, EXAMPLE_MARK):
-            remarks += [row] if as_text(mark) else []
-            read = page.read(spot, {column: (row, number) for number, column in columns.items()}, into)
-            page.rows.append(replace(read, absent=frozenset(absent)))
-        elif not _is_example(sheet, row, columns, declared):
-            problem = Sentence("a row marked as an example was changed")
-            expected = Sentence("the example as it was, or no {mark!r} before a row of your own", mark=EXAMPLE_MARK)
-            into.faults.append(SheetFault(spot, problem, expected=expected))
-    _say_lost(sheet, remarks, into)
-    return page
-
-
-def _heading_row(sheet: Sheet, headings: Sequence[str]) -> int | None:
-    """Return the row in which most of the headings stand, the first of several; None where none does."""
-    wanted = {words(heading) for heading in headings}
-    best, most = None, 0
-    for row in range(min(len(sheet.rows), _LOOKED_AT)):
-        score = len({words(as_text(cell)) for cell in sheet.rows[row]} & wanted)
-        if score > most:
-            best, most = row, score
-    return best if most >= min(2, len(wanted)) else None
-
-
-def _columns(sheet: Sheet, top: int, declared: Declared, into: Description) -> dict[int, SheetColumn]:
-    """Return the columns by their place; a heading that means nothing is a fault where something stands below it."""
-    by_words = {words(column.heading): column for column in declared.columns}
-    columns: dict[int, SheetColumn] = {}
-    for number in range(sheet.width):
-        heading = sheet.cell(top, number)
-        if _is(heading, NOTE_HEADING):
-            continue
-        column = by_words.get(words(as_text(heading))) or (declared.further_column(heading) if heading != "" else None)
-        spot = Spot(declared.name, sheet.row_number(top), as_text(heading) or None)
-        if column is not None and all(column.heading != taken.heading for taken in columns.values()):
-            columns[number] = column
-        elif any(_own(sheet, row, number) for row in range(top + 1, len(sheet.rows))):
-            if column is not None:
-                into.faults.append(
-                    SheetFault(spot, Sentence("column given twice"), heading, Sentence("each column once"))
-                )
+    def _read_table(self, top: int) -> None:
+        sheet, columns = self.sheet, self._columns(top)
+        self.columns = {column.heading: number for number, column in columns.items()}
+        note = next((number for number in range(sheet.width) if _is(sheet.cell(top, number), NOTE_HEADING)), None)
+        needed = [column.heading for column in self.declared.columns if column.required]
+        absent = [heading for heading in needed if heading not in self.columns]
+        for heading in absent:
+            self._fault(self._spot(top), Sentence("the column {heading!r} is missing", heading=heading))
+        remarks: list[int] = []
+        for row in range(top + 1, len(sheet.rows)):
+            mark = "" if note is None else sheet.cell(row, note)
+            if row == top + 1 and _is(mark, UNIT_MARK):
+                self._check_units(row, columns)
+            elif not any(_own(sheet, row, number) for number in columns):
                 continue
-            headings = [column.heading for column in declared.columns]
-            nearest = nearest_name(as_text(heading), headings)
-            problem = Sentence("unknown column")
-            if heading == "":
-                letter = column_letter(number)
-                problem = Sentence("column {letter} holds something and has no heading", letter=letter)
-            into.faults.append(SheetFault(spot, problem, heading or None, one_of(headings), nearest))
-    return columns
+            elif not _is(mark, EXAMPLE_MARK):
+                remarks += [row] if as_text(mark) else []
+                read = self._row(self._spot(row), {column: (row, number) for number, column in columns.items()})
+                self.rows.append(replace(read, absent=frozenset(absent)))
+            elif not self._is_example(row, columns):
+                problem = Sentence("a row marked as an example was changed")
+                expected = Sentence("the example as it was, or no {mark!r} before a row of your own", mark=EXAMPLE_MARK)
+                self._fault(self._spot(row), problem, expected=expected)
+        self._say_lost(remarks)
 
+    def _columns(self, top: int) -> dict[int, SheetColumn]:
+        """Return the columns by place; a heading that means nothing is a fault where something stands below it."""
+        sheet, by_words = self.sheet, {words(column.heading): column for column in self.declared.columns}
+        columns: dict[int, SheetColumn] = {}
+        for number in range(sheet.width):
+            heading = sheet.cell(top, number)
+            if _is(heading, NOTE_HEADING):
+                continue
+            column = by_words.get(words(as_text(heading)))
+            column = column or (self.declared.further_column(heading) if heading != "" else None)
+            spot = self._spot(top, as_text(heading) or None)
+            if column is not None and all(column.heading != taken.heading for taken in columns.values()):
+                columns[number] = column
+            elif not any(_own(sheet, row, number) for row in range(top + 1, len(sheet.rows))):
+                continue
+            elif column is not None:
+                self._fault(spot, Sentence("column given twice"), heading, Sentence("each column once"))
+            else:
+                problem = Sentence("unknown column")
+                if heading == "":
+                    letter = column_letter(number)
+                    problem = Sentence("column {letter} holds something and has no heading", letter=letter)
+                self._unknown(spot, problem, heading, self.declared.columns)
+        return columns
 
-def _check_units(
-    sheet: Sheet, row: int, columns: Mapping[int, SheetColumn], declared: Declared, units: Units, into: Description
-) -> None:
-    """Compare the units under the headings with those of the head, where a program has worked them out."""
-    for number, column in columns.items():
-        label, stands = column.kind.label(units), as_text(sheet.cell(row, number))
-        if stands and words(stands) != words(label):
-            spot = Spot(declared.name, sheet.row_number(row), column.heading)
-            as_said = Sentence("{unit}, as the sheet Head says", unit=label)
-            expected = as_said if label else Sentence("no unit")
-            into.faults.append(SheetFault(spot, Sentence("another unit than that of the workbook"), stands, expected))
+    def _check_units(self, row: int, columns: Mapping[int, SheetColumn]) -> None:
+        """Compare the units under the headings with those of the head, where a program has worked them out."""
+        for number, column in columns.items():
+            label, stands = column.kind.label(self.units), as_text(self.sheet.cell(row, number))
+            if stands and words(stands) != words(label):
+                as_said = Sentence("{unit}, as the sheet Head says", unit=label)
+                problem = Sentence("another unit than that of the workbook")
+                expected = as_said if label else Sentence("no unit")
+                self._fault(self._spot(row, column.heading), problem, stands, expected)
 
-
-def _is_example(sheet: Sheet, row: int, columns: Mapping[int, SheetColumn], declared: Declared) -> bool:
-    """Return whether a row is an example as it was written, in whichever units."""
-    cells = {column.heading: _raw(sheet, row, number) for number, column in columns.items()}
-    shown = {heading: as_text(cell) for heading, cell in cells.items() if cell is not None}
-    return any(
-        shown
-        == {
-            column.heading: as_text(column.kind.cell(example[column.heading], Units(*choice)))
-            for column in columns.values()
-            if column.heading in example
-        }
-        for example in examples(declared)
-        for choice in itertools.product(LENGTHS, CLEARANCES, PRESSURES)
-    )
-
-
-def _say_lost(sheet: Sheet, rows: Sequence[int], into: Description) -> None:
-    """Say which remarks are not carried over."""
-    if rows:
-        where = rows_named(sheet, rows)
-        into.notes.append(
-            Sentence(
-                "sheet {sheet!r}, {rows}: what stands under {heading} is not carried over",
-                sheet=sheet.name,
-                rows=where,
-                heading=NOTE_HEADING,
-            )
+    def _is_example(self, row: int, columns: Mapping[int, SheetColumn]) -> bool:
+        """Return whether a row is an example as it was written, in whichever units."""
+        cells = {column.heading: _raw(self.sheet, row, number) for number, column in columns.items()}
+        shown = {heading: as_text(cell) for heading, cell in cells.items() if cell is not None}
+        return any(
+            shown
+            == {
+                column.heading: as_text(column.kind.cell(example[column.heading], Units(*choice)))
+                for column in columns.values()
+                if column.heading in example
+            }
+            for example in examples(self.declared)
+            for choice in itertools.product(LENGTHS, CLEARANCES, PRESSURES)
         )
+
+    def _say_lost(self, rows: Sequence[int]) -> None:
+        """Say which remarks are not carried over."""
+        if rows:
+            text = Sentence("sheet {sheet!r}, {rows}: what stands under {heading} is not carried over")
+            where = rows_named(self.sheet, rows)
+            self.into.notes.append(text.of(sheet=self.sheet.name, rows=where, heading=NOTE_HEADING))
 
 
 def _is(cell: SheetCellKind, mark: str) -> bool:
@@ -433,9 +409,9 @@ def _pages(matched: Mapping[str, Sheet], into: Description) -> Iterator[tuple[st
     """Yield what each sheet holds, by its name; the head, which comes first, says the units of all."""
     units = Units()
     for declared in SHEETS:
-        sheet, read = matched.get(declared.name), form_page if declared.is_form else table_page
-        page = None if sheet is None else read(sheet, declared, units, into)
-        if page is None:
+        sheet = matched.get(declared.name)
+        page = None if sheet is None else Page(sheet, declared, units, into)
+        if page is None or not page.read():
             _miss(declared, into)
             continue
         units = page.units

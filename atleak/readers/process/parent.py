@@ -96,6 +96,13 @@ MDF = ProcessBudget(
 PARQUET = replace(MDF, kind=Sentence("Parquet file"))
 
 
+_GONE = {
+    "time": Sentence("reading this {kind} took longer than {limit:.0f} s and was stopped; {suspicion}"),
+    "memory": Sentence("reading this {kind} took more than {limit} MB of memory and was stopped; {suspicion}"),
+    "death": Sentence("this {kind} cannot be read: what reads it broke down; {suspicion}"),
+}
+
+
 def read_apart(
     function: Callable[..., Iterator[_Item]],
     source: bytes | Path,
@@ -130,7 +137,7 @@ def read_apart(
         of type ``error``: where the function refuses the file, a library fails on it or atleak itself does, where
         reading it takes more than its budget or ends the child, and where no child can be started.
     """
-    return list(_items(function, source, file, error, budget, explain, asked, streamed=False))
+    return list(read_apart_in_parts(function, source, file, error, budget, explain, streamed=False, **asked))
 
 
 def read_apart_in_parts(
@@ -139,32 +146,16 @@ def read_apart_in_parts(
     file: str,
     error: type[InputError],
     budget: ProcessBudget,
+    explain: Callable[..., Iterator[object]] | None = None,
+    *,
+    streamed: bool = True,
     **asked: Any,
 ) -> Generator[_Item]:
-    """Call a reading function in a child process and yield what it yields, as it comes.
+    """Call a reading function in a child process and yield what it yields, as it comes, as `read_apart` does.
 
-    It does what `read_apart` does, but a file may be larger than memory: each part has the budget of the whole, and
-    the child waits until the part before is taken. Whoever does not take all of them closes the iterator.
-
-    Raises
-    ------
-    InputError
-        as `read_apart`.
+    ``streamed``, a file may be larger than memory: each part has the budget of the whole, and the child waits until the
+    part before is taken. Whoever does not take all of them closes the iterator.
     """
-    return _items(function, source, file, error, budget, None, asked, streamed=True)
-
-
-def _items(
-    function: Callable[..., Iterator[_Item]],
-    source: bytes | Path,
-    file: str,
-    error: type[InputError],
-    budget: ProcessBudget,
-    explain: Callable[..., Iterator[object]] | None,
-    asked: Mapping[str, Any],
-    *,
-    streamed: bool,
-) -> Generator[_Item]:
     memory, seconds = budget.limits(len(source) if isinstance(source, bytes) else source.stat().st_size)
     kind, content = "end", dict[str, Any]()
     try:
@@ -174,40 +165,22 @@ def _items(
     except _ChildGone as gone:
         better = None if explain is None or gone.reason == "time" else _explained(explain, source, memory)
         if better is None:
-            values = {"kind": budget.kind, "suspicion": budget.suspicion}
-            problem = {
-                "time": Sentence(
-                    "reading this {kind} took longer than {limit:.0f} s and was stopped; {suspicion}",
-                    limit=seconds, **values,
-                ),
-                "memory": Sentence(
-                    "reading this {kind} took more than {limit} MB of memory and was stopped; {suspicion}",
-                    limit=memory >> 20, **values,
-                ),
-                "death": Sentence("this {kind} cannot be read: what reads it broke down; {suspicion}", **values),
-            }[gone.reason]  # fmt: skip
+            limit = seconds if gone.reason == "time" else memory >> 20
+            problem = _GONE[gone.reason].of(kind=budget.kind, limit=limit, suspicion=budget.suspicion)
             raise error(problem, place=Place(file), expected=budget.expected) from None
         kind, content = better
     except OSError as fault:
-        raise error(
-            Sentence(
-                "a {kind} is read by a second Python process, and none can be started: {reason}",
-                kind=budget.kind,
-                reason=str(fault),
-            ),
-            place=Place(file),
-            expected=Sentence("a plain Python installation, or the table as .csv, which needs no second process"),
-        ) from fault
+        text = Sentence("a {kind} is read by a second Python process, and none can be started: {reason}")
+        expected = Sentence("a plain Python installation, or the table as .csv, which needs no second process")
+        raise error(text.of(kind=budget.kind, reason=str(fault)), place=Place(file), expected=expected) from fault
     if kind == "refused":
         sheet, value, expected = (content[name] for name in ("sheet", "value", "expected"))
         raise error(content["problem"], place=Place(file, sheet), value=value, expected=expected)
     if kind == "fault":
         raise error(own_fault(content["said"], content["at"]), place=Place(file)) from FaultOfChild(content["trace"])
     if kind == "damaged":
-        problem = Sentence(
-            "this {kind} is damaged or of a kind that cannot be read ({reason})", kind=budget.kind, reason=content
-        )
-        raise error(problem, place=Place(file), expected=budget.expected)
+        text = Sentence("this {kind} is damaged or of a kind that cannot be read ({reason})")
+        raise error(text.of(kind=budget.kind, reason=content), place=Place(file), expected=budget.expected)
 
 
 def _request(function: Callable[..., Any], memory: int, seconds: float, asked: Mapping[str, Any]) -> Request:
@@ -316,14 +289,9 @@ class _Child:
             self.process.kill()
 
     def read(self, request: Request, source: bytes | Path, *, streamed: bool) -> Iterator[tuple[str, Any]]:
-        """Read a file: yield its items, and at last how the answer ended.
+        """Read a file: yield its items, and at last how the answer ended; `_ChildGone` where that is cut short.
 
         The limits are those of the whole answer, or of each item where these are taken one by one.
-
-        Raises
-        ------
-        _ChildGone
-            where the child ends before it has answered in full.
         """
         with self._limits(request.memory, request.seconds):
             path = None if isinstance(source, bytes) else str(source.absolute())
@@ -389,16 +357,9 @@ class _Pool:
         self._lock = threading.Lock()
 
     def read(self, request: Request, source: bytes | Path, *, streamed: bool = False) -> Iterator[tuple[str, Any]]:
-        """Read a file as `_Child.read` does, with a child that is free.
+        """Read a file as `_Child.read` does, with a child that is free; `OSError` where none can be started.
 
         It is kept for the next file if it answered in full and stayed small.
-
-        Raises
-        ------
-        _ChildGone
-            where the child ends before it has answered in full.
-        OSError
-            where no child can be started.
         """
         with self._places:
             child = self._taken(request.module) or _Child(request.module)
