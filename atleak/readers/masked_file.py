@@ -27,17 +27,8 @@ _WORD = re.compile(r"[^\W\d_]+")
 def masked_file(source: str | Path | bytes, name: str | None = None) -> str:
     """Return the first and last rows of a log or a sheet, masked, below a line about the file.
 
-    Parameters
-    ----------
-    source
-        path of a file, or its bytes. Of a log that is no text only its kind and size are told.
-    name
-        what messages call it; the path's own name by default. It is not told either.
-
-    Raises
-    ------
-    RoadTestError, ReadingsError
-        no such file, or one that is neither a text nor a table.
+    Of a log that is no text only its kind and size are told. ``name`` is what messages call it; it is not told either.
+    An `InputError` says that there is no such file, or that it is neither a text nor a table.
     """
     file = open_source(source, name)
     try:

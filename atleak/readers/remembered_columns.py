@@ -77,20 +77,7 @@ def default_path() -> Path:
 
 
 def recall(path: Path, header: str) -> RememberedColumns | None:
-    """Return the choices kept for a header's signature, or None. A damaged file counts as empty.
-
-    Parameters
-    ----------
-    path
-        of the file in which they are kept, such as `default_path`.
-    header
-        the log's signature, as `Understood.signature`.
-
-    Returns
-    -------
-    RememberedColumns or None
-        columns and units by quantity.
-    """
+    """Return the choices kept for a header's signature, or None. A damaged file counts as empty."""
     return _understood(readable(path).get(header)) if header else None
 
 
@@ -125,23 +112,12 @@ def remember(
 
     Parameters
     ----------
-    path
-        of the file in which they are kept.
     header
-        the log's signature, as `Understood.signature`.
-    mapping
-        quantity → column.
-    units
-        quantity → unit.
-    format
+        the log's signature, as `Understood.signature`; an `OutputError` says where it has none.
+    mapping, units
+        quantity → column, and → unit.
+    format, columns
         of the log, by which people recognise what is remembered.
-    columns
-        their names, likewise.
-
-    Raises
-    ------
-    OutputError
-        where the file has no header, or the file cannot be written.
     """
     if not header:
         raise OutputError(Sentence("the file names no columns by which others like it could be told"))
@@ -150,25 +126,13 @@ def remember(
 
 
 def restore_columns(path: Path, header: str, entry: RememberedColumns) -> None:
-    """Keep choices as they were before they were forgotten.
-
-    Raises
-    ------
-    OutputError
-        where the file cannot be written.
-    """
+    """Keep choices as they were before they were forgotten."""
     with rewritten(path) as entries:
         entries[header] = {**vars(entry), "columns": list(entry.columns)}
 
 
 def forget_columns(path: Path, header: str) -> None:
-    """Delete the choices kept for a header's signature.
-
-    Raises
-    ------
-    OutputError
-        where the file cannot be written.
-    """
+    """Delete the choices kept for a header's signature."""
     if header in readable(path):
         with rewritten(path) as entries:
             entries.pop(header, None)
@@ -217,13 +181,7 @@ class MapFile:
 
     @classmethod
     def read(cls, path: Path) -> MapFile:
-        """Read the file.
-
-        Raises
-        ------
-        InputError
-            where it cannot be read, or is no mapping.
-        """
+        """Read the file; an `InputError` says that it cannot be read, or is no mapping."""
         place = Place(file=path.name)
         try:
             content = json.loads(path.read_text(encoding="utf-8-sig"))

@@ -13,8 +13,9 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import TypeAdapter
 
@@ -27,7 +28,7 @@ from atleak.common.errors import InputError, Place, ReadingsError
 from atleak.common.sentences import Sentence
 from atleak.common.units import MM, unit, unit_names
 from atleak.measurements.clearances import LandClearance, clearances, far_from_nominal
-from atleak.measurements.measuring_plan import PLAN_PARTS, CellKey, Plan, PlanCell
+from atleak.measurements.measuring_plan import PLAN_PARTS, Plan, PlanCell
 from atleak.measurements.own_forms import LANDS, TYPED, OwnForm
 from atleak.measurements.readings import Reading, Readings
 from atleak.readers.cells.sheet_file import csv_bytes, csv_rows
@@ -133,29 +134,20 @@ class Typed:
         cells
             the cells that the page shows, in its order.
         """
-        named = {cell.key: cell for cell in cells}
+        named: Mapping[Any, PlanCell] = {cell.key: cell for cell in cells}
         done = Done(self)
         for step in steps:
-            next_one = _after_one(done.typed, step, named, cells)
-            done = replace(next_one, left_over=done.left_over + next_one.left_over)
+            cell, text, typed = None, str(step.get("text", "")), done.typed
+            with suppress(KeyError, TypeError):  # a page may send anything as a key
+                cell = named.get(tuple(step["cell"]))
+            if step.get("do") == "undo":
+                one = typed.undo()
+            elif cell is None:
+                one = Done(typed)
+            else:
+                one = typed.paste(cells, cell, text) if step.get("do") == "paste" else Done(typed.put(cell, text))
+            done = replace(one, left_over=done.left_over + one.left_over)
         return done
-
-
-def _after_one(
-    typed: Typed, step: Mapping[str, Any], named: Mapping[CellKey, PlanCell], cells: Sequence[PlanCell]
-) -> Done:
-    if step.get("do") == "undo":
-        return typed.undo()
-    key = step.get("cell")
-    cell = named.get(tuple(key)) if isinstance(key, list) and all(map(_is_plain, key)) else None
-    if cell is None:
-        return Done(typed)
-    text = str(step.get("text", ""))
-    return typed.paste(cells, cell, text) if step.get("do") == "paste" else Done(typed.put(cell, text))
-
-
-def _is_plain(value: object) -> bool:
-    return value is None or isinstance(value, str | int | float)
 
 
 def cell_of(reading: Reading) -> PlanCell:
@@ -181,8 +173,7 @@ def _in_mm(metres: float) -> str:
 _AT_A_CELL = ("repeats_disagree", "large_ovality", "tight_direction")  # codes of what a land's messages say of a cell
 
 
-@dataclass(frozen=True)
-class _Doubt:
+class _Doubt(NamedTuple):
     """What is doubtful about an entry, in a sentence, and whether it counts as a reading nevertheless."""
 
     text: Sentence
@@ -210,15 +201,7 @@ def judge(
     temperature: float | None = None,
     instruments: Instruments | None = None,
 ) -> JudgedEntry:
-    """Judge all entries together.
-
-    Parameters
-    ----------
-    temperature
-        of gauge and parts [°C], where the job states it.
-    instruments
-        those that measured; the catalogue's defaults unless given.
-    """
+    """Judge all entries together; ``temperature`` is that of gauge and parts [°C], where the job states it."""
     judging = _Judging(typed, controller)
     judging.leave_out_slips()
     judging.leave_out_contradictions()
@@ -329,13 +312,7 @@ _IN_MM = ("coordinate 1", "coordinate 2", "contact length", "position")
 
 
 def written_sheet(typed: Typed, counting: Collection[PlanCell], controller: Controller) -> bytes | None:
-    """Return the file; None where nothing was typed.
-
-    Parameters
-    ----------
-    counting
-        the cells of which the readings count.
-    """
+    """Return the file; None where nothing was typed. The readings of the cells ``counting`` count."""
     if not typed.entries:
         return None
     rows = [[TYPED.mark, json.dumps(asdict(typed.plan))], [f"Controller {controller.id}"]]
@@ -398,15 +375,7 @@ def _of_lands(sheet: Readings | None) -> Iterator[list[str]]:
 def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed | None:
     """Return the entries of a file that `written_sheet` gave; None for any other file, and for another valve body's.
 
-    Parameters
-    ----------
-    sheet
-        what `read_readings` reads of that same file.
-
-    Raises
-    ------
-    InputError
-        where atleak itself fails on it.
+    ``sheet`` is what `read_readings` reads of that same file.
     """
     rows = csv_rows(content.removeprefix(_SEPARATED))
     if not rows or rows[0][:1] != [TYPED.mark]:
@@ -426,13 +395,7 @@ def typed_in(content: bytes, sheet: Readings, controller: Controller) -> Typed |
 
 
 def _entries(rows: Iterable[list[str]]) -> Iterator[tuple[PlanCell, TypedEntry]]:
-    """Yield the entries of the table that begins here.
-
-    Raises
-    ------
-    ValueError
-        where it is not as `written_sheet` gave it.
-    """
+    """Yield the entries of the table that begins here; `ValueError` where it is not as `written_sheet` gave it."""
     for row in itertools.takewhile(bool, rows):
         component, part, plane, direction, repeat, first, second, text, _, taken_at = row
         if taken_at:

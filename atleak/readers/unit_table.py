@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache, cached_property
+from itertools import islice
 from pathlib import Path
 
 from atleak.common.damage import own_errors_only
@@ -139,14 +140,7 @@ def is_unit_table(path: Path, head: bytes) -> bool:
 
 @own_errors_only(InputError, "path")
 def read_unit_table(path: Path) -> UnitTable:
-    """Read a table of units.
-
-    Raises
-    ------
-    InputError
-        a file that cannot be read or is no table, or one of which no column says what a unit is diagnosed by, two
-        columns say the same, or a heading can be understood in two ways.
-    """
+    """Read a table of units; an `InputError` says why a file is none, or which of its headings is not clear."""
     try:
         if path.stat().st_size > _SIZE:
             problem, expected = Sentence("too large"), Sentence("at most {size} MB", size=_SIZE >> 20)
@@ -235,10 +229,8 @@ def _text(data: bytes, file: str) -> tuple[None, _Rows]:
 
 
 def _records(content: str, delimiter: str, most: int) -> Iterator[tuple[int, Sequence[Cell]]]:
-    for number, record in enumerate(csv.reader(io.StringIO(content, newline=""), delimiter=delimiter), start=1):
-        if number > most:
-            return
-        yield number, [cell.strip() for cell in record]
+    records = islice(csv.reader(io.StringIO(content, newline=""), delimiter=delimiter), most)
+    yield from ((number, [cell.strip() for cell in record]) for number, record in enumerate(records, start=1))
 
 
 def _workbook(data: bytes, file: str) -> tuple[str | None, _Rows]:

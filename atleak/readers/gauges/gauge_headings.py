@@ -308,17 +308,12 @@ def _with_row_above(
     sheet: Sheet, row: int, free: int, headings: dict[int, _Heading], words: GaugeWords
 ) -> dict[int, _Heading]:
     """Return the headings with what stands over them in the row above, as in "stall" merged over P, R, N, D."""
-    if row - 1 < free:
-        return headings
-    above = _headings(sheet, row - 1, words)
-    if len(above) < 2:
-        return headings  # one cell is a title
-    joined = {}
+    above = _headings(sheet, row - 1, words) if row > free else {}
+    uppers = {column: upper for column, upper in above.items() if upper.kind == "value" and len(above) > 1}  # no title
+    joined = dict(headings)
     for column, heading in headings.items():
-        upper = above.get(column)
-        if heading.kind == "value" and upper is not None and upper.kind == "value":
-            heading = replace(heading, said=heading.said.over(upper.said), unit=heading.unit or upper.unit)
-        joined[column] = heading
+        if heading.kind == "value" and (upper := uppers.get(column)):
+            joined[column] = replace(heading, said=heading.said.over(upper.said), unit=heading.unit or upper.unit)
     return joined
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import datetime as dt
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from pathlib import Path
@@ -121,59 +122,28 @@ class _Targets:
         self.controller, self.names = controller, ControllerNames(controller)
         self.circuits = {name: tap for name, tap in GaugeWords.of(controller).taps.items() if tap != LINE_TAP}
 
-    @property
-    def finder(self) -> ValueFinder:
-        """Return what finds the tables that name them."""
-        return ValueFinder(VACUUM, "vacuum_columns", ("target", "reading"), _ORDER, self._begins)
-
-    def _begins(self, cell: Cell) -> bool:
-        """Return whether a cell names a circuit or a land."""
-        if not isinstance(cell, str):
-            return False
-        try:
-            return bool(self.named(cell)[1])
-        except ReadingsError:
-            return False
-
     def named(self, cell: Cell) -> tuple[str | None, tuple[LandKey, ...]]:
         """Return the circuit, where the whole cell names one, and the lands that are meant.
 
-        Raises
-        ------
-        ReadingsError
-            a part that names neither a circuit nor a land.
+        A `ReadingsError` says which part names neither a circuit nor a land.
         """
-        text = text_of(cell)
-        circuit = self._circuit(text)
-        if circuit is not None:
-            return circuit, self._lands_of(circuit)
-        lands: dict[LandKey, None] = {}
-        for part in text.split("+"):
-            known = self._circuit(part)
+        text, lands = text_of(cell), dict[LandKey, None]()
+        whole = self.circuits.get(words(text))
+        for part in text.split("+") if whole is None else (text,):
+            circuit = self.circuits.get(words(part))
             component, slash, land = part.rpartition("/")
-            if known is not None:
-                lands |= dict.fromkeys(self._lands_of(known))
+            if circuit is not None:
+                lands |= dict.fromkeys(around.key for around in self.controller.lands_around(circuit))
             elif slash:
                 lands[self.names.land(self.names.require_component(component.strip()), land.strip()).key] = None
             else:
                 circuits = tuple(each.id for each in self.controller.circuits)
                 expected = _LAND if not circuits else Sentence("{land}, or {names}", land=_LAND, names=one_of(circuits))
                 raise ReadingsError(Sentence("no circuit or land of this unit"), value=part.strip(), expected=expected)
-        return None, tuple(lands)
-
-    def _circuit(self, text: str) -> str | None:
-        return self.circuits.get(words(text))
-
-    def _lands_of(self, circuit: str) -> tuple[LandKey, ...]:
-        return tuple(land.key for land in self.controller.lands_around(circuit))
+        return whole, tuple(lands)
 
 
 _LAND = Sentence("component/land such as 8/1, several joined with +")
-
-
-def _label(cell: Cell) -> Cell:
-    """Return what stands before a colon."""
-    return cell.partition(":")[0] if isinstance(cell, str) else cell
 
 
 class _Reader:
@@ -189,7 +159,7 @@ class _Reader:
         going_on: int | None = None  # the column of a label whose rows go on below it
         for row in range(len(self.sheet.rows)):
             cell, column = first_cell(self.sheet, row)
-            label = label_of(_label(cell), "vacuum_stand") if row != self.table.row else None
+            label = label_of(str(cell).partition(":")[0], "vacuum_stand") if row != self.table.row else None
             if label is None and going_on is not None and column > going_on and is_number(split_cell(cell)[0]):
                 stand.append(("calibration", row, going_on))
             elif label is not None:
@@ -342,24 +312,21 @@ def _without_sign(cell: Cell) -> Cell:
 
 def vacuum_finder(controller: Controller) -> ValueFinder:
     """Return what finds tables of vacuum tests."""
-    return _Targets(controller).finder
+    targets = _Targets(controller)
+
+    def begins(cell: Cell) -> bool:
+        with suppress(ReadingsError):
+            return isinstance(cell, str) and bool(targets.named(cell)[1])
+        return False
+
+    return ValueFinder(VACUUM, "vacuum_columns", ("target", "reading"), _ORDER, begins)
 
 
 @own_errors_only(VacuumTableError, "name", "source")
 def read_vacuum_table(source: str | Path | bytes, controller: Controller, *, name: str | None = None) -> VacuumTable:
     """Return a vacuum test from a file: the stand, and what its gauge showed of circuits and lands.
 
-    Parameters
-    ----------
-    source, name
-        as `atleak.read_pressure_table` takes them.
-    controller
-        whose circuits and lands the rows name.
-
-    Returns
-    -------
-    VacuumTable
-        pressures in pascals and sizes in metres, each with its place in the file; ``messages`` say what was assumed.
+    Pressures are in pascals and sizes in metres, each with its place in the file; ``messages`` say what was assumed.
 
     Raises
     ------
@@ -368,9 +335,9 @@ def read_vacuum_table(source: str | Path | bytes, controller: Controller, *, nam
         the supply, a supply of more than the air's pressure, a calibration that no stand can show; or where the file
         as a whole holds no such table, or none filled in.
     """
-    targets = _Targets(controller)
+    targets, finder = _Targets(controller), vacuum_finder(controller)
     missing = VacuumTableError(Sentence("holds no table of a vacuum test"), expected=_HEADINGS)
-    held = ValueFile.open(source, name, targets.finder.find, targets.finder.likeness, missing, _WANTED)
+    held = ValueFile.open(source, name, finder.find, finder.likeness, missing, _WANTED)
     rows = _Rows()
     for table in held.tables:
         _Reader(table, targets, rows).read()
@@ -403,9 +370,8 @@ def _assumed(rows: _Rows, place: Place) -> Iterator[Message]:
         if name not in rows.stated:
             yield Message("info", f"{name}_assumed", text.of(value=shown.from_si(value), unit=shown.name), place)
     if not rows.readings:
-        yield Message(
-            "warning", "no_vacuum_reading", Sentence("the table describes a stand, and holds no reading"), place
-        )
+        text = Sentence("the table describes a stand, and holds no reading")
+        yield Message("warning", "no_vacuum_reading", text, place)
     if "temperature" not in rows.stated:
         text = Sentence("the table states no temperature: {value:g} {value.unit} assumed")
         yield Message("info", "temperature_assumed", text.of(value=Quantity(20.0, "temperature")), place)

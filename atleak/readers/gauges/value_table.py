@@ -142,27 +142,13 @@ class Faults:
         self,
         cell: Cell,
         place: Place,
-        asked: AskedNumber,
-        of: str,
-        said: tuple[str, Place],
-        usual: Unit | None = None,
-        problem: Sentence | None = None,
+        asked: AskedNumber,  # in any unit of its kind, with its limits
+        of: str,  # kind of quantity
+        said: tuple[str, Place],  # the unit that is stated for the cell, "" for none, and where
+        usual: Unit | None = None,  # where none is stated: None refuses such a number
+        problem: Sentence | None = None,  # of a cell that is no such number
     ) -> Amount | None:
-        """Return the number of a cell; None where it is a problem.
-
-        Parameters
-        ----------
-        asked
-            the number in any unit of its kind, with its limits.
-        of
-            kind of quantity.
-        said
-            the unit that is stated for the cell, "" for none, and where; one behind the number counts before it.
-        usual
-            unit where none is stated: None refuses such a number.
-        problem
-            what is said of a cell that is no such number.
-        """
+        """Return the number of a cell, in the unit behind it or that which is stated; None where it is a problem."""
         text, behind = split_cell(cell)
         name, where = (behind, place) if behind else said
         shown = find_unit(name, of) if name else usual
@@ -268,15 +254,9 @@ class ValueTable:
         of: str,
         usual: Unit | None = None,
         problem: Sentence | None = None,
-        change: Callable[[Cell], Cell] = lambda cell: cell,
+        change: Callable[[Cell], Cell] = lambda cell: cell,  # makes of the cell what is read of it
     ) -> Amount | None:
-        """Return the number of a cell as `Faults.number` does, with the unit of its row or its column.
-
-        Parameters
-        ----------
-        change
-            makes of the cell what is read of it.
-        """
+        """Return the number of a cell as `Faults.number` does, with the unit of its row or its column."""
         place = self.place(row, column)
         if (row, column) in self.sheet.faults:
             found = self.sheet.faults[row, column]
@@ -291,27 +271,13 @@ _Table = TypeVar("_Table", bound=ValueTable)
 
 @dataclass(frozen=True)
 class ValueFinder:
-    """Finds the tables of one kind.
+    """Finds the tables of one kind."""
 
-    Parameters
-    ----------
-    form
-        of atleak's own, in which such a table is written
-    table
-        of the vocabulary, which says what the headings mean
-    needed
-        kinds of columns that its headings must name, that of the values last
-    order
-        of the columns, where no row holds headings
-    begins
-        tells whether a cell is what the first of a row of the table may be
-    """
-
-    form: OwnForm
-    table: str
-    needed: Sequence[str]
-    order: Sequence[str]
-    begins: Callable[[Cell], bool]
+    form: OwnForm  # in which atleak itself writes such a table
+    table: str  # of the vocabulary, which says what the headings mean
+    needed: Sequence[str]  # kinds of columns that its headings must name, that of the values last
+    order: Sequence[str]  # of the columns, where no row holds headings
+    begins: Callable[[Cell], bool]  # tells whether a cell is what the first of a row of the table may be
 
     def find(self, sheet: Sheet) -> list[ValueTable]:
         """Return the table of a sheet, if there is one."""
@@ -352,22 +318,12 @@ class ValueFile(Generic[_Table]):
         source: str | Path | bytes,
         name: str | None,
         find: Callable[[Sheet], Sequence[_Table]],
-        likeness: Callable[[Sheet], float],
+        likeness: Callable[[Sheet], float],  # how much of a sheet is understood as such a table
         missing: InputError,
-        wanted: Sentence,
-        sheet: str | None = None,
+        wanted: Sentence,  # the kinds of file that can be read
+        sheet: str | None = None,  # the one to look at; all by default
     ) -> ValueFile[_Table]:
-        """Open a file; ``missing`` is raised, naming it, where no sheet that is shown holds such a table.
-
-        Parameters
-        ----------
-        find, likeness
-            return the tables of a sheet, and how much of it is understood as one.
-        wanted
-            the kinds of file that can be read.
-        sheet
-            the one to look at; all by default.
-        """
+        """Open a file; ``missing`` is raised, naming it, where no sheet that is shown holds such a table."""
         data, file, sheets = open_sheets(source, name, likeness, type(missing), wanted)
         shown = [each for each in sheets if not each.hidden]
         if sheet is not None and not any(each.name == sheet for each in shown):
@@ -437,19 +393,7 @@ def flow_finder(controller: Controller) -> ValueFinder:
 
 @own_errors_only(FlowTableError, "name", "source")
 def read_flow_table(source: str | Path | bytes, controller: Controller, *, name: str | None = None) -> FlowTable:
-    """Return the flows of a table.
-
-    Parameters
-    ----------
-    source, name
-        as `atleak.read_pressure_table` takes them.
-    controller
-        whose operating points and consumers the rows name.
-
-    Returns
-    -------
-    FlowTable
-        flows in m³/s, each with its place in the file.
+    """Return the flows of a table in m³/s, each with its place in the file.
 
     Raises
     ------

@@ -77,15 +77,7 @@ def send(stream: BinaryIO, content: bytes) -> None:
 
 
 def receive(stream: BinaryIO, limit: int | None = None) -> bytes:
-    """Read one frame.
-
-    Raises
-    ------
-    EOFError
-        where the stream ends before the frame does.
-    OverflowError
-        where the frame is longer than ``limit`` bytes.
-    """
+    """Read one frame: `EOFError` where the stream ends before it does, `OverflowError` where it is over the limit."""
     head = stream.read(_LENGTH.size)
     if len(head) < _LENGTH.size:
         raise EOFError

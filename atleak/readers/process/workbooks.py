@@ -44,12 +44,8 @@ class MeasuringSheet(TypedDict):
 def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
     """Yield every worksheet, with merged ranges, formulas without a usable result, and what is hidden or crossed out.
 
-    Raises
-    ------
-    Refused
-        where the file is protected by a password, no workbook, or holds more cells than a measuring sheet can.
+    `Refused` says that the file is protected by a password, no workbook, or more than people fill in.
     """
-    _refuse_other_kinds(data)
     marked: dict[str, Marks] = {}
     for name, hidden, sheet in _worksheets(data):
         rows, columns = (0, 0) if sheet.end is None else (sheet.end[0] + 1, sheet.end[1] + 1)
@@ -72,14 +68,7 @@ def measuring_sheets(data: bytes) -> Iterator[MeasuringSheet]:
 
 
 def first_rows(data: bytes) -> Iterator[MeasuringSheet]:
-    """Yield the first rows of every worksheet, of a log too, to see what it holds; merged ranges with them.
-
-    Raises
-    ------
-    Refused
-        as `log_blocks`.
-    """
-    _refuse_other_kinds(data)
+    """Yield the first rows of every worksheet, of a log too, to see what it holds; merged ranges with them."""
     for name, hidden, sheet in _worksheets(data):
         rows: Iterable[list[NativeCell]] = ()
         if sheet.start is not None:
@@ -96,13 +85,7 @@ def log_blocks(data: bytes) -> Iterator[tuple[str, int, list[bytes | list[Native
 
     A column is packed floats where every cell is a number or empty (NaN), which takes a quarter of the memory, else a
     list with None where a cell is empty. Empty cells before the first column and above the first row are left out.
-
-    Raises
-    ------
-    Refused
-        where the file is protected by a password, no workbook, or spans more cells than a log of its size can.
     """
-    _refuse_other_kinds(data)
     for name, _, sheet in _worksheets(data):
         if sheet.start is None:
             continue
@@ -136,11 +119,6 @@ def stray_cells(data: bytes) -> Iterator[None]:
 
     calamine lays a sheet out from its first cell to its last: one cell in the last corner makes it ask for half a
     terabyte, which ends the process. This looks at the XML instead, which is slower, so it runs only afterwards.
-
-    Raises
-    ------
-    Refused
-        naming the sheet's part of the workbook and how far its cells reach.
     """
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         sheets = {path: name for name, path in sheet_paths(archive).items()}
@@ -168,9 +146,13 @@ def _outermost(stream: IO[bytes]) -> tuple[int, int]:
     return rows, columns
 
 
-def _refuse_other_kinds(data: bytes) -> None:
-    if "EncryptedPackage".encode("utf-16-le") in data and not data.startswith(b"PK"):
-        raise _protected()
+def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
+    """Yield every worksheet's name, whether it is hidden, and its cells."""
+    from python_calamine import CalamineWorkbook, PasswordError, SheetTypeEnum, SheetVisibleEnum
+
+    protected = Refused(
+        Sentence("this workbook is protected by a password"), expected=Sentence("the workbook saved without a password")
+    )
     if data.startswith(b"PK"):
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             names = archive.namelist()
@@ -180,23 +162,13 @@ def _refuse_other_kinds(data: bytes) -> None:
                 value=", ".join(names[:3]),
                 expected=Sentence("the file itself: unpack the archive and give the workbook or text file inside"),
             )
-
-
-def _protected() -> Refused:
-    return Refused(
-        Sentence("this workbook is protected by a password"), expected=Sentence("the workbook saved without a password")
-    )
-
-
-def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
-    """Yield every worksheet's name, whether it is hidden, and its cells."""
-    from python_calamine import CalamineWorkbook, PasswordError, SheetTypeEnum, SheetVisibleEnum
-
+    elif "EncryptedPackage".encode("utf-16-le") in data:
+        raise protected
     with of_library():
         try:
             workbook = CalamineWorkbook.from_filelike(io.BytesIO(data))
         except PasswordError:
-            raise _protected() from None
+            raise protected from None
     if len(workbook.sheets_metadata) > MOST_SHEETS:
         raise Refused(
             Sentence("this workbook has {count} sheets", count=len(workbook.sheets_metadata)),
