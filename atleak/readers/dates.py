@@ -1,7 +1,4 @@
-"""Names as plain words, for comparing what people and loggers write.
-
-Reads dates, alone or beside a time of day, in the languages that people and loggers write.
-"""
+"""Reads names as plain words, and dates, in the languages that people and loggers write."""
 
 from __future__ import annotations
 
@@ -10,6 +7,7 @@ import re
 import tomllib
 import unicodedata
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from functools import cache, lru_cache
 from importlib import resources
 from typing import Any, Literal
@@ -39,11 +37,8 @@ def words(name: str) -> str:
     text = _CAMEL.sub(" ", text).lower().translate(_TRANSLATE)
     text = unicodedata.normalize("NFKD", text)
     # й and ё stay letters of their own
-    text = "".join(
-        character for character in text if not unicodedata.combining(character) or character in "\u0306\u0308"
-    )
-    text = unicodedata.normalize("NFKC", text)
-    return _SEPARATORS.sub(" ", text).strip()
+    text = "".join(sign for sign in text if not unicodedata.combining(sign) or sign in "\u0306\u0308")
+    return _SEPARATORS.sub(" ", unicodedata.normalize("NFKC", text)).strip()
 
 
 DateOrder = Literal["dmy", "mdy"]
@@ -84,19 +79,15 @@ def month(name: str) -> int | None:
     (10, 3, None)
     """
     text = words(name)
-    best: tuple[int, int] | None = None
-    for number, starts in enumerate(_MONTHS, start=1):
-        for start in starts:
-            if text.startswith(start) and len(text) >= 3 and (best is None or len(start) > best[0]):
-                best = (len(start), number)
-    # "mar" is March, but "mardi" a day; "sam" and the like match nothing
-    if best and text in {"mardi", "mar dim", "martes", "martedi", "sobota", "lun"}:
+    if len(text) < 3 or text in {"mardi", "mar dim", "martes", "martedi"}:  # "mar" is March, but these are days
         return None
-    return best[1] if best else None
-
-
-def _numbers(text: str) -> list[str]:
-    return re.findall(r"\d+", text)
+    fit = [
+        (len(start), -number)
+        for number, starts in enumerate(_MONTHS, start=1)
+        for start in starts
+        if text.startswith(start)
+    ]
+    return -max(fit)[1] if fit else None
 
 
 def likely_order(dates: Sequence[str], halves: Sequence[str | None]) -> DateOrder:
@@ -120,11 +111,9 @@ def day_number(text: str, order: DateOrder = "dmy") -> int | None:
     >>> day_number("Tue Aug 21  MESZ 2012") == day_number("21.08.2012"), day_number(" PM")
     (True, None)
     """
-    text = _HALF.sub(" ", text)
-    try:
-        return _day(text, order)
-    except ValueError:
-        return None
+    with suppress(ValueError):
+        return _day(_HALF.sub(" ", text), order)
+    return None
 
 
 def sure_date(texts: Sequence[str]) -> dt.date | None:
@@ -137,7 +126,7 @@ def sure_date(texts: Sequence[str]) -> dt.date | None:
     >>> sure_date(["03/04/2026", "03/14/2026"])
     datetime.date(2026, 3, 4)
     """
-    if any(len(_numbers(text)) < 2 and not re.search(r"\d{8}", text) for text in texts):
+    if any(len(re.findall(r"\d+", text)) < 2 and not re.search(r"\d{8}", text) for text in texts):
         return None  # "27 Sep"
     dotted = any(re.search(r"(?<!\d)\d{1,2}\.\d{1,2}\.\d{2}", text) for text in texts)  # the day stands first
     orders: tuple[DateOrder, ...] = ("dmy",) if dotted else ("dmy", "mdy")
@@ -159,7 +148,7 @@ def _day(text: str, order: DateOrder) -> int | None:
         day, number = (first, second) if order == "dmy" else (second, first)
         return dt.date(year, number, day).toordinal()
     months = [each for each in map(month, re.findall(r"[^\W\d_]{3,}\.?", text)) if each]
-    digits = _numbers(text)
+    digits = re.findall(r"\d+", text)
     years = [int(piece) for piece in digits if len(piece) == 4]
     days = [int(piece) for piece in digits if len(piece) <= 2]
     if not months or not days:

@@ -110,14 +110,7 @@ def remember(
 ) -> None:
     """Keep the choices for a header's signature from now on; they replace those kept before.
 
-    Parameters
-    ----------
-    header
-        the log's signature, as `Understood.signature`; an `OutputError` says where it has none.
-    mapping, units
-        quantity → column, and → unit.
-    format, columns
-        of the log, by which people recognise what is remembered.
+    An `OutputError` says that the file has no header. By ``format`` and ``columns`` people recognise what is kept.
     """
     if not header:
         raise OutputError(Sentence("the file names no columns by which others like it could be told"))

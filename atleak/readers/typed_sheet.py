@@ -1,8 +1,4 @@
-"""What was typed in, cell by cell, sign for sign; every change gives a new object, and the last ones can be undone.
-
-Judge typed entries by the rules of the measuring sheet, each at its own cell, and say which of them count.
-
-Typed entries as the measuring sheet in which a job keeps them: text, every sign as it was typed.
+"""What was typed in, cell by cell, sign for sign: judged by the rules of the measuring sheet, and kept as one.
 
 `atleak.readers.sheets.measuring_sheet.read_readings` reads it as any other sheet. A column says of every row whether it
 counts, so that nothing that cannot be a reading enters a verdict, and nothing typed is lost.
@@ -117,22 +113,14 @@ class Typed:
         if not self.earlier:
             return Done(self)
         back = replace(self, entries=self.earlier[-1], earlier=self.earlier[:-1])
-        changed = [
-            cell for cell in {**back.entries, **self.entries} if back.entries.get(cell) != self.entries.get(cell)
-        ]
-        return Done(back, next(iter(changed), None))
+        every = {**back.entries, **self.entries}
+        return Done(back, next((cell for cell in every if back.entries.get(cell) != self.entries.get(cell)), None))
 
     def after(self, steps: Iterable[Mapping[str, Any]], cells: Sequence[PlanCell]) -> Done:
         """Return what steps lead to that come from a page: put a text, paste a block, undo.
 
-        A step that is none of these, or of a cell that is not there, changes nothing.
-
-        Parameters
-        ----------
-        steps
-            each with a ``do`` (put, paste, undo), and but for the last the key of a cell and a text.
-        cells
-            the cells that the page shows, in its order.
+        Each has a ``do`` (put, paste, undo), and but for the last the key of a ``cell`` that the page shows and a
+        ``text``. A step that is none of these, or of a cell that is not there, changes nothing.
         """
         named: Mapping[Any, PlanCell] = {cell.key: cell for cell in cells}
         done = Done(self)
@@ -195,11 +183,7 @@ class JudgedEntry:
 
 
 def judge(
-    typed: Typed,
-    controller: Controller,
-    *,
-    temperature: float | None = None,
-    instruments: Instruments | None = None,
+    typed: Typed, controller: Controller, *, temperature: float | None = None, instruments: Instruments | None = None
 ) -> JudgedEntry:
     """Judge all entries together; ``temperature`` is that of gauge and parts [°C], where the job states it."""
     judging = _Judging(typed, controller)
@@ -276,21 +260,16 @@ class _Judging:
 
     def doubt(self, states: Collection[LandClearance]) -> None:
         """Doubt what counts and is unusual nevertheless: alone, or beside the other readings of its land."""
-        doubts: dict[PlanCell, Sentence] = {}
-        for cell, text in self._unusual(states):
-            doubts[cell] = Sentence("{first}; {second}", first=doubts[cell], second=text) if cell in doubts else text
-        for cell, text in doubts.items():
-            self.doubts.setdefault(cell, _Doubt(text, True))
-
-    def _unusual(self, states: Collection[LandClearance]) -> Iterator[tuple[PlanCell, Sentence]]:
-        for cell, reading in self.readings.items():
-            far = far_from_nominal(self.lands[cell], cell.part, reading.diameter)
-            if far:
-                yield cell, far
-        for state in states:
-            for message in state.messages:
-                if message.code in _AT_A_CELL and message.place in self.by_place:
-                    yield self.by_place[message.place], message.text
+        far = (
+            (cell, far_from_nominal(self.lands[cell], cell.part, each.diameter)) for cell, each in self.readings.items()
+        )
+        unusual = [(cell, text) for cell, text in far if text]
+        told = (message for state in states for message in state.messages if message.code in _AT_A_CELL)
+        unusual += [(self.by_place[each.place], each.text) for each in told if each.place in self.by_place]
+        for cell, text in unusual:
+            before = self.doubts.setdefault(cell, _Doubt(text, True))
+            if before.counts and before.text is not text:
+                self.doubts[cell] = _Doubt(Sentence("{first}; {second}", first=before.text, second=text), True)
 
 
 def _said(error: InputError) -> Sentence:
@@ -340,9 +319,7 @@ def _labels(cell: PlanCell) -> list[str]:
 
 
 def _values(entry: TypedEntry) -> list[str]:
-    if entry.coordinates is None:
-        return ["", "", entry.text]
-    return [*map(_in_mm, entry.coordinates), ""]
+    return ["", "", entry.text] if entry.coordinates is None else [*map(_in_mm, entry.coordinates), ""]
 
 
 def _head(sheet: Readings | None) -> Iterator[list[str]]:

@@ -1,9 +1,4 @@
-"""What the headings of a table of units say: which part of a job stands in each column.
-
-A table's bytes into rows under headings that are understood: text, workbook or Parquet.
-
-Read a table of units: one row for each, with where its files lie and what is known of it.
-"""
+"""Read a table of units from text, workbook or Parquet: one row for each, with its files and what is known of it."""
 
 from __future__ import annotations
 
@@ -27,14 +22,11 @@ from atleak.readers.sheets.head import identity_field
 
 _NEAR = 0.8  # of the letters of two headings that are taken for the same
 _SHORT = 4  # letters: shorter ones are near to anything
-UNCLEAR = "unclear"
-"""The meaning of a heading that can be understood in two ways: its column is not taken, and nothing is guessed."""
-
+UNCLEAR = "unclear"  # the meaning of a heading that can be understood in two ways: nothing is guessed
+# what a unit is diagnosed by: the columns of which a row fills at least one
 MEASURED = ("job_file", "readings", "road_test", "pressures", "vacuum", "flows")
-"""The columns of which a row fills at least one: what a unit is diagnosed by."""
-
+# fields of the head of a measuring sheet, and the column that holds the same
 _OF_HEAD = {"job": "number", "vin": "vin", "serial": "serial", "mileage": "mileage", "technician": "technician"}
-"""Fields of the head of a measuring sheet, and the column that holds the same."""
 
 
 @cache
@@ -70,11 +62,8 @@ def column_meant(heading: str) -> str | None:
     return named or _OF_HEAD.get(identity_field(heading) or "")
 
 
-SUFFIXES = (".csv", ".tsv", ".txt", ".parquet", ".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
-"""Endings of the names of files that can be such a table."""
-_ROWS, _COLUMNS, _SIZE = 1_000_000, 300, 256 << 20
-"""Rows, columns and bytes of a table at most."""
-
+SUFFIXES = (".csv", ".tsv", ".txt", ".parquet", ".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")  # of such a table's file
+_ROWS, _COLUMNS, _SIZE = 1_000_000, 300, 256 << 20  # bytes, at most
 _WORKBOOK = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
 _PARQUET = b"PAR1"
 _INDEX = "__index_level_"  # a column in which pandas writes the numbers of its rows
@@ -153,30 +142,25 @@ def read_unit_table(path: Path) -> UnitTable:
         raise InputError(Sentence("the file is empty"), place=Place(path.name), expected=_EXPECTED)
     read = _parquet if data.startswith(_PARQUET) else _workbook if data.startswith(_WORKBOOK) else _text
     sheet, rows = read(data, path.name)
-    return _understood(path.name, sheet, rows)
-
-
-_Rows = list[tuple[int, Sequence[Cell]]]  # each with its number in the file
-
-
-def _understood(file: str, sheet: str | None, rows: _Rows) -> UnitTable:
-    place = Place(file, sheet)
+    place = Place(path.name, sheet)
     header = _headings(rows)
     if header is None:
         first = next((cells for _, cells in rows if any(map(_said, cells))), ())
         value = ", ".join(_said(cell) for cell in first if _said(cell))[:200] or None
-        raise InputError(
-            Sentence("no headings of a table of units are found"), place=place, value=value, expected=_EXPECTED
-        )
+        problem = Sentence("no headings of a table of units are found")
+        raise InputError(problem, place=place, value=value, expected=_EXPECTED)
     at, columns = header
-    _check_columns(columns, Place(file, sheet, rows[at][0]))
+    _check_columns(columns, Place(path.name, sheet, rows[at][0]))
     below = [TableRow(number, cells) for number, cells in rows[at + 1 :] if any(map(_said, cells))]
     if not below:
         raise InputError(Sentence("no row stands under the headings"), place=place, expected=_EXPECTED)
     if len(below) > _ROWS:
         problem, expected = Sentence("holds too many rows"), Sentence("at most {count}", count=_ROWS)
         raise InputError(problem, place=place, value=len(below), expected=expected)
-    return UnitTable(file, sheet, columns, tuple(below))
+    return UnitTable(path.name, sheet, columns, tuple(below))
+
+
+_Rows = list[tuple[int, Sequence[Cell]]]  # each with its number in the file
 
 
 def _headings(rows: _Rows) -> tuple[int, tuple[TableColumn, ...]] | None:
@@ -242,9 +226,7 @@ def _workbook(data: bytes, file: str) -> tuple[str | None, _Rows]:
     except ReadingsError as error:
         expected = Sentence("a table of so many units as CSV or Parquet") if error.expected == EXPECTED else _KINDS
         raise InputError(error.problem, place=error.place, value=error.value, expected=expected) from error
-    tables: list[tuple[str | None, _Rows]] = [
-        (sheet.name, [(number, list(cells)) for number, cells in enumerate(sheet.rows, start=1)]) for sheet in sheets
-    ]
+    tables = [(sheet.name, list(enumerate(sheet.rows, start=1))) for sheet in sheets]
     return next((table for table in tables if _headings(table[1])), tables[0] if tables else (None, []))
 
 

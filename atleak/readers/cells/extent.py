@@ -35,8 +35,8 @@ def trimmed(rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
     [['a'], [1.5]]
     """
     ends = [_end(row) for row in rows]
-    width = max(ends, default=0)
     height = next((number for number in range(len(ends), 0, -1) if ends[number - 1]), 0)
+    width = max(ends, default=0)
     return [list(row[:width]) for row in rows[:height]]
 
 
@@ -55,21 +55,14 @@ def excess(rows: Sequence[Sequence[Any]]) -> Sentence | None:
         if worded <= _WORDS:
             return None
         return Sentence("this sheet has {count} different texts", count=worded)
-    return Sentence(
-        "this sheet has {rows} rows, {columns} columns and {cells} filled cells",
-        rows=len(rows),
-        columns=width,
-        cells=filled,
-    )
+    text = Sentence("this sheet has {rows} rows, {columns} columns and {cells} filled cells")
+    return text.of(rows=len(rows), columns=width, cells=filled)
 
 
 def _end(row: Sequence[Any]) -> int:
     """Return how many cells there are up to the last that is filled."""
-    for number in range(len(row), 0, -1):
-        cell = row[number - 1]
-        if cell != "" and not (isinstance(cell, str) and cell.isspace()):
-            return number
-    return 0
+    ends = (at for at in range(len(row), 0, -1) if row[at - 1] != "" and not str(row[at - 1]).isspace())
+    return next(ends, 0)
 
 
 def cut(cell: Any) -> Any:

@@ -1,7 +1,4 @@
-"""A file's bytes → its sheets: a workbook's, or the one of a text.
-
-Of a text it is found out in which code page it is written and what separates its columns.
-"""
+"""A file's bytes → its sheets: a workbook's, or the one of a text, whose code page and separator are found out."""
 
 from __future__ import annotations
 
@@ -10,7 +7,7 @@ import io
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise, zip_longest
 from pathlib import Path
 
 from atleak.common.errors import InputError, Place, ReadingsError, reason_of
@@ -57,20 +54,16 @@ def read_text(data: bytes, file: str, score: Callable[[Sheet], float], knows: Kn
     if len(data) > MOST_TEXT:
         problem = Sentence("this text has {size} MB", size=len(data) >> 20)
         raise ReadingsError(problem, place=Place(file), expected=EXPECTED)
-    best: tuple[float, str, str, str] | None = None
+    ways: list[tuple[float, str, str, str]] = []
     for encoding, text in _decoded(data, file, knows):
         lines = text.splitlines(keepends=True)
         likeliest = _best_delimiter("".join(lines[:_LOOKED_AT]), file, score)
         if likeliest[0] <= 0.0 and len(lines) > _LOOKED_AT:
             likeliest = _best_delimiter("".join(lines[:_LOOKED_AT_NEXT]), file, score)
-        if best is None or likeliest[0] > best[0]:
-            best = (*likeliest, encoding, text)
-    assert best is not None  # at least one encoding decodes
-    _, delimiter, encoding, text = best
-    note = Sentence(
-        "read as {encoding}, columns separated by {delimiter}", encoding=encoding, delimiter=_DELIMITERS[delimiter]
-    )
-    sheet = _sheet(text, file, delimiter, note)
+        ways.append((*likeliest, encoding, text))
+    _, delimiter, encoding, text = max(ways, key=lambda way: way[0])
+    note = Sentence("read as {encoding}, columns separated by {delimiter}")
+    sheet = _sheet(text, file, delimiter, note.of(encoding=encoding, delimiter=_DELIMITERS[delimiter]))
     if (too_much := excess(sheet.rows)) is not None:
         raise ReadingsError(too_much, place=Place(file), expected=EXPECTED)
     return sheet
@@ -198,27 +191,12 @@ def _is_rule(record: Sequence[str]) -> bool:
 def _aligned(lines: Sequence[str]) -> list[list[str]]:
     """Cut lines into cells where all lines of a block have spaces, two at least side by side."""
     rows: list[list[str]] = []
-    block: list[str] = []
-    for line in (*lines, ""):
-        if line.strip():
-            block.append(line.expandtabs())
-            continue
-        rows += _cut(block)
-        rows.append([])
-        block = []
-    return rows[:-1]
-
-
-def _cut(block: Sequence[str]) -> list[list[str]]:
-    width = max(map(len, block), default=0)
-    taken = bytearray(width)
-    for line in block:
-        for at, letter in enumerate(line):
-            if letter != " ":
-                taken[at] = 1
-    edges = [0, *(match.end() for match in re.finditer(rb"\x00{2,}", bytes(taken))), width]
-    spans = [(begin, end) for begin, end in pairwise(dict.fromkeys(edges)) if end > begin]
-    return [[line[begin:end].strip() for begin, end in spans] for line in block]
+    for blank, group in groupby((line.expandtabs() for line in lines), key=lambda line: not line.strip()):
+        block = list(group)
+        taken = "".join("x" if any(map(str.strip, signs)) else " " for signs in zip_longest(*block, fillvalue=" "))
+        edges = dict.fromkeys((0, *(gap.end() for gap in re.finditer(" {2,}", taken)), len(taken)))
+        rows += [[] if blank else [line[begin:end].strip() for begin, end in pairwise(edges)] for line in block]
+    return rows
 
 
 _FOREIGN = (  # first bytes → what it is
@@ -273,10 +251,7 @@ def open_sheets(
 def read_sheets(
     data: bytes, file: str, score: Callable[[Sheet], float], knows: Knows | None = None, *, only_look: bool = False
 ) -> list[Sheet]:
-    """Read all sheets of a file, as `read_text` and `read_workbook` do.
-
-    A `ReadingsError` refuses a file that is empty, neither a workbook nor text, or more than people fill in.
-    """
+    """Read all sheets of a file; a `ReadingsError` refuses what is neither workbook nor text, or too much of it."""
     place = Place(file)
     if not data.strip(b"\0 \t\r\n\xef\xbb\xbf"):
         raise ReadingsError(Sentence("the file is empty"), place=place, expected=_WANTED)

@@ -10,6 +10,7 @@ import posixpath
 import re
 import zipfile
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 from typing import Literal
@@ -57,17 +58,13 @@ class Marks:
 def marks(data: bytes) -> dict[str, Marks]:
     """Return the marks on each sheet of an xlsx or ods, by its name; empty for other files.
 
-    A damaged file raises `zipfile.BadZipFile`, `ElementTree.ParseError` or `KeyError`.
+    A damaged file raises `zipfile.BadZipFile` or `ElementTree.ParseError`.
     """
     if not data.startswith(b"PK"):
         return {}
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         names = set(archive.namelist())
-        if "xl/workbook.xml" in names:
-            return _xlsx(archive, names)
-        if "content.xml" in names:
-            return _ods(unpacked_part(archive, "content.xml"))
-    return {}
+        return _xlsx(archive, names) if "xl/workbook.xml" in names else _ods(_root(archive, "content.xml"))
 
 
 def column_index(letters: str) -> int:
@@ -100,6 +97,13 @@ def unpacked_part(archive: zipfile.ZipFile, name: str, limit: int | None = None)
     return content
 
 
+def _root(archive: zipfile.ZipFile, name: str, limit: int | None = None) -> Element:
+    """Return the XML of a part of a workbook; an empty element where it has no such part."""
+    with suppress(KeyError):
+        return ElementTree.fromstring(unpacked_part(archive, name, limit))
+    return Element("")
+
+
 # --- xlsx -----------------------------------------------------------------------------------------------------------
 
 
@@ -107,8 +111,8 @@ def sheet_paths(archive: zipfile.ZipFile) -> dict[str, str]:
     """Return the part of the archive that holds each sheet of an xlsx, by the sheet's name."""
     targets = dict(_targets(archive, "xl/workbook.xml"))
     paths = {}
-    for element in ElementTree.fromstring(unpacked_part(archive, "xl/workbook.xml", _LIST_LIMIT)).iter():
-        if element.tag.endswith("}sheet"):
+    for element in _root(archive, "xl/workbook.xml", _LIST_LIMIT).iter():
+        if _name(element) == "sheet":
             relation = next((value for key, value in element.attrib.items() if key.endswith("}id")), "")
             paths[element.get("name", "")] = targets.get(relation, "xl")
     return paths
@@ -117,39 +121,32 @@ def sheet_paths(archive: zipfile.ZipFile) -> dict[str, str]:
 def _targets(archive: zipfile.ZipFile, part: str) -> Iterator[tuple[str, str]]:
     """Yield what a part of an xlsx refers to: the id of each relation and the part it leads to."""
     folder, name = posixpath.split(part)
-    for relation in ElementTree.fromstring(unpacked_part(archive, f"{folder}/_rels/{name}.rels", _LIST_LIMIT)):
+    for relation in _root(archive, f"{folder}/_rels/{name}.rels", _LIST_LIMIT):
         target = relation.get("Target", "")
         path = target.lstrip("/") if target.startswith("/") else posixpath.normpath(f"{folder}/{target}")
         yield relation.get("Id", ""), path
 
 
 def _xlsx(archive: zipfile.ZipFile, names: set[str]) -> dict[str, Marks]:
-    struck, coloured = set[int](), dict[int, str]()  # styles of cells
-    if "xl/styles.xml" in names:
-        struck, coloured = _styles(unpacked_part(archive, "xl/styles.xml"))
-    texts = unpacked_part(archive, "xl/sharedStrings.xml") if "xl/sharedStrings.xml" in names else b""
-    struck_texts = _struck_texts(texts) if b"trike" in texts else set[int]()
+    struck, coloured = _styles(_root(archive, "xl/styles.xml"))
+    runs = ([run for run in text if _name(run) == "r"] for text in _root(archive, "xl/sharedStrings.xml"))
+    struck_texts = {number for number, each in enumerate(runs) if each and all(map(_is_struck, each))}
     return {
-        sheet: _xlsx_sheet(archive, names, path, struck, coloured, struck_texts)
+        sheet: _xlsx_sheet(archive, path, struck, coloured, struck_texts)
         for sheet, path in sheet_paths(archive).items()
         if path in names
     }
 
 
 def _xlsx_sheet(
-    archive: zipfile.ZipFile,
-    names: set[str],
-    path: str,
-    struck: set[int],
-    coloured: dict[int, str],
-    struck_texts: set[int],
+    archive: zipfile.ZipFile, path: str, struck: set[int], coloured: dict[int, str], struck_texts: set[int]
 ) -> Marks:
-    folder, name = posixpath.split(path)
-    parts = [target for _, target in _targets(archive, path)] if f"{folder}/_rels/{name}.rels" in names else []
-    filters = [_filter(element) for element in _filters_of_tables(archive, names, parts)]
+    parts = [target for _, target in _targets(archive, path)]
+    tables = [_root(archive, part) for part in parts if "/tables/" in f"/{part}"]
+    filters = [_filter(element) for table in tables for element in table.iter() if _name(element) == "autoFilter"]
     folded: dict[int, bool] = {}  # hidden rows, and whether they stand in an outline
     columns: list[range] = []
-    found = Marks(comments=dict(_comments(archive, names, parts)))
+    found = Marks(comments=dict(_comments(archive, parts)))
     crossed = set[tuple[int, int]]()
     row = -1
     for event, element in ElementTree.iterparse(io.BytesIO(unpacked_part(archive, path)), ("start", "end")):
@@ -201,9 +198,9 @@ def place_of_cell(reference: str) -> tuple[int, int] | None:
     return None if match is None else (int(match[2]) - 1, column_index(match[1].upper()))
 
 
-def _styles(xml: bytes) -> tuple[set[int], dict[int, str]]:
+def _styles(root: Element) -> tuple[set[int], dict[int, str]]:
     """Return the styles of cells that are crossed out, and the colours of those that have others than the first."""
-    listed = {_name(part): list(part) for part in ElementTree.fromstring(xml)}
+    listed = {_name(part): list(part) for part in root}
     fonts, fills = listed.get("fonts", []), listed.get("fills", [])
     crossed = [_is_struck(font) for font in fonts]
     letters, grounds = [_colour(font, "color") for font in fonts], [_colour(fill, "fgColor") for fill in fills]
@@ -211,12 +208,6 @@ def _styles(xml: bytes) -> tuple[set[int], dict[int, str]]:
     colours = ["".join(grounds[fill : fill + 1] + letters[font : font + 1]) for font, fill in numbers]
     struck = {style for style, (font, _) in enumerate(numbers) if any(crossed[font : font + 1])}
     return struck, {style: colour for style, colour in enumerate(colours) if colour != colours[0]}
-
-
-def _struck_texts(xml: bytes) -> set[int]:
-    """Return the numbers of the shared texts that are crossed out throughout."""
-    runs = ([run for run in text if _name(run) == "r"] for text in ElementTree.fromstring(xml))
-    return {number for number, each in enumerate(runs) if each and all(map(_is_struck, each))}
 
 
 def _is_struck(element: Element) -> bool:
@@ -230,22 +221,15 @@ def _colour(element: Element, name: str) -> str:
     return "" if _PLAIN.fullmatch(said) else f"{name} {said};"
 
 
-def _comments(archive: zipfile.ZipFile, names: set[str], parts: Iterable[str]) -> Iterator[tuple[tuple[int, int], str]]:
+def _comments(archive: zipfile.ZipFile, parts: Iterable[str]) -> Iterator[tuple[tuple[int, int], str]]:
     """Yield the place and the words of every comment on a sheet of an xlsx, without the heading of a threaded one."""
     for part in parts:
-        if part in names and re.search(r"/comments?\d*\.xml$", part) and "threaded" not in part.lower():
-            for comment in ElementTree.fromstring(unpacked_part(archive, part)).iter():
+        if re.search(r"/comments?\d*\.xml$", part) and "threaded" not in part.lower():
+            for comment in _root(archive, part).iter():
                 place = place_of_cell(comment.get("ref", "")) if _name(comment) == "comment" else None
                 if place is not None:
                     words = "".join(part.text or "" for part in comment.iter() if _name(part) == "t")
                     yield place, words.rpartition("Comment:\n")[2].strip()[:_WORDS]
-
-
-def _filters_of_tables(archive: zipfile.ZipFile, names: set[str], parts: Iterable[str]) -> Iterator[Element]:
-    for part in parts:
-        if "/tables/" in f"/{part}" and part in names:
-            table = ElementTree.fromstring(unpacked_part(archive, part))
-            yield from (element for element in table.iter() if _name(element) == "autoFilter")
 
 
 def _filter(element: Element) -> range:
@@ -261,8 +245,7 @@ def _hiding(filtered: bool, folded: bool) -> Hiding:
 # --- ods ------------------------------------------------------------------------------------------------------------
 
 
-def _ods(xml: bytes) -> dict[str, Marks]:
-    root = ElementTree.fromstring(xml)
+def _ods(root: Element) -> dict[str, Marks]:
     struck = {
         style.get(f"{_STYLE}name")
         for style in root.iter(f"{_STYLE}style")

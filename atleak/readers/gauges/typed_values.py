@@ -16,6 +16,7 @@ from atleak.common.units import KPA, RPM
 from atleak.measurements.gauge_readings import LINE_TAP, RANGES, Engine, GaugeCell, PressureTable
 from atleak.measurements.own_forms import FLOWS, GAUGES, VACUUM, OwnForm
 from atleak.readers.cells.sheet_file import csv_bytes, csv_rows
+from atleak.readers.gauges.value_table import unit_in
 
 TYPED_GAUGES_FILE = "typed gauge readings.csv"
 Part = Any  # of what was typed: a cell, or the name of a field beside the cells
@@ -113,7 +114,7 @@ class TypedGauges(TypedTable):
         ranges, engines = {str(name): name for name in RANGES}, {str(engine.label): engine for engine in Engine}
         return cls(
             {GaugeCell(ranges[row[0]], engines[row[1]], row[2] or LINE_TAP): row[3] for row in rows[1:]},
-            _unit_over(rows[0][3]),
+            unit_in(rows[0][3]),
             rows[1][4],
             next((row[5] for row in rows[1:] if row[5]), ""),
         )
@@ -134,7 +135,7 @@ class TypedFlows(TypedTable):
 
     @classmethod
     def _parsed(cls, rows: Sequence[Sequence[str]]) -> TypedFlows:
-        return cls({(condition, what): text for condition, what, text in rows[1:]}, _unit_over(rows[0][2]))
+        return cls({(condition, what): text for condition, what, text in rows[1:]}, unit_in(rows[0][2]))
 
 
 @dataclass(frozen=True)
@@ -167,9 +168,7 @@ class TypedVacuum(TypedTable):
     @classmethod
     def _parsed(cls, rows: Sequence[Sequence[str]]) -> TypedVacuum:
         heading = next(number for number, row in enumerate(rows) if row[0] == VACUUM.headings["target"])
-        typed = cls(
-            {(target, state): text for target, text, state in rows[heading + 1 :]}, _unit_over(rows[heading][1])
-        )
+        typed = cls({(target, state): text for target, text, state in rows[heading + 1 :]}, unit_in(rows[heading][1]))
         calibrations = 0
         for name, text, _, *shown in rows[:heading]:
             if name == "calibration":
@@ -178,7 +177,3 @@ class TypedVacuum(TypedTable):
                 name = f"known_{calibrations}"
             typed = typed.with_text(name, text)
         return typed
-
-
-def _unit_over(heading: str) -> str:
-    return heading.partition("[")[2].removesuffix("]")

@@ -27,8 +27,7 @@ from typing import Any, BinaryIO
 from atleak.common.sentences import Sentence
 
 _LENGTH = struct.Struct(">Q")
-ADDRESSES = 1 << 30
-"""Bytes of address space beyond the memory limit: libraries, stacks, what is reserved and never used."""
+ADDRESSES = 1 << 30  # bytes beyond the memory limit: libraries, stacks, what is reserved and never used
 _ERROR_SHOWN = 200  # characters of a reader's own message
 _TRACE_SHOWN = 5000
 

@@ -50,14 +50,8 @@ def mdf_ranges(source: bytes | str, indexes: Mapping[int, Sequence[int]], length
     """Yield the samples of some channels, range by range: ``range`` with ``group``, ``stamps`` [s] and ``channels``.
 
     Of every channel that is asked for there are the ``values``, and the ``stamps`` of those that are valid, None where
-    all are. Stamps and values are the bytes of floats.
-
-    Parameters
-    ----------
-    indexes
-        of the channels, by the number of their group.
-    length
-        of a range.
+    all are. Stamps and values are the bytes of floats. ``indexes`` are those of the channels, by the number of their
+    group, ``length`` is that of a range.
     """
     import numpy as np
 

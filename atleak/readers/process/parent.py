@@ -35,20 +35,13 @@ from atleak.readers.process.child import Request, receive, send
 
 _Item = TypeVar("_Item")
 
-CHILDREN = 2
-"""Files read at the same time; a third waits. Each may take the memory of its budget."""
-IDLE = 4
-"""Children that are kept for the next file, of all kinds together."""
-KEPT = 300 << 20
-"""Bytes of memory above which a child is ended after its file instead of kept: memory once used is not given back."""
-START = 30.0
-"""Seconds a child may take to start: it takes 0.02, on a cold disk behind a virus scanner a hundred times that."""
-CHECK_INTERVAL = 0.02
-"""Seconds between two checks of a child: memory fills at 2 GB/s at most, so a limit is passed by 40 MB."""
-EXPLAIN = 10.0
-"""Seconds that may be spent on a better reason for a refusal."""
-LEAVE = 5.0
-"""Seconds a child may take to end by itself when it is no longer needed."""
+CHILDREN = 2  # files read at the same time; a third waits. Each may take the memory of its budget
+IDLE = 4  # children that are kept for the next file, of all kinds together
+KEPT = 300 << 20  # bytes above which a child is ended after its file: memory once used is not given back
+START = 30.0  # [s] a child may take to start: it takes 0.02, on a cold disk behind a virus scanner a hundred times that
+CHECK_INTERVAL = 0.02  # [s] between two checks: memory fills at 2 GB/s at most, so a limit is passed by 40 MB
+EXPLAIN = 10.0  # [s] that may be spent on a better reason for a refusal
+LEAVE = 5.0  # [s] a child may take to end by itself when it is no longer needed
 
 
 @dataclass(frozen=True)
@@ -104,32 +97,15 @@ _GONE = {
 
 
 def read_apart(
-    function: Callable[..., Iterator[_Item]],
-    source: bytes | Path,
-    file: str,
-    error: type[InputError],
+    function: Callable[..., Iterator[_Item]],  # at the top level of a module the child can import; yields plain data
+    source: bytes | Path,  # the file's bytes, or where it lies: the function gets the path as text
+    file: str,  # its name in messages
+    error: type[InputError],  # says why the file is refused
     budget: ProcessBudget,
-    explain: Callable[..., Iterator[object]] | None = None,
-    **asked: Any,
+    explain: Callable[..., Iterator[object]] | None = None,  # refuses a file that ended its reader, for a better reason
+    **asked: Any,  # what else the function is to know, plain data too
 ) -> list[_Item]:
     """Call a reading function in a child process and return all it yields about a file.
-
-    Parameters
-    ----------
-    function
-        at the top level of a module the child can import; yields plain data.
-    source
-        the file's bytes, or where it lies: the function gets the path as text.
-    file
-        the file's name in messages.
-    error
-        the exception that says why the file is refused.
-    budget
-        what reading it may use.
-    explain
-        called on a file that ended its reader, to refuse it with a better reason.
-    asked
-        what else the function is to know, plain data too.
 
     Raises
     ------

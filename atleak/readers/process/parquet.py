@@ -6,7 +6,7 @@ import io
 import json
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from atleak.common.sentences import Sentence
@@ -24,7 +24,10 @@ _NOT = -(1 << 63)  # the stamp of a blank cell
 
 
 def parquet_parts(
-    source: bytes | str, columns: Sequence[int] = (), limit: int | None = None, rows: int | None = None
+    source: bytes | str,
+    columns: Sequence[int] = (),  # their places among all; none: only what the file says of itself is wanted
+    limit: int | None = None,  # bytes of numbers beyond which a table is refused before it is read; None: no limit
+    rows: int | None = None,  # how many of the first rows are enough; None: all
 ) -> Iterator[ParquetPart]:
     """Yield what a Parquet file holds, part by part.
 
@@ -33,15 +36,6 @@ def parquet_parts(
     asked for, by its kind: of ``number`` the bytes of floats, NaN where a cell is blank; of ``stamp`` those of whole
     numbers (int64), nanoseconds since 1970 in UTC; of ``text`` the list of the different texts, and the bytes of each
     cell's place among them (int32), -1 where it is blank.
-
-    Parameters
-    ----------
-    columns
-        their places among all; none: only what the file says of itself is wanted.
-    limit
-        bytes of numbers beyond which a table is refused before it is read; None: it is handed over block by block.
-    rows
-        how many of the first rows are enough; None: all.
     """
     with _opened(source) as file:
         with of_library():
@@ -131,17 +125,12 @@ def _columns(batch: Any, keys: Sequence[tuple[str, int]]) -> list[Any]:
 
 def _twice(schema: Any) -> set[int]:
     """Return the places of index columns of pandas whose values another column holds."""
-    try:
+    with suppress(ValueError, LookupError, TypeError):
         pandas = json.loads((schema.metadata or {}).get(b"pandas", b"{}"))
         names = {each["field_name"]: each["name"] for each in pandas["columns"]}
-    except (ValueError, LookupError, TypeError):
-        return set()
-    columns = {field.name for field in schema if not field.name.startswith(_INDEX)}
-    return {
-        place
-        for place, field in enumerate(schema)
-        if field.name.startswith(_INDEX) and names.get(field.name) in columns
-    }
+        columns = {name for name in schema.names if not name.startswith(_INDEX)}
+        return {at for at, name in enumerate(schema.names) if name not in columns and names.get(name) in columns}
+    return set()
 
 
 def _described(field: Any) -> dict[str, Any]:
@@ -150,14 +139,9 @@ def _described(field: Any) -> dict[str, Any]:
     unit = next((metadata[key].decode("utf-8", "replace").strip() for key in _UNITS if key in metadata), "")
     kind = _kind(_plain(field.type))
     if kind is None:
-        raise Refused(
-            Sentence(
-                "its column {column!r} holds several values in a cell ({type})",
-                column=field.name,
-                type=str(field.type)[:_TYPE_SHOWN],
-            ),
-            expected=Sentence("columns of numbers, texts or times, with one value in a cell"),
-        )
+        text = Sentence("its column {column!r} holds several values in a cell ({type})")
+        expected = Sentence("columns of numbers, texts or times, with one value in a cell")
+        raise Refused(text.of(column=field.name, type=str(field.type)[:_TYPE_SHOWN]), expected=expected)
     return {"name": field.name, "unit": unit or None, "kind": kind}
 
 
@@ -180,9 +164,8 @@ def _kind(kind: Any) -> str | None:
     types = pa.types
     if types.is_timestamp(kind) or types.is_date(kind):
         return "stamp"
-    if types.is_null(kind) or types.is_boolean(kind) or types.is_integer(kind) or types.is_floating(kind):
-        return "number"
-    if types.is_decimal(kind) or types.is_duration(kind):
+    numbers = ("null", "boolean", "integer", "floating", "decimal", "duration")
+    if any(getattr(types, f"is_{number}")(kind) for number in numbers):
         return "number"
     return None if types.is_nested(kind) else "text"
 

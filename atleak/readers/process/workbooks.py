@@ -18,16 +18,12 @@ from atleak.readers.process.child import Refused, of_library
 
 NativeCell = Any  # str, float, int, bool, date or time; "" where empty
 
-_CELLS = 1_000_000
-"""Cells that a measuring sheet may span at most; a filled one spans thousands."""
+_CELLS = 1_000_000  # that a measuring sheet may span at most; a filled one spans thousands
+# cells that a log may span, and more for each byte of its file: a cell takes three, if one in fifty is filled
 LOG_CELLS, LOG_CELLS_PER_BYTE = 4_000_000, 16
-"""Cells that a log may span, and more for each byte of its file: a cell takes three, if one in fifty is filled."""
-_COLUMNS = 16_384
-"""Columns of a sheet in a spreadsheet program."""
-_LOOK = 300
-"""Rows of a sheet in which it shows what it holds."""
-_BLOCK = 20_000
-"""Rows of a log that are handed over together."""
+_COLUMNS = 16_384  # of a sheet in a spreadsheet program
+_LOOK = 300  # rows of a sheet in which it shows what it holds
+_BLOCK = 20_000  # rows of a log that are handed over together
 _NAN = float("nan")
 
 
