@@ -293,9 +293,8 @@ class Places:
             place = self.place(fault.spot)
         else:
             place = Place(self.file, table=fault.place.table, key=fault.place.key)
-        return CatalogueError(
-            fault.problem, place=place, value=fault.value, expected=fault.expected, nearest=fault.nearest
-        )
+        stands, expected, nearest = fault.value, fault.expected, fault.nearest
+        return CatalogueError(fault.problem, place=place, value=stands, expected=expected, nearest=nearest)
 
     def place(self, spot: Spot) -> Place:
         """Return where a cell is: the column by its letter and heading."""
@@ -371,10 +370,6 @@ def read_controller_workbook(source: str | Path | bytes, *, name: str | None = N
     except ReadingsError as error:
         expected = _WANTED if error.expected is None or "measuring sheet" in error.expected else error.expected
         raise CatalogueError(error.problem, place=error.place, value=error.value, expected=expected) from error
-    return _described(sheets, file)
-
-
-def _described(sheets: list[Sheet], file: str) -> DescribedController:
     into = Description()
     matched = _matched(sheets, into)
     if not matched:
@@ -411,34 +406,33 @@ def _pages(matched: Mapping[str, Sheet], into: Description) -> Iterator[tuple[st
     for declared in SHEETS:
         sheet = matched.get(declared.name)
         page = None if sheet is None else Page(sheet, declared, units, into)
-        if page is None or not page.read():
-            _miss(declared, into)
-            continue
-        units = page.units
-        if declared.at:
-            into.mark(declared.at, Spot(declared.name))
-        declared.fill(page.rows, into)
-        yield declared.name, page
+        if page is not None and page.read():
+            units = page.units
+            if declared.at:
+                into.mark(declared.at, Spot(declared.name))
+            declared.fill(page.rows, into)
+            yield declared.name, page
+        elif declared.needed:  # and nothing more is said about what it should hold
+            problem = Sentence("this sheet is missing, or its headings are")
+            into.faults.append(SheetFault(Spot(declared.name), problem))
+            into.left_out |= {declared.at} if declared.at else {column.keys for column in declared.columns}
 
 
 def _matched(sheets: list[Sheet], into: Description) -> dict[str, Sheet]:
     """Return the workbook's sheets by the names they are declared with; a renamed one is known by its headings."""
     by_name = {words(sheet.name or ""): sheet for sheet in reversed(sheets)}
     matched = {declared.name: by_name[words(declared.name)] for declared in SHEETS if words(declared.name) in by_name}
-    taken = {id(sheet) for sheet in matched.values()}
-    without_entries = {words(INSTRUCTIONS), words(LISTS)}
+    settled = {*map(id, matched.values()), *(id(by_name.get(words(name))) for name in (INSTRUCTIONS, LISTS))}
     for sheet in sheets:
-        if id(sheet) in taken or words(sheet.name or "") in without_entries or not any(any(row) for row in sheet.rows):
+        if id(sheet) in settled or not any(any(row) for row in sheet.rows):
             continue
-        likeness = {declared.name: _likeness(sheet, declared) for declared in SHEETS if declared.name not in matched}
-        best = max(likeness, key=lambda name: likeness[name], default=None)
-        if best is not None and likeness[best] >= _ALIKE:
+        alike = [(_likeness(sheet, declared), declared.name) for declared in SHEETS if declared.name not in matched]
+        likeness, best = max(alike, key=lambda each: each[0], default=(0.0, ""))
+        text = Sentence("sheet {sheet!r} is not read", sheet=sheet.name)
+        if likeness >= _ALIKE:
             matched[best] = sheet
-            into.notes.append(
-                Sentence("sheet {sheet!r} is read as {known!r}, by its headings", sheet=sheet.name, known=best)
-            )
-        else:
-            into.notes.append(Sentence("sheet {sheet!r} is not read", sheet=sheet.name))
+            text = Sentence("sheet {sheet!r} is read as {known!r}, by its headings", sheet=sheet.name, known=best)
+        into.notes.append(text)
     return matched
 
 
@@ -447,14 +441,3 @@ def _likeness(sheet: Sheet, declared: Declared) -> float:
     standing = {words(cell) for row in sheet.rows for cell in row if isinstance(cell, str)}
     headings = [column.heading for column in declared.columns if not (declared.is_form and column.how_known)]
     return sum(words(heading) in standing for heading in headings) / len(headings) if len(headings) > 1 else 0.0
-
-
-def _miss(declared: Declared, into: Description) -> None:
-    """Say that a sheet is missing which no valve body goes without, and nothing more about what it should hold."""
-    if not declared.needed:
-        return
-    into.faults.append(SheetFault(Spot(declared.name), Sentence("this sheet is missing, or its headings are")))
-    if declared.at:
-        into.left_out.add(declared.at)
-    else:
-        into.left_out.update(column.keys for column in declared.columns)

@@ -7,11 +7,11 @@ hold letters and digits, as plates and numbers of vehicles do, nothing stays.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
-from atleak.readers.cells.sheet import Cell, text_of
+from atleak.readers.cells.sheet import text_of
 from atleak.readers.cells.sheet_file import read_workbook
 from atleak.readers.logs.log_file import LogFile, open_source
 from atleak.readers.logs.names import in_synonyms, is_unit
@@ -62,15 +62,12 @@ def _rows(file: LogFile) -> Iterator[str]:
     if file.form == "workbook":
         for sheet in read_workbook(file.data, file.file):
             yield f"sheet {masked(str(sheet.name))}, {len(sheet.rows)} rows"
-            yield from _shown((sheet.row_number(row), _joined(cells)) for row, cells in enumerate(sheet.rows))
+            rows = enumerate(sheet.rows)
+            yield from _shown((sheet.row_number(row), " | ".join(map(text_of, cells))) for row, cells in rows)
     elif file.form == "text":
         text = to_text(file.whole_lines)
         yield text.encoding
         yield from _shown(enumerate(text.decode(text.data).splitlines(), 1))
-
-
-def _joined(cells: Sequence[Cell]) -> str:
-    return " | ".join(text_of(cell) for cell in cells)
 
 
 def _shown(rows: Iterable[tuple[int, str]]) -> Iterator[str]:

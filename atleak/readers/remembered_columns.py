@@ -149,16 +149,12 @@ class MapFile:
     def text(self) -> str:
         """Return the file."""
         roles: dict[str, list[str]] = {}
-        own: dict[str, str] = {}
+        own = {name: column for name, column in self.mapping.items() if name not in (_MISSING, "header")}
         header = self.mapping.get("header", "")
-        for name, column in self.mapping.items():
-            if name in (_MISSING, "header"):
-                continue
-            of_column = column and not column.startswith(CONSTANT) and name not in ("rows", "spool", "sleeve")
-            if of_column:
+        for name, column in list(own.items()):
+            if column and not column.startswith(CONSTANT) and name not in ("rows", "spool", "sleeve"):
                 roles.setdefault(column, []).append(name)
-            else:
-                own[name] = column
+                del own[name]
         first, _, last = header.partition("-")
         rows = list(range(int(first), int(last or first) + 1)) if first.isdigit() else []
         dialect: dict[str, Any] = {"header": header != _NO_HEADER} | ({"headerRows": rows} if rows else {})

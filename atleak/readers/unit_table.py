@@ -245,11 +245,10 @@ def _parquet(data: bytes, file: str) -> tuple[None, _Rows]:
         problem = Sentence("is no sound Parquet file: {reason}", reason=str(error)[:200])
         raise InputError(problem, place=Place(file), expected=_KINDS) from error
     table = table.select([name for name in table.column_names if not name.startswith(_INDEX)])
-    columns = [[_plain(value) for value in column.to_pylist()] for column in table.columns]
+    # empty cells are None, or NaN as pandas writes them
+    columns = [
+        ["" if value is None or value != value else value for value in each.to_pylist()] for each in table.columns
+    ]
     rows: _Rows = [(0, table.column_names)]
     rows += [(number, cells) for number, cells in enumerate(zip(*columns, strict=True), start=1)]
     return None, rows
-
-
-def _plain(value: Cell) -> Cell:
-    return "" if value is None or value != value else value  # NaN, as pandas writes an empty cell

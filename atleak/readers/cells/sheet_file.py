@@ -10,7 +10,7 @@ from dataclasses import replace
 from itertools import groupby, pairwise, zip_longest
 from pathlib import Path
 
-from atleak.common.errors import InputError, Place, ReadingsError, reason_of
+from atleak.common.errors import Place, ReadingsError, reason_of
 from atleak.common.sentences import Sentence
 from atleak.measurements.own_forms import OWN_FORMS
 from atleak.readers.cells.extent import EXPECTED, MOST_TEXT, bounded, excess
@@ -225,27 +225,8 @@ def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str
         return path.read_bytes(), name or path.name
     except OSError as error:
         problem = Sentence("cannot be read ({reason})", reason=reason_of(error))
-        if isinstance(error, FileNotFoundError):
-            problem = Sentence("no such file")
+        problem = Sentence("no such file") if isinstance(error, FileNotFoundError) else problem
         raise ReadingsError(problem, place=Place(str(path)), expected=_WANTED) from None
-
-
-def open_sheets(
-    source: str | Path | bytes,
-    name: str | None,
-    score: Callable[[Sheet], float],
-    kind: type[InputError],
-    wanted: Sentence,
-) -> tuple[bytes, str, list[Sheet]]:
-    """Return the bytes of a file that is no measuring sheet, the name that messages give it, and its sheets.
-
-    An error of that kind says what `read_bytes` and `read_sheets` refuse, and what was ``wanted`` instead.
-    """
-    try:
-        data, file = read_bytes(source, name)
-        return data, file, read_sheets(data, file, score)
-    except ReadingsError as error:
-        raise kind(error.problem, place=error.place, value=error.value, expected=wanted) from error
 
 
 def read_sheets(
@@ -263,11 +244,9 @@ def read_sheets(
             raise ReadingsError(problem, place=place, expected=_WANTED)
     head = data[:2000].lstrip(b"\xef\xbb\xbf \t\r\n").lower()
     if head.startswith((b"<html", b"<!doctype html", b"<table", b"<?xml", b"<meta", b"<head")):
-        raise ReadingsError(
-            Sentence("this is a web page or XML file, whatever its name says"),
-            place=place,
-            expected=Sentence("the same table opened in a spreadsheet program and saved as .xlsx"),
-        )
+        problem = Sentence("this is a web page or XML file, whatever its name says")
+        expected = Sentence("the same table opened in a spreadsheet program and saved as .xlsx")
+        raise ReadingsError(problem, place=place, expected=expected)
     return [read_text(data, file, score, knows)]
 
 

@@ -193,17 +193,14 @@ def _read(said: Sequence[str], meanings: Mapping[str, tuple[str, str]]) -> Itera
 
 def _without_unit(text: str) -> tuple[str, str, str | None]:
     """Return a heading without its unit, the unit, or what else stands in square brackets, and its kind."""
-    inside = [(match, _kind_of(match[1])) for match in BRACKETS.finditer(text)]
+    found = list(BRACKETS.finditer(text))
+    inside = [(match, next((kind for kind in _UNIT_KINDS if find_unit(match[1], kind)), None)) for match in found]
     inside = [each for each in inside if each[1]] or [each for each in inside if each[0][0].startswith("[")]
     if inside:
         match, kind = inside[0]
         return f"{text[: match.start()]} {text[match.end() :]}", match[1], kind
     *parts, last = _SEPARATORS.split(text.strip())
     return (" ".join(parts), last, "pressure") if find_unit(last, "pressure") else (text, "", None)
-
-
-def _kind_of(unit: str) -> str | None:
-    return next((kind for kind in _UNIT_KINDS if find_unit(unit, kind)), None)
 
 
 _Stated = tuple[Cell, Place, str]  # beside a label: the value, where it stands, and the unit in the label

@@ -55,18 +55,11 @@ def _find_tables(sheet: Sheet) -> list[StudyTable]:
 
 
 def _at(sheet: Sheet, row: int) -> StudyTable | None:
-    filled = {
-        column: label_of(text, "study_columns")
-        for column in range(sheet.width)
-        if (text := text_of(sheet.filled(row, column)))
-    }
-    keys = {
-        kind: next(at for at, other in filled.items() if other == kind) for kind in _KEYS if kind in filled.values()
-    }
-    readings = [column for column, kind in filled.items() if kind == "reading"]
-    others = [
-        column for column, kind in filled.items() if column not in (*keys.values(), *readings) and kind != "aside"
-    ]
+    texts = {column: text_of(sheet.filled(row, column)) for column in range(sheet.width)}
+    kinds = {column: label_of(text, "study_columns") for column, text in texts.items() if text}
+    keys = {kind: column for column, kind in reversed(kinds.items()) if kind in _KEYS}
+    readings = [column for column, kind in kinds.items() if kind == "reading"]
+    others = [at for at, kind in kinds.items() if at not in keys.values() and kind not in ("reading", "aside")]
     if {"part", "operator"} <= keys.keys() and len(readings) == 1 and not others:
         return StudyTable(sheet, keys, {readings[0]: {}}, row)
     if not {"part", "operator"} & keys.keys():
@@ -218,10 +211,9 @@ def _messages(table: StudyTable, stated: Unit | None, values: np.ndarray) -> Ite
     if not _USUAL_M[0] <= middle <= _USUAL_M[1]:
         text = Sentence(
             "The median reading is {median:.6g} {median.unit}, which is no usual diameter of a valve body: is the unit "
-            "of the readings right?",
-            median=Quantity(middle * MM, "length"),
+            "of the readings right?"
         )
-        yield Message("warning", "unusual_readings", text, place)
+        yield Message("warning", "unusual_readings", text.of(median=Quantity(middle * MM, "length")), place)
     yield from _apart(table, values)
 
 
@@ -264,11 +256,6 @@ def read_study(
         the sheet to read; the one sheet with readings by default.
     length_unit
         of all readings; by default that of their heading, else mm.
-
-    Returns
-    -------
-    StudyReadings
-        values in metres; ``messages`` say what was assumed and what looks like another unit.
 
     Raises
     ------

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -48,9 +49,9 @@ class _Rows(Faults):
 
     def count_repeats(self) -> None:
         """Number the readings of each cell; one that is given twice, and that nothing counts, is a problem."""
-        by_cell: dict[GaugeCell, list[tuple[GaugeReading, float | None]]] = {}
+        by_cell = defaultdict[GaugeCell, list[tuple[GaugeReading, float | None]]](list)
         for reading, order in self.taken:
-            by_cell.setdefault(reading.cell, []).append((reading, order))
+            by_cell[reading.cell].append((reading, order))
         for cell, given in by_cell.items():
             if len(self.problems) > FAULTS:
                 return
@@ -58,18 +59,14 @@ class _Rows(Faults):
             for reading, order in given:
                 first = seen.get(order) or (seen and order is None and given[0][0])
                 if first:
+                    named = {"range": cell.range, "engine": cell.engine.label, "tap": cell.tap}
                     problem = Sentence("{range}, {engine}, {tap} stands in {place} already")
-                    before = replace(first.place, file=None).sentence
-                    self.refuse(
-                        problem.of(range=cell.range, engine=cell.engine.label, tap=cell.tap, place=before),
-                        reading.place,
-                        expected=Sentence("each once, or a column 'repeat' or 'time' that counts its readings"),
-                    )
+                    problem = problem.of(**named, place=replace(first.place, file=None).sentence)
+                    expected = Sentence("each once, or a column 'repeat' or 'time' that counts its readings")
+                    self.refuse(problem, reading.place, expected=expected)
                 seen[order] = reading
-            ordered = sorted(given, key=lambda pair: pair[1] or 0.0)
-            self.readings += [
-                replace(reading, repeat=number, round=order) for number, (reading, order) in enumerate(ordered, start=1)
-            ]
+            ordered = enumerate(sorted(given, key=lambda pair: pair[1] or 0.0), start=1)
+            self.readings += [replace(reading, repeat=number, round=order) for number, (reading, order) in ordered]
 
 
 def asked_pressure(shown: Unit) -> AskedNumber:

@@ -21,7 +21,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.written_numbers import AskedNumber, possible_values, read_number
 from atleak.common.damage import own_errors_only
-from atleak.common.errors import FlowTableError, InputError, Message, Place, nearest_name, one_of
+from atleak.common.errors import FlowTableError, InputError, Message, Place, ReadingsError, nearest_name, one_of
 from atleak.common.file_faults import faults_together
 from atleak.common.sentences import Sentence
 from atleak.common.translations import languages
@@ -31,7 +31,7 @@ from atleak.measurements.flow_readings import FlowReading, FlowTable
 from atleak.measurements.own_forms import FLOWS, OwnForm
 from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import BRACKETS, Cell, Sheet, text_of
-from atleak.readers.cells.sheet_file import open_sheets
+from atleak.readers.cells.sheet_file import read_bytes, read_sheets
 from atleak.readers.dates import vocabulary, words
 from atleak.readers.own_forms import form_doubts, form_tables
 
@@ -324,7 +324,11 @@ class ValueFile(Generic[_Table]):
         sheet: str | None = None,  # the one to look at; all by default
     ) -> ValueFile[_Table]:
         """Open a file; ``missing`` is raised, naming it, where no sheet that is shown holds such a table."""
-        data, file, sheets = open_sheets(source, name, likeness, type(missing), wanted)
+        try:
+            data, file = read_bytes(source, name)
+            sheets = read_sheets(data, file, likeness)
+        except ReadingsError as error:
+            raise type(missing)(error.problem, place=error.place, value=error.value, expected=wanted) from error
         shown = [each for each in sheets if not each.hidden]
         if sheet is not None and not any(each.name == sheet for each in shown):
             names = one_of(repr(each.name) for each in shown)

@@ -176,11 +176,11 @@ class FaultOfChild(Exception):
 
 
 class _ChildGone(Exception):
-    """The child ended, or was ended, before it had answered."""
+    """The child ended, or was ended, before it had answered: the reason is one of `_GONE`."""
 
-    def __init__(self, reason: Literal["time", "memory", "death"]) -> None:
-        super().__init__(reason)
-        self.reason = reason
+    @property
+    def reason(self) -> str:
+        return str(self.args[0])
 
 
 _TIMES = (datetime.date, datetime.datetime, datetime.time, datetime.timedelta)

@@ -166,10 +166,8 @@ def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
         except PasswordError:
             raise protected from None
     if len(workbook.sheets_metadata) > MOST_SHEETS:
-        raise Refused(
-            Sentence("this workbook has {count} sheets", count=len(workbook.sheets_metadata)),
-            expected=Sentence("at most {count}", count=MOST_SHEETS),
-        )
+        problem = Sentence("this workbook has {count} sheets", count=len(workbook.sheets_metadata))
+        raise Refused(problem, expected=Sentence("at most {count}", count=MOST_SHEETS))
     for meta in workbook.sheets_metadata:
         if meta.typ == SheetTypeEnum.WorkSheet:
             with of_library():
@@ -179,11 +177,10 @@ def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:
 
 def _refuse_vast(rows: int, columns: int, sheet: str | None, vast: bool) -> None:
     if vast or columns > _COLUMNS:
-        raise Refused(
-            Sentence("the cells of this sheet reach row {row} and column number {column}", row=rows, column=columns),
-            sheet=sheet,
-            expected=Sentence("a table: delete the stray cells far outside it"),
+        problem = Sentence(
+            "the cells of this sheet reach row {row} and column number {column}", row=rows, column=columns
         )
+        raise Refused(problem, sheet=sheet, expected=Sentence("a table: delete the stray cells far outside it"))
 
 
 def _within(ranges: list[CellRange], cells: list[list[NativeCell]], sheet: str) -> list[CellRange]:
@@ -196,9 +193,7 @@ def _within(ranges: list[CellRange], cells: list[list[NativeCell]], sheet: str) 
             kept.append(((top, left), (bottom, right)))
             covered += (bottom - top + 1) * (right - left + 1)
     if covered > rows * columns:
-        raise Refused(
-            Sentence("merged ranges of this sheet overlap: the workbook is damaged"),
-            sheet=sheet,
-            expected=Sentence("a workbook as a spreadsheet program saves it: open it there and save it anew"),
-        )
+        problem = Sentence("merged ranges of this sheet overlap: the workbook is damaged")
+        expected = Sentence("a workbook as a spreadsheet program saves it: open it there and save it anew")
+        raise Refused(problem, sheet=sheet, expected=expected)
     return kept
