@@ -168,12 +168,8 @@ class TypedVacuum(TypedTable):
     @classmethod
     def _parsed(cls, rows: Sequence[Sequence[str]]) -> TypedVacuum:
         heading = next(number for number, row in enumerate(rows) if row[0] == VACUUM.headings["target"])
-        typed = cls({(target, state): text for target, text, state in rows[heading + 1 :]}, unit_in(rows[heading][1]))
-        calibrations = 0
-        for name, text, _, *shown in rows[:heading]:
-            if name == "calibration":
-                calibrations += 1
-                typed = typed.with_text(f"shown_{calibrations}", shown[0])
-                name = f"known_{calibrations}"
-            typed = typed.with_text(name, text)
-        return typed
+        cells = {(target, state): text for target, text, state in rows[heading + 1 :]}
+        stand = {name: text for name, text, *_ in rows[:heading] if name != "calibration"}
+        for number, row in enumerate((row for row in rows[:heading] if row[0] == "calibration"), start=1):
+            stand |= {f"known_{number}": row[1], f"shown_{number}": row[3]}
+        return cls(cells, unit_in(rows[heading][1]), **stand)
