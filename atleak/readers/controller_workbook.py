@@ -311,9 +311,8 @@ class Places:
     def order(self, error: CatalogueError) -> tuple[int, int, str]:
         """Return the key by which faults are listed: sheet by sheet, row by row."""
         assert error.place is not None
-        names = [self.place(Spot(declared.name)).sheet for declared in SHEETS]
-        number = names.index(error.place.sheet) if error.place.sheet in names else len(names)
-        return number, error.place.row or 0, error.place.column or ""
+        names = [*(self.place(Spot(declared.name)).sheet for declared in SHEETS), error.place.sheet]
+        return names.index(error.place.sheet), error.place.row or 0, error.place.column or ""
 
 
 _WANTED = Sentence("a workbook (.xlsx) as 'atleak controller template' writes it")

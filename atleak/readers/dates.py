@@ -94,11 +94,10 @@ def likely_order(dates: Sequence[str], halves: Sequence[str | None]) -> DateOrde
     """Decide whether slashed dates put the day or the month first: by a number over 12, else by AM and PM."""
     for text in dates:
         match = re.search(r"(?<!\d)(\d{1,2})[/.\-](\d{1,2})[/.\-]\d{2,4}", text)
-        if match:
-            if int(match[1]) > 12:
-                return "dmy"
-            if int(match[2]) > 12:
-                return "mdy"
+        if match and int(match[1]) > 12:
+            return "dmy"
+        if match and int(match[2]) > 12:
+            return "mdy"
     return "mdy" if any(halves) else "dmy"
 
 
@@ -138,10 +137,9 @@ def sure_date(texts: Sequence[str]) -> dt.date | None:
 
 
 def _day(text: str, order: DateOrder) -> int | None:
-    if match := re.search(r"(?<!\d)(\d{4})[/.\-](\d{1,2})[/.\-](\d{1,2})(?!\d)", text):
-        return dt.date(int(match[1]), int(match[2]), int(match[3])).toordinal()
-    if match := re.search(r"(?<!\d)((?:19|20)\d{2})(\d{2})(\d{2})(?!\d)", text):
-        return dt.date(int(match[1]), int(match[2]), int(match[3])).toordinal()
+    for iso in (r"(\d{4})[/.\-](\d{1,2})[/.\-](\d{1,2})", r"((?:19|20)\d{2})(\d{2})(\d{2})"):
+        if match := re.search(rf"(?<!\d){iso}(?!\d)", text):
+            return dt.date(int(match[1]), int(match[2]), int(match[3])).toordinal()
     if match := re.search(r"(?<!\d)(\d{1,2})[/.\-](\d{1,2})[/.\-](\d{4}|\d{2})(?!\d)", text):
         first, second, year = int(match[1]), int(match[2]), int(match[3])
         year += 2000 if year < 100 else 0

@@ -15,6 +15,12 @@ from atleak.common.files import PRIVATE, earlier_file, home, made_folder, readab
 from atleak.common.sentences import Sentence
 from atleak.readers.dates import words
 
+_SETTLED_EARLIER = Sentence(
+    "columns are taken as settled earlier for files with these headings; 'Remembered columns' or --forget ends that"
+)
+_SETTLED_ON = Sentence(
+    "columns are taken as settled on {date} for files with these headings; 'Remembered columns' or --forget ends that"
+)
 NOT_LOGGED = ""  # in place of a column: the user says that no column holds the quantity
 CONSTANT = "="  # in front of what holds for all rows of a sheet, in place of a column
 
@@ -36,17 +42,10 @@ class RememberedColumns:
     @property
     def note(self) -> Message:
         """Return what is said first of a file that was read with it: since when, and how to undo it."""
-        text = Sentence(
-            "columns are taken as settled earlier for files with these headings; 'Remembered columns' or --forget ends "
-            "that"
-        )
-        if self.when:
-            text = Sentence(
-                "columns are taken as settled on {date} for files with these headings; 'Remembered columns' or "
-                "--forget ends that",
-                date=dt.datetime.fromisoformat(self.when).date(),
-            )
-        return Message("info", "remembered", text)
+        if not self.when:
+            return Message("info", "remembered", _SETTLED_EARLIER)
+        date = dt.datetime.fromisoformat(self.when).date()
+        return Message("info", "remembered", _SETTLED_ON.of(date=date))
 
 
 def signature(labels: Iterable[str]) -> str:
@@ -135,7 +134,6 @@ def forget_columns(path: Path, header: str) -> None:
 
 _ROLES, _OWN = "atleak:roles", "atleak"
 _MISSING, _NO_HEADER = "missing", "none"  # names of a sheet's mapping that the dialect and the schema hold
-_NO_MAPPING = Sentence("no mapping of columns")
 
 
 @dataclass(frozen=True)
@@ -185,7 +183,7 @@ class MapFile:
             raise InputError(Sentence("cannot be read: {reason}", reason=reason_of(error)), place=place) from error
         except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
             expected = Sentence("the file that --map-file writes: JSON with dialect, schema and its fields")
-            raise InputError(_NO_MAPPING, place=place, expected=expected) from error
+            raise InputError(Sentence("no mapping of columns"), place=place, expected=expected) from error
         mapping |= {_MISSING: "|".join(missing)} if missing else {}
         mapping |= {"header": f"{rows[0]}-{rows[-1]}"} if rows else {}
         mapping |= {"header": _NO_HEADER} if dialect.get("header") is False else {}

@@ -377,9 +377,8 @@ def _entries(rows: Iterable[list[str]]) -> Iterator[tuple[PlanCell, TypedEntry]]
         component, part, plane, direction, repeat, first, second, text, _, taken_at = row
         if taken_at:
             continue
-        cell = PlanCell(
-            component, PLAN_PARTS[PLAN_PARTS.index(part)], plane, float(direction) if direction else None, int(repeat)
-        )
+        angle = float(direction) if direction else None
+        cell = PlanCell(component, PLAN_PARTS[PLAN_PARTS.index(part)], plane, angle, int(repeat))
         if text:
             yield cell, TypedEntry(text)
         else:

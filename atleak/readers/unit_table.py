@@ -193,9 +193,6 @@ def _said(cell: Cell) -> str:
     return "" if cell is None else str(cell).translate(NO_WIDTH).strip()
 
 
-# --- the kinds of files -----------------------------------------------------------------------------------------------
-
-
 def _text(data: bytes, file: str) -> tuple[None, _Rows]:
     """Read text: of the signs that may stand between columns, that by which most headings are understood."""
     text = to_text(data)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import groupby
 from typing import Any
 
 from atleak.common.errors import Place, ReadingsError
@@ -108,13 +109,8 @@ def runs_of(numbers: Iterable[int]) -> list[list[int]]:
     >>> runs_of([4, 1, 2])
     [[1, 2], [4]]
     """
-    runs: list[list[int]] = []
-    for number in sorted(set(numbers)):
-        if runs and number == runs[-1][-1] + 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
-    return runs
+    ordered = enumerate(sorted(set(numbers)))
+    return [[number for _, number in run] for _, run in groupby(ordered, key=lambda each: each[1] - each[0])]
 
 
 def column_letter(column: int) -> str:
@@ -123,12 +119,8 @@ def column_letter(column: int) -> str:
     >>> column_letter(0), column_letter(27)
     ('A', 'AB')
     """
-    letters = ""
-    column += 1
-    while column:
-        column, rest = divmod(column - 1, 26)
-        letters = chr(ord("A") + rest) + letters
-    return letters
+    before, last = divmod(column, 26)
+    return (column_letter(before - 1) if before else "") + chr(ord("A") + last)
 
 
 def sheet_cells(

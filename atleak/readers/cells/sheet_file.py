@@ -172,7 +172,8 @@ def _sheet(text: str, file: str, delimiter: str, note: Sentence | None = None) -
     try:
         for record in reader:
             first = before == 0 and len(record) <= 2 and record and record[0].lower().startswith("sep=")
-            if not first and not (delimiter == "|" and _is_rule(record)):
+            filled = [cell for cell in record if cell.strip()]
+            if not first and not (delimiter == "|" and filled and all(map(_RULE.fullmatch, filled))):
                 table.append([value.strip() for value in record])
                 lines.append(before + 1)
             before = reader.line_num
@@ -181,11 +182,6 @@ def _sheet(text: str, file: str, delimiter: str, note: Sentence | None = None) -
         raise ReadingsError(problem, place=Place(file, row=before + 1), expected=_WANTED) from None
     table = bounded(table)
     return Sheet(file=file, name=None, rows=table, lines=lines[: len(table)], note=note)
-
-
-def _is_rule(record: Sequence[str]) -> bool:
-    cells = [cell for cell in record if cell.strip()]
-    return bool(cells) and all(_RULE.fullmatch(cell) for cell in cells)
 
 
 def _aligned(lines: Sequence[str]) -> list[list[str]]:

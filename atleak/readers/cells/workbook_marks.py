@@ -73,10 +73,7 @@ def column_index(letters: str) -> int:
     >>> column_index("A"), column_index("AB")
     (0, 27)
     """
-    index = 0
-    for letter in letters:
-        index = index * 26 + ord(letter) - 64
-    return index - 1
+    return sum((ord(letter) - 64) * 26**power for power, letter in enumerate(reversed(letters))) - 1
 
 
 def whole_number(text: str) -> int:

@@ -87,7 +87,7 @@ def _side_by_side(sheet: Sheet, row: int, keys: Mapping[str, int], columns: list
 
 _USUAL_M = (0.5e-3, 100e-3)  # [m] diameters of valve bodies: outside of it another unit may have been meant
 _ENDS = ("average", "mean", "mittelwert", "średnia", "srednia", "range", "spannweite", "rozstęp")
-_SHOWN = 6
+_FEW = 6  # sets of repeats that may be far apart and still be slips
 _UNNAMED = {  # a row that names none, and what is expected there
     "part": (Sentence("nothing says of which part this row's readings are"), Sentence("a part")),
     "operator": (Sentence("nothing says of which operator this row's readings are"), Sentence("an operator")),
@@ -222,7 +222,7 @@ def _apart(table: StudyTable, values: np.ndarray) -> Iterator[Message]:
     ranges = np.ptp(values, axis=2)
     usual = float(np.median(ranges))
     far = ranges > 10.0 * usual
-    if usual > 0.0 and 0 < far.sum() <= max(1, _SHOWN):
+    if usual > 0.0 and 0 < far.sum() <= _FEW:
         widest = float(ranges.max())
         text = Sentence(
             "{count} of {total} sets of repeats differ by up to {widest:.4g} {widest.unit}, the others by some "

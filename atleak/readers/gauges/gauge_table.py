@@ -182,9 +182,8 @@ class _Reader:
         aside = []
         for column in range(self.sheet.width):
             heading = self.table.headings.get(column)
-            if heading is not None and heading.kind not in (None, "aside"):
-                continue
-            if not any(is_number(self.sheet.cell(row, column)) for row in self.table.rows):
+            known = heading is not None and heading.kind not in (None, "aside")
+            if known or not any(is_number(self.sheet.cell(row, column)) for row in self.table.rows):
                 continue
             if heading is None or heading.kind == "aside":
                 aside.append(column_letter(column) if heading is None else heading.text)

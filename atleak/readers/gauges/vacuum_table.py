@@ -221,7 +221,10 @@ class _Reader:
             texts = ((at, unit_in(text_of(cell))) for at, cell in enumerate(self.sheet.rows[row]))
             self.calibrated = {at: said for at, said in texts if said}
             return
-        kinds = [_kind_of(each.unit) for each in stated]
+        said = [
+            [kind for kind in ("length", "pressure") if each.unit and find_unit(each.unit, kind)] for each in stated
+        ]
+        kinds = [next(iter(kind), None) for kind in said]
         if None in kinds and "pressure" not in kinds and len(kinds) > 1:
             free = [at for at, kind in enumerate(kinds) if kind is None]
             kinds[next((at for at in free if at > 0), free[0])] = "pressure"
@@ -297,10 +300,6 @@ _OF_STAND = {
     "orifice": (_ORIFICE, "length"),
     "flow_area": (_FLOW_AREA, "area"),
 }
-
-
-def _kind_of(said: str) -> str | None:
-    return next((kind for kind in ("length", "pressure") if said and find_unit(said, kind)), None)
 
 
 def _without_sign(cell: Cell) -> Cell:

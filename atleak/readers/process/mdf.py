@@ -34,12 +34,14 @@ def mdf_contents(source: bytes | str) -> Iterator[MdfPart]:
         held: dict[int, int] = {}  # records by group
         for number, index, channel in _named(mdf):
             first = mdf.get(group=number, index=index, record_offset=0, record_count=1, ignore_invalidation_bits=True)
-            if _holds_numbers(first) and number not in held:
+            if not _holds_numbers(first):
+                continue
+            if number not in held:
                 held[number] = _records(mdf, number, index)
-            count = cycles = held.get(number, 0)
-            if _holds_numbers(first) and first.invalidation_bits is not None:  # which says of each whether it is valid
+            count = cycles = held[number]
+            if first.invalidation_bits is not None:  # which says of each whether it is valid
                 count = len(mdf.get(group=number, index=index).samples)
-            if _holds_numbers(first) and count:
+            if count:
                 where = {"group": number, "index": index, "count": count, "cycles": cycles}
                 yield "channel", {"label": channel.name, "unit": first.unit or None, **where}
         for frames in _frames(mdf):
@@ -91,9 +93,9 @@ def _named(mdf: Any) -> Iterator[tuple[int, int, Any]]:
         if not group.channel_group.cycles_nr:
             continue
         for index, channel in enumerate(group.channels):
-            if ("Frame" in channel.name and "_" in channel.name) or channel.name.lower() in ("timestamp", "time", "t"):
-                continue
-            yield number, index, channel
+            of_bus = "Frame" in channel.name and "_" in channel.name
+            if not of_bus and channel.name.lower() not in ("timestamp", "time", "t"):
+                yield number, index, channel
 
 
 def _holds_numbers(signal: Any) -> bool:

@@ -212,9 +212,7 @@ def _texts(array: Any) -> tuple[list[str], bytearray]:
     if pa.types.is_time(array.type):
         array = array.cast(pa.string())
     distinct = array.dictionary_encode()
-    texts = [
-        each.decode("utf-8", "replace") if isinstance(each, bytes) else str(each)
-        for each in distinct.dictionary.to_pylist()
-    ]
+    cells = distinct.dictionary.to_pylist()
+    texts = [each.decode("utf-8", "replace") if isinstance(each, bytes) else str(each) for each in cells]
     codes = distinct.indices.fill_null(-1).to_numpy(zero_copy_only=False)
     return texts, bytearray(np.ascontiguousarray(codes, np.int32))
