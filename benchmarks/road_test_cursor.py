@@ -45,7 +45,7 @@ def main(chosen: argparse.Namespace) -> None:
         start = Path(folder) / "main.py"  # the harness takes a script beside pages/ for an app without navigation
         start.write_text(f"import runpy\nrunpy.run_path({str(ROOT / 'app.py')!r})\n", encoding="utf-8")
         page = AppTest.from_file(str(start), default_timeout=60).run()
-        page.switch_page(str(ROOT / "pages" / "2_In_the_car.py")).run()
+        page.switch_page(str(ROOT / "pages" / "3_In_the_car.py")).run()
         page.session_state["log-in-full-0"] = True
         page.run()
         _measure(page, SMALL if chosen.small else ROUNDS)

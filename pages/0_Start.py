@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from pages.shared import panel, reader, show
+from pages.shared import panel, places, reader, show
 from pages.shared.state import new_job, session, take_sample
 
 case, diagnosis = panel.shown()
@@ -13,12 +13,12 @@ with st.container(horizontal=True):
     if st.button(say("start.sample"), type="primary"):
         if not session().case.sample:
             take_sample()
-        st.switch_page(panel.PAGES / "4_Diagnosis.py")
+        st.switch_page(places.page("Diagnosis"))
     if st.button(say("start.new")):
         new_job()
-        st.switch_page(panel.PAGES / "1_Job.py")
+        st.switch_page(places.page("Job"))
     if st.button(say("start.book")):
-        st.switch_page(panel.PAGES / "10_Job_book.py")
+        st.switch_page(places.page("Jobs"))
 st.caption(show.plain(say("start.open")))
 st.subheader(say("start.way"))
 panel.draw_steps(diagnosis)

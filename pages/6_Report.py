@@ -11,7 +11,7 @@ from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import PDF_SECTIONS
 from atleak.report.xlsx import write_workbook
-from pages.shared import conditions, files, font_form, panel, reader
+from pages.shared import conditions, font_form, panel, reader, show
 from pages.shared.cases import case_with_columns
 from pages.shared.state import job
 
@@ -19,7 +19,7 @@ case, diagnosis = panel.shown()
 say = reader.say()
 st.title(say("pages.Report"))
 record = job()
-name = files.named("atleak", record.number)
+name = show.named("atleak", record.number)
 
 conditions.undecided(diagnosis, closing=True)
 st.subheader(say("take_along.title"))

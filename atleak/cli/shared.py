@@ -128,7 +128,7 @@ def add_print(parser: CommandOptions, *, shown: Collection[str] = ()) -> None:
         parser.add_argument(
             f"--{name}", choices=choices, help=f"of {of}the PDF and the workbook: {unless_given} unless given"
         )
-    help = "for characters that the PDF's own fonts lack; without it the one kept on the page Workshop data"
+    help = "for characters that the PDF's own fonts lack; without it the one kept on the page Library"
     parser.add_argument("--font", metavar="FILE", help=help)
 
 

@@ -161,9 +161,9 @@ def job_steps(diagnosis: Diagnosis, job: Job, say: Wording) -> tuple[Step, ...]:
         verdict = say("steps.so_far", verdict=verdict)
     return (
         Step("job", bool(named), named or say("steps.no_number")),
+        Step("measure", measured == lands, say(f"steps.readings_{readings}", measured=measured, lands=lands)),
         Step("in_the_car", bool(found), ", ".join(found) or say("steps.readings_none")),
-        Step("readings", measured == lands, say(f"steps.readings_{readings}", measured=measured, lands=lands)),
         Step("diagnosis", diagnosis.verdict is not Verdict.NOT_MEASURED, verdict),
-        Step("what_if", True),
+        Step("plan", True),
         Step("report", True),
     )

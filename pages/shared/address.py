@@ -17,7 +17,9 @@ def kept(name: str, *, of_job: bool = True) -> str:
     """
     choices = _choices()
     key = name, _job() if of_job else None
-    if key not in choices:
+    if not of_job and name in st.query_params:  # a link leads to it
+        choices[key] = st.query_params[name]
+    elif key not in choices:
         first = not any(other == name for other, _ in choices)
         choices[key] = st.query_params.get(name, "") if first else ""
     _write(name, choices[key])  # the browser drops it from the address where another page is chosen

@@ -21,7 +21,7 @@ from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf.comparison import write_comparison_pdf
 from atleak.report.tables.comparison import compared_event_name
 from atleak.report.tables.road_test import channel_scales
-from pages.shared import files, font_form, reader, show
+from pages.shared import font_form, reader, show
 from pages.shared.book import book, job_id
 from pages.shared.cases import diagnosis_of, opened_case, result_key
 from pages.shared.state import job, session
@@ -151,7 +151,7 @@ def downloads(found: ComparedJobs) -> None:
         paper=paper,
         units=say.units,
     )
-    name = files.named("before_and_after", found.after.job.number)
+    name = show.named("before_and_after", found.after.job.number)
     font_form.draw_missing([found.before.job, found.after.job])
     with st.container(horizontal=True):
         st.download_button(say("compare.page"), font_form.printing(printed), f"{name}.pdf", on_click="ignore")

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import streamlit as st
 
-from atleak.analysis.repair.plan import RepairPlan
+from atleak.analysis.repair.plan import RepairPlan, plan_repairs
 from atleak.common.units import DM3_MIN, KPA, RPM
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -15,7 +13,7 @@ from atleak.report.tables.estimate import open_words
 from atleak.report.tables.lands import leaking_worst_first, matrix_table
 from atleak.report.tables.repairs import option_table, order_table, plan_ends, repair_name, totals_table
 from atleak.report.tables.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
-from pages.shared import reader, show
+from pages.shared import fields, reader, show
 from pages.shared.show import plain
 from pages.shared.state import choose, job, session
 
@@ -41,13 +39,12 @@ def complaint(diagnosis: Diagnosis) -> None:
     st.caption(plain(say("diagnosis.complaint_source", source=say.name(diagnosis.complaint.source))))
 
 
-def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-    """Show every condition with its total, and from which speed the pump covers the leakage."""
+def totals(diagnosis: Diagnosis) -> None:
+    """Say every condition with its total, and from which speed the pump covers the leakage."""
     say = reader.say()
-    sources = {row["name"]: row["source"] for row in record["conditions"]}
     for number, point in enumerate(diagnosis.presented, start=1):
         label = say.condition(point.condition)
-        if point is diagnosis.worst and len(sources) > 1:
+        if point is diagnosis.worst and len(diagnosis.presented) > 1:
             label = say("diagnosis.total_worst", condition=label)
         st.caption(
             plain(
@@ -63,7 +60,7 @@ def totals(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
                     covered=say.number(point.minimum_speed * RPM, 0),
                     counted=counted_in_speed(diagnosis, say),
                     positions=position_sentence(diagnosis, point, say),
-                    source=say.name(sources[point.condition.name]),
+                    source=say.name(point.condition.source),
                 )
             )
         )
@@ -81,9 +78,16 @@ def matrix(diagnosis: Diagnosis) -> None:
     st.caption(plain(say("diagnosis.matrix_caption", added=added)))
 
 
-def repairs(diagnosis: Diagnosis, plan: RepairPlan) -> None:
-    """Show the order of repair with what each step brings, and where the plan ends."""
+def order_of_repair(diagnosis: Diagnosis) -> None:
+    """Show in a fold the order of repair with what each step brings, and where it ends."""
     say = reader.say()
+    order = fields.fold(say("repair_plan.order"), key=f"order-of-repair-{session().generation}")
+    if order.open:
+        with order:
+            _order(diagnosis, plan_repairs(diagnosis), say)
+
+
+def _order(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> None:
     if plan.order:
         show.table(order_table(diagnosis, plan, say))
         st.caption(say(f"repair_plan.order_caption_{'cost' if plan.cost else 'new'}"))

@@ -5,6 +5,7 @@ Which element is which never depends on what is being typed: the place of a doub
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal, overload
 
 import streamlit as st
@@ -12,7 +13,7 @@ import streamlit as st
 from atleak.catalogue.written_numbers import AskedNumber, WrittenNumber, read_number, written
 from atleak.common.sentences import Sentence
 from atleak.common.wording import Wording, begun
-from pages.shared import reader, show
+from pages.shared import address, reader, show
 
 
 def kept(key: str, start: Any) -> dict[str, Any]:
@@ -101,6 +102,22 @@ def fold(label: str, *, key: str, opened: bool = False) -> Any:
     place = st.expander(label, key=key, on_change="rerun")
     left[key] = place.open
     return place
+
+
+def part(page: str, names: Mapping[str, str], *, closable: bool = False) -> str:
+    """Offer the parts of a page by their labels; return the one that is open, "" for none. The address keeps it."""
+    say, key, left = reader.say(), f"part-of-{page}", address.kept(page, of_job=False)
+    st.session_state[key] = left if left in names else None if closable else next(iter(names))
+    opened = st.segmented_control(
+        say("parts.of_page"),
+        list(names),
+        format_func=names.__getitem__,
+        required=not closable,
+        key=key,
+        on_change=lambda: address.keep(page, st.session_state[key] or "", of_job=False),
+        label_visibility="collapsed",
+    )
+    return opened or ""
 
 
 def turn(key: str, *, opened: bool) -> None:

@@ -22,7 +22,7 @@ from atleak.fleet.summary_tables import by_trouble
 from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summary_workbook import write_summary_workbook
 from atleak.fleet.sums import GROUP, FleetSummary, ValveBody
-from pages.shared import address, files, font_form, reader, show
+from pages.shared import address, font_form, reader, show
 from pages.shared.state import job
 
 FOLDER, BODY, BY = "fleet", "body", "by"  # parameters of the address
@@ -227,7 +227,7 @@ def draw_files(words: FleetWords) -> None:
     say, columns = words.say, st.columns(2)
     language = reader.pick_language(columns[0], "fleet-language")
     paper = reader.pick_paper(columns[1], "fleet-paper")
-    name = files.named("fleet", words.summary.folder.replace("\\", "/").rpartition("/")[2])
+    name = show.named("fleet", words.summary.folder.replace("\\", "/").rpartition("/")[2])
     of_pdf = partial(
         write_summary_pdf, words.summary, language=language, paper=paper, units=say.units, letterhead=job()
     )

@@ -157,12 +157,12 @@ def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] 
         )
         button("erase", bool(ids), "erase_customer", on_click=_begin, args=(ids,))
     if opened and job_id() in ids:
-        return "4_Diagnosis", {}
+        return "Diagnosis", {}
     if unit:
-        return "11_Unit", {"unit": str(picked[0].unit)}
+        return "History", {"history": "unit", "unit": str(picked[0].unit)}
     if both:
         before, after = sorted(picked, key=lambda row: (row.date or row.made_on, row.mileage_km or 0.0, row.changed_at))
-        return "12_Compare", {"before": before.id, "after": after.id}
+        return "History", {"history": "compare", "before": before.id, "after": after.id}
     return None
 
 

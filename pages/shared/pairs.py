@@ -11,11 +11,16 @@ import streamlit as st
 
 from atleak.catalogue.controller import Controller
 from atleak.common.style import look_of
+from atleak.common.units import UM
+from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
+from atleak.diagnosis.uncertainty import UnitUncertainty
+from atleak.report.charts import land_figures as figures
 from atleak.report.charts.drawing import component_svgs, on_dark, spool_svg
 from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.tables.clearances import budget_rows
 from atleak.report.tables.lands import (
     ON_PAPER,
     OpenedLand,
@@ -24,10 +29,10 @@ from atleak.report.tables.lands import (
     opened_lands,
     pair_table,
 )
-from atleak.report.tables.names import component_words, has_number, land_words
+from atleak.report.tables.names import component_words, has_number, land_number, land_words
 from atleak.report.tables.sentences import land_in_words
-from atleak.report.tables.table import Table, leveled
-from pages.shared import address, reader, show
+from atleak.report.tables.table import Column, Table, leveled, span
+from pages.shared import address, conditions, fields, reader, show
 from pages.shared.state import job, session
 
 OPENED = "pair"  # the opened component's name in the address
@@ -42,18 +47,11 @@ _HTML = st.components.v2.component(
 
 @st.fragment
 @show.faults()
-def section(diagnosis: Diagnosis, advised: Callable[[LandDiagnosis], str]) -> None:
-    """Show the picture, the opened pair and the flagged pairs; opening one computes nothing else of the page again."""
+def draw(diagnosis: Diagnosis) -> None:
+    """Show the picture and the opened pair; opening one computes nothing else of the page again."""
     say = reader.say()
     picture(diagnosis, say)
-    choice(diagnosis, say)
-    opened_pair(diagnosis, say, advised)
-    st.subheader(say("diagnosis.flagged_pairs"), anchor="flagged-pairs")
-    if diagnosis.flagged:
-        table(pair_table(diagnosis, diagnosis.flagged, say).without(*ON_PAPER), "flagged", pressable=True)
-        show.what_is_shown(diagnosis)
-    else:
-        st.write(say("diagnosis.none_flagged"))
+    opened_pair(diagnosis, say)
 
 
 def opened(diagnosis: Diagnosis) -> str | None:
@@ -63,20 +61,96 @@ def opened(diagnosis: Diagnosis) -> str | None:
 
 
 def picture(diagnosis: Diagnosis, say: Wording) -> None:
-    """Show every component as a button with its spool, in the colours of its lands' verdicts."""
+    """Show every component as a button with its spool: flagged ones large, with their clearances; the rest folded."""
     verdicts: dict[tuple[str, int], str] = {land.key: land.verdict for land in diagnosis.lands}
     drawings = component_svgs(diagnosis.controller, verdicts)
-    buttons = []
-    for name, drawing in drawings.items():
-        level = component_verdict(diagnosis, name)
-        edge = look_of(level).screen
-        number = f"<b>{escape(name)}</b> " if has_number(diagnosis.controller, name) else ""
-        words = f"<small>{number}{escape(say.name(diagnosis.controller.components[name]))}</small>"
-        buttons.append(
-            f'<button data-pair="{escape(name)}" style="border-left-color:{edge}">{words}{_themed(drawing)}'
-            f"{leveled(say.signed(level), level)}</button>"
-        )
-    mount(f'<div class="grid">{"".join(buttons)}</div>', key="picture", pressed=opened(diagnosis), on_pair=_open)
+    by_verdict: dict[Verdict, list[str]] = {}
+    for name in components_worst_first(diagnosis):
+        by_verdict.setdefault(component_verdict(diagnosis, name), []).append(name)
+    flagged = "".join(
+        _button(diagnosis, name, verdict, drawings[name], say)
+        for verdict, names in by_verdict.items()
+        if verdict.flagged
+        for name in names
+    )
+    folds = "".join(
+        f"<details><summary>{leveled(look_of(verdict).sign, verdict)} "
+        f"{escape(say(f'diagnosis.valves_{verdict}', count=len(names)))}</summary>"
+        f'<div class="grid">{"".join(_button(diagnosis, name, verdict, drawings[name], say) for name in names)}</div></details>'
+        for verdict, names in by_verdict.items()
+        if not verdict.flagged
+    )
+    grid = f'<div class="grid worst">{flagged}</div>' if flagged else ""
+    mount(grid + folds, key="picture", pressed=opened(diagnosis), on_pair=_open)
+
+
+def _button(diagnosis: Diagnosis, name: str, verdict: Verdict, drawing: str, say: Wording) -> str:
+    number = f"<b>{escape(name)}</b> " if has_number(diagnosis.controller, name) else ""
+    words = f"<small>{number}{escape(say.name(diagnosis.controller.components[name]))}</small>"
+    flagged = [land for land in diagnosis.flagged if land.key[0] == name]
+    leaders = "".join(
+        leveled(f"{look_of(land.verdict).sign} {_leader(diagnosis, land, say)}", land.verdict) for land in flagged
+    )
+    return (
+        f'<button data-pair="{escape(name)}" style="border-left-color:{look_of(verdict).screen}">{words}'
+        f"{_themed(drawing)}{leaders or leveled(say.signed(verdict), verdict)}</button>"
+    )
+
+
+def _leader(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> str:
+    """Say how wide a land is and was: ``25/1: 57 µm, was 34``."""
+    now, new = land.state.radial_clearance * UM, [end * UM for end in land.state.land.mounting_ends]
+    return say(
+        "diagnosis.leader",
+        land=land_number(diagnosis.controller, land.key, say),
+        now=say.quantity(now, "clearance", 0),
+        new=span(new, "clearance", say, 0),
+    )
+
+
+@st.fragment
+@show.faults()
+def lands(diagnosis: Diagnosis) -> None:
+    """Show the lands: flagged ones, each at every condition, all of them, and how sure their numbers are."""
+    say = reader.say()
+    choice(diagnosis, say)
+    st.subheader(say("diagnosis.flagged_pairs"))
+    if diagnosis.flagged:
+        table(pair_table(diagnosis, diagnosis.flagged, say).without(*ON_PAPER), "flagged", pressable=True)
+        show.what_is_shown(diagnosis)
+    else:
+        st.write(say("diagnosis.none_flagged"))
+    conditions.complaint(diagnosis)
+    show.open_verdicts(advice(diagnosis, advised(diagnosis, say), say))
+    st.subheader(say("diagnosis.matrix"))
+    conditions.matrix(diagnosis)
+    every = fields.fold(say("diagnosis.all_lands", count=len(diagnosis.lands)), key=f"all-lands-{session().generation}")
+    if every.open:
+        with every:
+            show.chart(figures.leakage_ranking(diagnosis, say), "ranking")
+            rows = pair_table(diagnosis, diagnosis.ranked, say, at=diagnosis.presented)
+            table(rows.without(*ON_PAPER), "all", pressable=True)
+    if diagnosis.uncertainty is not None:
+        sure = fields.fold(say("uncertainty.title"), key=f"how-sure-{session().generation}")
+        if sure.open:
+            with sure:
+                _how_sure(diagnosis, diagnosis.uncertainty, say)
+
+
+def _how_sure(diagnosis: Diagnosis, unit: UnitUncertainty, say: Wording) -> None:
+    """Show the instruments, every clearance and leakage with its interval, and what is assumed of the rest."""
+    used = (unit.instruments.spool, unit.instruments.sleeve)
+    spool, sleeve = (f"**{show.plain(say.name(each.name))}**" for each in used)
+    coverage = say.percent(unit.coverage, 0)
+    st.markdown(say("uncertainty.instruments", spool=spool, sleeve=sleeve, coverage=coverage))
+    of_land, advise = {land.key: land for land in diagnosis.lands}, advised(diagnosis, say)
+    clearances = figures.land_clearances(unit, say, advised=lambda key: advise(of_land[key]))
+    show.chart(clearances, "clearances")
+    show.chart(figures.leakages(unit, diagnosis.projection.condition, say), "leakages")
+    st.markdown(f"**{say('uncertainty.assumed')}**")
+    what = Column("what", of=lambda each: say.get("uncertainty_assumed", each[0]))
+    value = Column("value", of=lambda each: say.plain_quantity(each[1].value, each[1].kind))
+    show.table(Table("assumed", (what, value), [*unit.assumptions.quantities.items()], say))
 
 
 def choice(diagnosis: Diagnosis, say: Wording) -> None:
@@ -95,17 +169,32 @@ def choice(diagnosis: Diagnosis, say: Wording) -> None:
     )
 
 
-def opened_pair(diagnosis: Diagnosis, say: Wording, advised: Callable[[LandDiagnosis], str]) -> None:
-    """Show everything that is known of the opened component; nothing where none is open."""
+def opened_pair(diagnosis: Diagnosis, say: Wording) -> None:
+    """Show everything that is known of the opened component and how sure it is; nothing where none is open."""
     name = opened(diagnosis)
     if name is None:
         return
+    advise = advised(diagnosis, say)
     verdicts: dict[tuple[str, int], str] = {land.key: land.verdict for land in diagnosis.lands}
     drawing = _themed(spool_svg(diagnosis.controller, name, verdicts, say))
     heading = f"<h3>{escape(component_words(diagnosis.controller, name, say))}</h3>"
-    lands = "".join(_land(each, say, advised(each.land)) for each in opened_lands(diagnosis, name, say))
+    lands = "".join(_land(each, say, advise(each.land)) for each in opened_lands(diagnosis, name, say))
     with st.container(border=True, key="opened-pair"):
         mount(f'{heading}<div class="drawing">{drawing}</div><div class="lands">{lands}</div>', key=f"opened-{name}")
+        made_of = fields.fold(say("uncertainty.made_of"), key=f"made-of-{session().generation}")
+        if made_of.open:
+            with made_of:
+                _made_of(diagnosis, name, say)
+
+
+def _made_of(diagnosis: Diagnosis, component: str, say: Wording) -> None:
+    """Show which sources make up the uncertainty of a component's measured lands."""
+    columns = (Column("uncertain_source"), Column("of_clearance", "percent"), Column("of_share", "percent"))
+    for land in diagnosis.lands:
+        if land.key[0] == component and land.uncertainty is not None:
+            st.markdown(f"**{show.plain(land_in_words(diagnosis, land.key, say))}**")
+            show.chart(figures.budget(land.uncertainty, say), f"budget-{land.key[1]}")
+            show.table(Table("budget", columns, budget_rows(land.uncertainty, say), say))
 
 
 def table(content: Table, key: str, *, pressable: bool = False) -> None:

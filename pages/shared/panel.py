@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import glob
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -17,13 +16,11 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import SourceFile
 from atleak.job.result import Step, job_steps
-from pages.shared import book, choices, drop_zone, dropped, fields, reader, show
+from pages.shared import book, choices, drop_zone, dropped, fields, places, reader, show
 from pages.shared.cases import PageCase, diagnosis_of, own_faults
 from pages.shared.state import FILES, choose, current_diagnosis, job, new_job, session, take_away, take_sample
 
-PAGES = Path(__file__).resolve().parents[1]
-_STEPS = {path.stem.partition("_")[2].lower(): path for path in PAGES.glob("[1-9]_*.py")}
-WHERE = {"readings": "Readings", **dict.fromkeys(("road_test", "pressures", "vacuum", "flows"), "In_the_car")}
+WHERE = {"readings": "Measure", **dict.fromkeys(("road_test", "pressures", "vacuum", "flows"), "In_the_car")}
 RPM = unit("rpm", "rotational_speed")
 LOOKS = Path(__file__).with_name("page.css")
 
@@ -31,8 +28,8 @@ LOOKS = Path(__file__).with_name("page.css")
 def draw() -> Diagnosis:
     """Draw the sidebar, bring the job's results up to date and show refusals at the head of the page; return them."""
     st.session_state["framed"] = True
-    for path in PAGES.glob(f"[0-9]*_{st.session_state.pop('wanted', '?')}.py"):
-        st.switch_page(path, query_params=st.query_params.to_dict())
+    if wanted := st.session_state.pop("wanted", ""):
+        st.switch_page(places.page(wanted), query_params=st.query_params.to_dict())
     book.follow_address()
     st.html(LOOKS)
     say = reader.say()
@@ -66,7 +63,7 @@ def shown() -> tuple[PageCase, Diagnosis]:
     """Return the job that is shown and its diagnosis."""
     if "framed" not in st.session_state:
         # a fresh server that gets a request for a page's own address first runs that page without app.py
-        st.session_state["wanted"] = glob.escape(str(st.context.url or "?").rsplit("/", 1)[-1])
+        st.session_state["wanted"] = str(st.context.url or "").rsplit("/", 1)[-1]
         st.switch_page("app.py", query_params=st.query_params.to_dict())
     case = session().good
     return case, diagnosis_of(case)
@@ -240,14 +237,16 @@ def _notices() -> None:
 
 
 def draw_steps(diagnosis: Diagnosis) -> None:
-    """Draw a line of the job's steps: each a way to its page, with what is there or missing."""
+    """Draw the one navigation: the job's steps, each with what is there or missing, and the pages beside them."""
+    say = reader.say()
+    steps = {step.name: step for step in job_steps(diagnosis, job(), say)}
     with st.container(horizontal=True, gap="small", key="steps"):
-        steps = [step for step in job_steps(diagnosis, job(), reader.say()) if step.name in _STEPS]
-        for number, step in enumerate(steps, 1):
-            st.page_link(_STEPS[step.name], label=_step_label(number, step), width="content")
+        for path in places.EVERY:
+            name = places.name_of(path)
+            label = _step_label(steps[name.lower()], say) if path in places.STEPS else say.get("pages", name)
+            st.page_link(path, label=label, width="content")
 
 
-def _step_label(number: int, step: Step) -> str:
-    state = show.plain(step.state)
-    name = f"{number} {reader.say()(f'steps.{step.name}')}"
+def _step_label(step: Step, say: Wording) -> str:
+    name, state = say(f"steps.{step.name}"), show.plain(step.state)
     return f"{name} · {state if step.complete else f'**{state}**'}" if state else name

@@ -12,7 +12,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.charts.condition_figures import pump_speed_chart
 from atleak.report.charts.flows import flow_diagram, flow_svg, flow_table
 from atleak.report.tables.pressures import conditions_section, held_section, pump_over_speed
-from pages.shared import fields, reader, show
+from pages.shared import answer, conditions, fields, reader, show
 from pages.shared.show import plain
 from pages.shared.state import session
 
@@ -20,10 +20,22 @@ _COLUMN = 135  # pixels of the drawing of flows, at which its words can be read
 
 
 def section(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
-    """Show the pressures of a diagnosis: every condition in a table, one of them in full when it is asked for."""
+    """Show the pressures of a diagnosis: every condition in a table, one of them in full when it is asked for.
+
+    Beside them stands what gauges showed, what is missing of it, and what else was measured before it was opened.
+    """
     say = reader.say()
+    if diagnosis.pressures is not None:
+        st.subheader(say("diagnosis.gauges"))
+        show.gauges(diagnosis.pressures)
+    answer.missing(diagnosis)
+    show.before_opening(diagnosis)
+    if diagnosis.without_sheet:
+        return
+    st.subheader(say("diagnosis.pressures"))
     every = [pressures_at(diagnosis, each, repaired) for each in diagnosis.presented]
     show.section(conditions_section(diagnosis, every, say), "pressures")
+    conditions.totals(diagnosis)
     fold = fields.fold(say("circuits.in_full"), key=f"pressures-in-full-{session().generation}")
     if fold.open:
         with fold:

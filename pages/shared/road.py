@@ -57,6 +57,17 @@ def _sentences(log: RoadFindings, say: Wording) -> list[str]:
     return [*pressure_sentences(log, say), *islice(test_sentences(log, say), TESTS), *more, *log_sentences(log, say)]
 
 
+def section(diagnosis: Diagnosis) -> None:
+    """Show what the log says, and the leakage over it."""
+    if diagnosis.log is None:
+        st.write(reader.say()("diagnosis.no_log"))
+    elif diagnosis.without_sheet:
+        alone(diagnosis)
+    else:
+        findings(diagnosis)
+        leakage(diagnosis)
+
+
 def alone(diagnosis: Diagnosis) -> None:
     """Show a road test without a measuring sheet: its findings are all there is."""
     st.subheader(reader.say()("road_test.alone"))

@@ -33,13 +33,10 @@ from atleak.diagnosis.road import NO_LEAKAGE
 from atleak.report.charts.drawing import on_dark
 from atleak.report.charts.figure import Figure
 from atleak.report.charts.screen import drawn
-from atleak.report.tables.answer import answer_facts, missing_table
 from atleak.report.tables.assumed import assumed_section
 from atleak.report.tables.before_opening import before_opening as before_opening_of
-from atleak.report.tables.first_sentence import first_sentence as first_sentence_of
-from atleak.report.tables.first_sentence import shown_verdict
 from atleak.report.tables.gauges import gauge_table
-from atleak.report.tables.sentences import caveat_marks, caveats, fluid_in_state, profile_words, rule_name
+from atleak.report.tables.sentences import caveats, fluid_in_state, profile_words, rule_name
 from atleak.report.tables.table import VERDICT, Column, Facts, Picture, Points, Section, Table, Text, with_sign
 from pages.shared import reader
 from pages.shared.state import Refusal
@@ -299,8 +296,12 @@ def colours(verdict: Verdict | Band) -> str:
 
 def sheet_messages(diagnosis: Diagnosis) -> None:
     """Show the messages of the measuring sheet and its clearances."""
-    of_lands = [message for land in diagnosis.lands for message in land.messages]
-    messages([*(diagnosis.readings.messages if diagnosis.readings else ()), *of_lands], reader.say()("about.sheet"))
+    messages(_of_sheet(diagnosis), reader.say()("about.sheet"))
+
+
+def _of_sheet(diagnosis: Diagnosis) -> list[Message]:
+    of_lands = (message for land in diagnosis.lands for message in land.messages)
+    return [*(diagnosis.readings.messages if diagnosis.readings else ()), *of_lands]
 
 
 def what_is_shown(diagnosis: Diagnosis) -> None:
@@ -331,17 +332,30 @@ def _of_log(diagnosis: Diagnosis) -> list[Message]:
     return [*diagnosis.log.road_test.messages, *of_leakage, *why]
 
 
+def remarks(diagnosis: Diagnosis) -> dict[str, list[Message]]:
+    """Return all that is remarked, each remark once, by the key of what it is about."""
+    uncertain = diagnosis.uncertainty.messages if diagnosis.uncertainty else ()
+    by_subject = {
+        "sheet": _of_sheet(diagnosis),
+        "uncertainty": list(uncertain),
+        "log": _of_log(diagnosis),
+        "rest": list(diagnosis.messages),
+    }
+    said: set[Message] = set()
+    for about, notes in by_subject.items():
+        by_subject[about] = [note for note in dict.fromkeys(notes) if note not in said]
+        said.update(notes)
+    return by_subject
+
+
 def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
-    """Show the basis of the result: choices, sources, and what of it is assumed."""
-    readings = diagnosis.readings
-    said = [message for land in diagnosis.lands for message in land.messages]
-    said += diagnosis.uncertainty.messages if diagnosis.uncertainty else ()
-    said += readings.messages if readings else ()
-    said += _of_log(diagnosis)
-    messages([message for message in diagnosis.messages if message not in said], reader.say()("about.rest"))
-    if diagnosis.uncertainty is not None:
-        messages(diagnosis.uncertainty.messages, reader.say()("about.uncertainty"))
+    """Show what the result rests on: what is assumed and what that does to the verdict, remarks, and the sources."""
     say = reader.say()
+    for sentence in caveats(diagnosis, say):
+        st.markdown(plain(sentence))
+    section(Section("assumed", "", assumed_section(diagnosis, say).parts[1:]), "assumed")  # the first is a caveat
+    for about, notes in remarks(diagnosis).items():
+        messages(notes, say(f"about.{about}"), opened=True)
     lines = [
         f"- {say(f'slots.{name}')}: **{plain(say.name(called))}** — {with_links(say.name(record[name]['source']))}"
         for name, called in (
@@ -350,10 +364,8 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
             ("limits", record["limits"]["name"]),
         )
     ]
-    with st.expander(say("show.rests_on")):
-        st.markdown(
-            "\n".join([*lines, f"- {say('facts.profile')}: **{plain(profile_words(diagnosis.profile, say))}**"])
-        )
+    lines.append(f"- {say('facts.profile')}: **{plain(profile_words(diagnosis.profile, say))}**")
+    st.markdown("\n".join([f"**{say('show.rests_on')}**", "", *lines]))
 
 
 def dark() -> bool:
@@ -443,45 +455,12 @@ def svg(drawing: str, label: str, least_width: int = 640) -> None:
     )
 
 
-def banner(diagnosis: Diagnosis, sentence: str) -> None:
-    """Show a sentence on the verdict in a box of its colour: green only where all was measured and nothing in doubt."""
-    _BOX[look_of(shown_verdict(diagnosis)).box](sentence)
-
-
-def answer(diagnosis: Diagnosis) -> None:
-    """Show which part it is, what to do and how sure that is, in a line each."""
-    with st.container(border=True):
-        for name, said in answer_facts(diagnosis, reader.say()).rows:
-            st.markdown(f"**{plain(name)}:** {plain(said)}")
-
-
-def missing(diagnosis: Diagnosis) -> None:
-    """Show what is missing of every measured pressure past a limit, split by cause."""
-    if diagnosis.missing_flagged:
-        st.subheader(reader.say()("answer.split"))
-        table(missing_table(diagnosis, reader.say()))
-
-
-def first_sentence(diagnosis: Diagnosis) -> None:
-    """Show how the unit stands in one sentence, in a box of its colour, and below it what that rests on."""
-    say = reader.say()
-    level = shown_verdict(diagnosis)
-    open_ones = level == Verdict.NOT_MEASURED and diagnosis.judged
-    word = f"{look_of(level).sign} {say('diagnosis.open')}" if open_ones else say.signed(level)
-    marks = "".join(f" · {mark}" for mark in caveat_marks(diagnosis, say))
-    said = first_sentence_of(diagnosis, say)
-    banner(diagnosis, f"**{plain(word)}{plain(marks)}:** {plain(said)}")
-    for sentence in caveats(diagnosis, say):
-        st.caption(plain(sentence))
-
-
-def assumed(diagnosis: Diagnosis) -> None:
-    """Show every assumed value and what it does to the verdict, folded in below what is said of them all."""
-    rest = assumed_section(diagnosis, reader.say()).parts[1:]  # the first stands below the verdict
-    with st.expander(reader.say()("sections.assumptions")):
-        section(Section("assumed", "", rest), "assumed")
-
-
 def jumps(sections: Mapping[str, str]) -> None:
     """Show links to sections further down, by their anchors and the keys of their headings."""
     st.markdown(" · ".join(f"[{reader.say()(key)}](#{anchor})" for anchor, key in sections.items()))
+
+
+def named(what: str, number: str) -> str:
+    """Return a file's name without its ending: what it is, and the workshop's number as far as it can stand."""
+    kept = "".join(sign if sign.isalnum() or sign in "-_" else "_" for sign in number.strip())
+    return f"{what}_{kept}" if kept else what

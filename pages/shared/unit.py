@@ -136,8 +136,8 @@ def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
         place = list(jobs).index(id)
         compared = st.button(say("unit.compare"), disabled=place == 0)
     if compared:
-        return "12_Compare", {"before": list(jobs)[place - 1], "after": id}
-    return ("4_Diagnosis", {}) if opened and job_id() == id else None
+        return "History", {"history": "compare", "before": list(jobs)[place - 1], "after": id}
+    return ("Diagnosis", {}) if opened and job_id() == id else None
 
 
 def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:

@@ -190,7 +190,7 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     assert page.get_by_test_id("stException").count() == 0
 
 
-@pytest.mark.page("2_In_the_car")
+@pytest.mark.page("3_In_the_car")
 def test_dragging_across_the_log_sets_the_cursors(page: Page) -> None:
     unfold(page, "The log in full")
     chart = page.locator("[data-testid=stPlotlyChart] .nsewdrag").first

@@ -148,7 +148,7 @@ def test_a_finger_scrolls_over_a_chart_and_finds_what_it_touches(
 
 
 @pytest.mark.slow
-@pytest.mark.page("5_What_if")
+@pytest.mark.page("5_Plan?plan=what_if")
 def test_on_paper_stands_the_page_alone_and_nothing_is_cut(page: playwright_api.Page, tmp_path: Path) -> None:
     page.locator(".js-plotly-plot").nth(1).wait_for()
     page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()

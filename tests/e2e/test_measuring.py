@@ -49,7 +49,7 @@ def six_lands(server_home: Path) -> Iterator[None]:
     path.unlink()
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 @pytest.mark.usefixtures("six_lands")
 def test_six_lands_are_measured_by_keyboard_alone(page: Page, visit: Callable[[str], Page], server_home: Path) -> None:
     page.reload()

@@ -295,7 +295,7 @@ def gauge(page: Page, cell: str) -> Locator:
 
 
 @pytest.mark.slow
-@pytest.mark.page("2_In_the_car")
+@pytest.mark.page("3_In_the_car")
 def test_gauge_readings_typed_with_tab_stand_in_their_cells_and_stay(page: Page) -> None:
     unfold(page, "Type readings, or drop a table")
     wait_until_idle(page)

@@ -299,6 +299,11 @@ class OfferedRepairs:
 
         return tuple(sorted(offered, key=urgency))
 
+    @property
+    def called_for(self) -> tuple[OfferedRepair, ...]:
+        """Return those that flagged lands call for."""
+        return tuple(each for each in self.all if each.called_for)
+
     def chosen(self, keys: Collection[MoveKey]) -> list[Move]:
         """Return the repairs of some keys that go together; keys that nothing here has are left out."""
         return together(move for move in self.moves.all if move.key in keys)

@@ -238,7 +238,7 @@ def _apart(table: StudyTable, values: np.ndarray) -> Iterator[Message]:
 _WANTED = Sentence("a workbook (.xlsx) or text (.csv) of repeated readings")
 _HEADINGS = Sentence(
     "a row of headings with part, operator, trial and reading, or part and operator beside a column for each trial; "
-    "page Gauge study gives a workbook to fill in"
+    "page Library gives a workbook to fill in"
 )
 
 

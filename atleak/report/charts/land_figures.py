@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from atleak.analysis.repair.totals import Total
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.repairs import LandKey
@@ -111,8 +112,10 @@ def _totals(diagnosis: Diagnosis, say: Wording) -> Iterator[_Total]:
         yield _Total(_two_lines(say("figures.worst_of_log", time=say.number(worst.time, 1))), worst.share)
 
 
-def total_share(diagnosis: Diagnosis, say: Wording | None = None) -> Figure:
+def total_share(diagnosis: Diagnosis, say: Wording | None = None, *, repaired: Sequence[Total] = ()) -> Figure:
     """Draw the total share at each condition over the bands that apply there, and the worst of the road test.
+
+    With totals of the ``repaired`` unit a star stands where the repairs take each.
 
     An open mark is the same unit new. A unit that nobody measured has no bands. Bars are the 95 % intervals of the
     measurement, where readings are there; the hover says how likely each band is. English unless ``say`` is given.
@@ -139,6 +142,13 @@ def total_share(diagnosis: Diagnosis, say: Wording | None = None) -> Figure:
     mark, hover = (SCREEN.leakage, "circle-open", 12, 2.0), f"%{{y}}: %{{x:.2f}} % {say('figures.new')}"
     shares, names = zip(*new, strict=True) if new else ((), ())
     figure.marks(shares, names, say("figures.same_unit_new"), mark, factor=PERCENT, hover=hover)
+    after = {each.condition.name: each.share for each in repaired}
+    ends = [(_two_lines(say.condition(at.condition)), after.get(at.condition.name)) for at in diagnosis.reported]
+    known = [(name, share) for name, share in ends if share is not None and math.isfinite(share)]
+    if known:
+        names, shares = zip(*known, strict=True)
+        mark, hover = (SCREEN.ink, "star-diamond", 14, 1.5), f"%{{y}}: %{{x:.2f}} % {say('figures.with_repairs')}"
+        figure.marks(shares, names, say("figures.with_repairs"), mark, factor=PERCENT, hover=hover)
     figure.update_xaxes(title=say("figures.drawn_share"), range=[0.0, right])
     order = [total.name for total in totals]
     figure.update_yaxes(type="category", categoryarray=order, range=[len(order) - 0.4, -0.8])

@@ -430,8 +430,11 @@ def effect_sentences(
         yield say("repair_plan.flagged_left", lands=", ".join(left))
 
 
-def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording) -> str:
-    """Say one repair: the worst verdict, its lands, what is done, and what it brings alone where that is most."""
+def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording, *, short: bool = False) -> str:
+    """Say one repair: the worst verdict, its lands, what is done, and what it brings alone where that is most.
+
+    In ``short`` without the verdict and the condition.
+    """
     first = each.lands[0]
     option = each.move.option
     others = kit_words(diagnosis.controller, option, say) or ", ".join(
@@ -442,6 +445,8 @@ def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording) -> st
     at = each.best_at
     alone = say("repair_plan.no_help")
     if at.saving > 0.0:
-        before, after = _share(at.before, say, 2), _share(at.after, say, 2)
+        before, after = (_share(end, say, 1 if short else 2) for end in (at.before, at.after))
+        if short:
+            return f"{lands}: {work} · {before} → {after}"
         alone = say("repair_plan.alone", before=before, after=after, condition=say.condition(at.condition))
-    return f"{say.signed(first.verdict)} · {lands}: {work} ({alone})"
+    return f"{lands}: {work}" if short else f"{say.signed(first.verdict)} · {lands}: {work} ({alone})"

@@ -66,9 +66,13 @@ def opened(folder: Path, page: str, language: str = "en") -> Iterator[AppTest]:
 
 
 def go(app: AppTest, page: str) -> AppTest:
-    """Go to a page; of ``page#fold`` that fold is opened, too."""
-    name, _, fold = page.partition("#")
-    app.switch_page(str(ROOT / "pages" / f"{name}.py")).run()
+    """Go to a page; of ``page?page=part#fold`` that part and that fold are opened, too."""
+    address, _, fold = page.partition("#")
+    name, _, part = address.partition("?")
+    app.switch_page(str(ROOT / "pages" / f"{name}.py"))
+    if part:
+        app.query_params[part.partition("=")[0]] = part.partition("=")[2]
+    app.run()
     return unfold(app, fold) if fold else app
 
 
@@ -105,7 +109,7 @@ def uploader(app: AppTest, label: str = "") -> InJob:
 
 def settle(app: AppTest, page: str, label: str, value: object) -> AppTest:
     """Make a choice on the page of settings, and come back to a page."""
-    go(app, "22_Settings")
+    go(app, "21_Settings")
     choice(app, label).select(value).run()
     return go(app, page)
 

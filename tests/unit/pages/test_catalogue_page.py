@@ -6,7 +6,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 
-@pytest.mark.page("26_Catalogue")
+@pytest.mark.page("20_Library")
 def test_a_valve_body_with_circuits_shows_them_and_what_of_them_is_assumed(app: AppTest) -> None:
     assert not app.exception
     assert "Circuits" not in [heading.value for heading in app.subheader]

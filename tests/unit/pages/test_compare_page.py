@@ -42,7 +42,7 @@ def kept() -> Callable[..., str]:
     return keep
 
 
-@pytest.mark.page("12_Compare")
+@pytest.mark.page("11_History?history=compare")
 def test_two_visits_of_a_unit_stand_side_by_side(app: AppTest, kept: Callable[..., str], sample_log: Path) -> None:
     assert not app.exception
     assert "Choose a job for either side" in texts(app)
@@ -61,7 +61,7 @@ def test_two_visits_of_a_unit_stand_side_by_side(app: AppTest, kept: Callable[..
     assert "Dashed: before; full: after" in texts(app)
 
 
-@pytest.mark.page("12_Compare")
+@pytest.mark.page("11_History?history=compare")
 def test_two_valve_bodies_are_refused_in_words(app: AppTest, kept: Callable[..., str], sample_log: Path) -> None:
     app.query_params["before"] = kept(11.09, "2026-03-02", sample_log)  # beside the sample job
     app.run()
@@ -69,7 +69,7 @@ def test_two_valve_bodies_are_refused_in_words(app: AppTest, kept: Callable[...,
     assert "two different valve bodies" in texts(app)
 
 
-@pytest.mark.page("12_Compare")
+@pytest.mark.page("11_History?history=compare")
 def test_jobs_that_the_address_names_are_compared_however_old_they_are(
     app: AppTest, kept: Callable[..., str], sample_log: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -45,7 +45,7 @@ def test_a_tick_changes_what_is_shown_and_the_decisions_follow_only_when_they_ar
         ("25", 1, "proposed"), ("26", 2, "proposed"), ("17", 2, "proposed"), ("20", 1, "proposed"),
         ("14", 1, "proposed"),
     }  # fmt: skip
-    go(app, "13_Estimate")
+    go(app, "5_Plan")
     states = [widget.value for widget in app.main.selectbox if widget.label == "State"]
     assert states == ["proposed"] * 5
     assert app.session_state["job-record"].repair_decisions == decided
@@ -62,14 +62,14 @@ def test_a_pair_is_opened_by_the_list_and_stays_open_on_every_page(app: AppTest)
     assert not app.exception
     assert app.query_params["pair"] == "17"
     assert "Ovality of the bore" in drawings(app)
-    go(app, "3_Readings")
+    go(app, "2_Measure")
     go(app, "4_Diagnosis")
     assert next(widget for widget in app.main.selectbox if widget.label == "Open pair").value == "17"
     choice(app, "Valve body").select("minimal_example").run()
     assert next(widget for widget in app.main.selectbox if widget.label == "Open pair").value is None
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_a_sheet_with_a_repeat_that_is_far_off_is_not_shown_green(app: AppTest, minimal: Controller) -> None:
     choice(app, "Valve body").select("minimal_example").run()
     lines = ["component;land;part;direction;repeat;diameter [mm]"]
@@ -169,7 +169,7 @@ def test_a_complaint_leads_the_page(app: AppTest) -> None:
     shares = ["Hot idle in drive, 100 °C [%]", "Driving in second, 80 °C [%]"]
     matrix = next(widget.value for widget in app.dataframe if shares[0] in widget.value)
     assert list(matrix)[1:3] == shares
-    go(app, "3_Readings")
+    go(app, "2_Measure")
     assert choice(app, "Complaint").value == "slips_hot"
     choice(app, "Valve body").select("minimal_example").run()
     assert choice(app, "Complaint").value == ""

@@ -58,7 +58,7 @@ def without_its_valve_body(sheet: bytes) -> bytes:
     return target.getvalue()
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_a_sheet_for_another_valve_body_is_taken_when_that_one_is_chosen(app: AppTest) -> None:
     sheet = (ROOT / "sample_data" / "measuring_sheet_five_speed.xlsx").read_bytes()
     uploader(app).upload("five.xlsx", without_its_valve_body(sheet), XLSX).run()
@@ -70,7 +70,7 @@ def test_a_sheet_for_another_valve_body_is_taken_when_that_one_is_chosen(app: Ap
     assert "**five.xlsx** · 34 of 34 lands measured" in texts(app)
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_a_sheet_whose_head_names_another_valve_body_chooses_it_and_tells_whose_unit_it_is(app: AppTest) -> None:
     sheet = (ROOT / "sample_data" / "measuring_sheet_five_speed.xlsx").read_bytes()
     uploader(app).upload("five.xlsx", sheet, XLSX).run()
@@ -88,7 +88,7 @@ def test_a_sheet_whose_head_names_another_valve_body_chooses_it_and_tells_whose_
     assert "Sample job" in texts(app)
 
 
-@pytest.mark.page("22_Settings")
+@pytest.mark.page("21_Settings")
 def test_of_files_dropped_at_once_each_is_taken_or_named(app: AppTest) -> None:
     sheet = (ROOT / "sample_data" / "measuring_sheet_five_speed.xlsx").read_bytes()
     own = catalogue_files("limits")["project_default"].read_text(encoding="utf-8").replace(WATCH, 'watch = "ten"')
@@ -106,7 +106,7 @@ def test_of_files_dropped_at_once_each_is_taken_or_named(app: AppTest) -> None:
     assert app.session_state["atleak"].good.sample
 
 
-@pytest.mark.page("22_Settings")
+@pytest.mark.page("21_Settings")
 def test_a_valve_body_of_ones_own_stays_where_a_sheet_for_it_is_refused(app: AppTest) -> None:
     own = catalogue_files("controllers")["minimal_example"].read_bytes()
     uploader(app).upload_all({"own.toml": own, "bad.csv": b"component;part;diameter [mm]\nnone;piston;18,0\n"}).run()
@@ -115,7 +115,7 @@ def test_a_valve_body_of_ones_own_stays_where_a_sheet_for_it_is_refused(app: App
     assert app.session_state["atleak"].good.controller.name == "own.toml"
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_an_unfilled_template_is_refused_by_name(app: AppTest, four_speed) -> None:
     uploader(app, "Measuring sheet").upload("blank.xlsx", write_template(four_speed), XLSX).run()
     assert "every diameter is empty" in texts(app)
@@ -148,7 +148,7 @@ def test_own_limits_are_taken_by_upload_and_bad_ones_explained(app: AppTest) -> 
     assert len(flagged(app)) == more
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 @pytest.mark.parametrize("name", first_of(["two\nlines.toml", "a:b?.toml", "con", "x" * 300 + ".toml"]))
 def test_an_own_files_name_is_shown_and_never_a_path(app: AppTest, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     written: list[str] = []
@@ -191,7 +191,7 @@ def test_a_bad_file_in_place_of_an_own_good_one_leaves_the_good_one(
     assert app.session_state["atleak"].good.road_test.name == "drive.csv"
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_a_sheet_that_was_taken_away_comes_back_by_undo_alone(app: AppTest, sample_readings: Path) -> None:
     uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
     uploader(app, "Measuring sheet").set_value(None).run()
@@ -202,7 +202,7 @@ def test_a_sheet_that_was_taken_away_comes_back_by_undo_alone(app: AppTest, samp
     assert app.session_state["atleak"].good.readings.name == "mine.xlsx"
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_a_workbook_with_two_filled_sheets_is_settled_by_the_form(app: AppTest, sample_readings: Path) -> None:
     book = openpyxl.load_workbook(sample_readings)
     book.copy_worksheet(book["Measurements"]).title = "Second try"

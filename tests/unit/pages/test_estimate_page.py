@@ -8,7 +8,7 @@ from streamlit.testing.v1 import AppTest
 from atleak.measurements.job_card import Job
 from tests.unit.pages.conftest import go, texts, uploader
 
-pytestmark = pytest.mark.page("13_Estimate")
+pytestmark = pytest.mark.page("5_Plan")
 
 
 def fields(app: AppTest, label: str) -> list:
@@ -37,7 +37,7 @@ def test_what_is_typed_of_a_line_stays_on_every_page_and_counts_in_the_sums(app:
     go(app, "6_Report")
     assert app.session_state["job-record"].repair_decisions == job.repair_decisions
     assert "To be replaced, and not decided yet" in texts(app)  # the first is only proposed
-    go(app, "13_Estimate")
+    go(app, "5_Plan")
     assert not app.exception
     assert app.session_state["job-record"] == job
     assert [fields(app, name)[0].value for name in ("Price", "Work", "Labour rate")] == ["61,55", "1,25", "95,50"]
@@ -64,6 +64,6 @@ def test_the_paper_is_that_of_the_readers_units(app: AppTest) -> None:
 def test_work_that_no_limit_asks_for_is_doubted_on_both_pages(app: AppTest) -> None:
     record = b'[[repair_decisions]]\ncomponent = "15"\nland = 1\nprice = 34.0\ndecision = "approved"\n'
     uploader(app).upload("job.toml", record, "application/toml").run()
-    for page in ("1_Job", "13_Estimate"):
+    for page in ("1_Job", "5_Plan"):
         go(app, page)
         assert any("work is decided here that no limit asks for" in widget.value for widget in app.warning), page

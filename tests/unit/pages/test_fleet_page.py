@@ -25,9 +25,9 @@ from tests.unit.fleet.made_up import CONTROLLERS, GROUPS, made_up_results
 from tests.unit.fleet.small_units import small_unit
 from tests.unit.pages.conftest import go, texts
 
-PAGE = "14_Fleet"
+PAGE = "12_Fleet"
 RANKS = ("not measured", "ok", "watch", "replace", "critical")
-pytestmark = pytest.mark.page("26_Catalogue")
+pytestmark = pytest.mark.page("20_Library")
 
 
 def shown(app: AppTest, folder: Path, **address: str) -> AppTest:
@@ -133,7 +133,7 @@ def test_results_are_shown_as_a_whole_by_valve_body_and_by_group(app: AppTest, t
     assert set(units(app).value["Group"]) == {GROUPS[1]}
     next(each for each in app.text_input if each.label == "Look up").set_value("nothing like it").run()
     assert "No unit fits." in texts(app)
-    go(go(app, "26_Catalogue"), PAGE)
+    go(go(app, "20_Library"), PAGE)
     assert choice(app, "Groups by").value == "group"
     assert "No unit fits." in texts(app)
 

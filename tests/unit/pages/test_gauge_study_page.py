@@ -9,7 +9,7 @@ from streamlit.testing.v1 import AppTest
 from atleak.catalogue.instruments import load_instrument
 from tests.unit.pages.conftest import texts
 
-pytestmark = pytest.mark.page("23_Gauge_study")
+pytestmark = pytest.mark.page("20_Library?library=gauge_study")
 
 
 def study_file() -> bytes:

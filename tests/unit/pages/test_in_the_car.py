@@ -17,7 +17,7 @@ from pages.shared import guide
 from pages.shared.typed_form import GaugeForm
 from tests.unit.pages.conftest import choice, go, press, texts, unfold, uploader
 
-PAGE = "2_In_the_car#step-gauges"
+PAGE = "3_In_the_car#step-gauges"
 pytestmark = pytest.mark.page(PAGE)
 
 
@@ -51,7 +51,7 @@ def test_a_decimal_comma_is_read_and_survives_leaving_the_page(page: AppTest) ->
     assert (row["Range"], row["State"], row["Gauge [kPa]"]) == ("D", "slow idle", pytest.approx(380.5, abs=1e-9))
     assert row["Verdict"].strip() == "▲ watch"
     assert "main pressure below the permissible" in texts(page).replace("\\", "")
-    go(page, "3_Readings")
+    go(page, "2_Measure")
     go(page, PAGE)
     assert field(page, "D, slow idle [kPa]").value == "380,5"
     assert len(shown(page)) == 1
@@ -124,7 +124,7 @@ def test_what_is_no_pressure_is_said_once_at_its_field_and_the_others_stay(page:
     assert field(page, "R, slow idle [kPa]").value == text
     field(page, "1, slow idle [kPa]").set_value("420").run()
     assert [row["Range"] for row in shown(page)] == ["D", "1"]
-    go(page, "3_Readings")
+    go(page, "2_Measure")
     assert not page.error
     go(page, PAGE)
     assert field(page, "R, slow idle [kPa]").value == text
@@ -234,7 +234,7 @@ def test_another_file_is_not_taken_for_a_typed_one(content: bytes) -> None:
 
 
 HEADINGS = ["1 Complaint", "2 Scan and fluid", "3 Gauges", "4 Drive", "5 Jug", "6 Vacuum"]
-GUIDE = "2_In_the_car"
+GUIDE = "3_In_the_car"
 
 
 def steps(app: AppTest) -> dict[str, str]:
@@ -267,7 +267,7 @@ def test_each_step_says_what_it_would_add_until_it_is_done_or_skipped_and_the_ne
     field(app, "D, slow idle [kPa]").set_value("380,5").run()
     assert opened_steps(app) == ["gauges"]
     assert steps(app)["3 Gauges"] == "**▲ watch** · 1 gauge reading"
-    go(app, "3_Readings")
+    go(app, "2_Measure")
     go(app, GUIDE)
     assert opened_steps(app) == ["gauges", "drive"]  # as it was left, and what comes next
     assert steps(app)["1 Complaint"].startswith("**○ skipped** · ")
@@ -322,7 +322,7 @@ def test_a_flow_in_a_jug_is_typed_and_bounds_what_is_left(app: AppTest) -> None:
     field(app, "cooler [l/min]").set_value("a lot").run()
     assert app.main.error[0].value.startswith("'a lot' is not a number")
     assert app.session_state["atleak"].good.flows.content.splitlines()[2:] == [b"hot_idle;cooler;3,8"]
-    go(app, "3_Readings")
+    go(app, "2_Measure")
     go(app, GUIDE)
     tap(app, "Caught at").select("reverse_idle").run()
     assert field(app, "cooler [l/min]").value == "a lot"
@@ -348,7 +348,7 @@ def test_a_vacuum_test_is_typed_and_waits_for_what_the_stand_draws(app: AppTest)
     assert "than the stand's supply" in app.main.error[0].value
     field(app, "Supply, the stand closed [in-Hg]").set_value("28.5").run()
     assert not app.error
-    go(app, "3_Readings")
+    go(app, "2_Measure")
     go(app, GUIDE)
     assert field(app, "forward clutch, as found [in-Hg]").value == "17,5"
     assert [each.target for each in app.session_state["atleak"].results[-1].vacuum_table.readings] == [

@@ -51,7 +51,7 @@ def pick(app: AppTest, *rows: int) -> AppTest:
     return app.run()
 
 
-@pytest.mark.page("10_Job_book")
+@pytest.mark.page("10_Jobs")
 def test_jobs_are_looked_up_merged_erased_archived_and_opened(filled: dict[str, str], book: Book, app: AppTest) -> None:
     assert not app.exception
     assert list(table(app).value["Customer"]) == ["Cy Core", "Bo Berg", "Ana Lima"]
@@ -80,14 +80,14 @@ def test_jobs_are_looked_up_merged_erased_archived_and_opened(filled: dict[str, 
     compared = pick(app, 0, 1).button(key="job-compare").click().run()
     assert [title.value for title in compared.title] == ["Compare"]
     assert compared.query_params["before"] == filled["Ana Lima"]
-    go(app, "10_Job_book")
+    go(app, "10_Jobs")
     pick(app, 0).button(key="job-open").click().run()
     assert not app.exception
     assert [title.value for title in app.title] == ["Diagnosis"]
     assert app.query_params["job"] == filled["Bo Berg"]
 
 
-@pytest.mark.page("10_Job_book")
+@pytest.mark.page("10_Jobs")
 def test_an_empty_book_says_what_will_stand_here(app: AppTest) -> None:
     assert not app.exception
     assert "The job book is empty." in texts(app)
@@ -99,7 +99,7 @@ def torn_book(own_home: Path) -> None:
     (own_home / "book.sqlite").write_bytes(b"no database at all" * 400)
 
 
-@pytest.mark.page("10_Job_book")
+@pytest.mark.page("10_Jobs")
 def test_a_book_that_cannot_be_opened_leaves_the_rest_at_work(torn_book: None, app: AppTest) -> None:
     assert not app.exception
     assert "the file is no job book" in texts(app)

@@ -73,7 +73,7 @@ def step(app: AppTest, name: str) -> None:
 
 
 def test_the_page_takes_them_over_into_its_tables(app: AppTest) -> None:
-    go(app, "27_Transmission")
+    go(app, "20_Library?library=transmission")
     next(box for box in app.selectbox if box.label == "Start from").select(NAME).run()
     next(button for button in app.button if button.label == "Start").click().run()
     step(app, "New parts")

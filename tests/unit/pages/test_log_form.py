@@ -11,7 +11,7 @@ from atleak.job.case import SourceFile
 from atleak.readers.remembered_columns import recall_all
 from tests.unit.pages.conftest import ROOT, go, texts, uploader
 
-pytestmark = pytest.mark.page("2_In_the_car#log-in-full")
+pytestmark = pytest.mark.page("3_In_the_car#log-in-full")
 
 TWO_PRESSURES = (
     "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];ATF temperature [°C];gear\n"
@@ -151,7 +151,7 @@ def test_what_is_remembered_is_seen_forgotten_and_brought_back(app: AppTest, tmp
     use_columns(app)
     damaged = kept.with_name(f"{kept.name}.damaged-2026-11-23-1")
     damaged.touch()
-    go(app, "2_In_the_car#step-drive")
+    go(app, "3_In_the_car#step-drive")
     unfold(app, "remembered-columns")
     assert f"a new one was begun. What it held is in {damaged}" in texts(app).replace("\\", "")
     assert "6 columns: time [s], engine_speed [rpm]" in texts(app)
@@ -178,8 +178,8 @@ def test_a_formula_is_drawn_listed_kept_with_the_job_and_refused_in_words(app: A
     draw("sum", "p_g + n")
     assert "at character 5: a rotational speed cannot be added to a pressure" in texts(app)
     assert [each.name for each in app.session_state["job-record"].log_formulas] == ["drop"]
-    go(app, "3_Readings")
-    go(app, "2_In_the_car#log-in-full")
+    go(app, "2_Measure")
+    go(app, "3_In_the_car#log-in-full")
     assert "drop" in next(each.value for each in app.dataframe if "Channel" in each.value)["Channel"].tolist()
     next(button for button in app.button if button.label == "Take away").click().run()
     assert app.session_state["job-record"].log_formulas == ()
@@ -214,8 +214,8 @@ def test_a_window_of_the_log_is_evaluated_and_remembered(app: AppTest) -> None:
     assert not app.exception
     less = largest()
     assert less < 2.6
-    go(app, "3_Readings")
-    go(app, "2_In_the_car#log-in-full")
+    go(app, "2_Measure")
+    go(app, "3_In_the_car#log-in-full")
     assert app.main.slider[0].value == (8.0, 12.0)
     assert largest() == less
 
@@ -228,8 +228,8 @@ def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) ->
     assert not app.exception
     table = next(each.value for each in app.dataframe if "Channel" in each.value).set_index("Channel")
     assert table["At the second cursor"]["engine speed, after.csv"] != table["At the second cursor"]["engine speed"]
-    go(app, "3_Readings")
-    go(app, "2_In_the_car#log-in-full")
+    go(app, "2_Measure")
+    go(app, "3_In_the_car#log-in-full")
     assert "after.csv" in texts(app)
     assert next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").value == "1,25"
     next(widget for widget in app.button if widget.label == "Take it away").click().run()
@@ -243,7 +243,7 @@ def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) ->
     "page",
     [
         pytest.param(page, marks=pytest.mark.page(page))
-        for page in ("4_Diagnosis", "2_In_the_car#log-in-full", "6_Report", "3_Readings", "21_Uncertainty")
+        for page in ("4_Diagnosis", "3_In_the_car#log-in-full", "6_Report", "2_Measure", "4_Diagnosis?diagnosis=lands")
     ],
 )
 @pytest.mark.parametrize("kept", [6, 2], ids=["whole", "without main pressure"])
@@ -272,7 +272,7 @@ def test_a_log_alone_is_judged_by_its_main_pressure(app: AppTest, sample_log: Pa
     assert "Main pressure is low in every gear and state that was judged" in texts(app)
     assert "(choice of this project)" in texts(app)
     assert "that of a unit with every pair new" in texts(app)
-    go(app, "2_In_the_car#log-in-full")
+    go(app, "3_In_the_car#log-in-full")
     assert "✖ critical" in texts(app)
     states = next(each.value for each in app.dataframe if "State" in each.value)
     assert states["State"].tolist() == ["idle", *["driving"] * 4]
@@ -318,7 +318,7 @@ def test_a_log_without_clock_and_pressure_takes_an_interval_and_the_operating_po
     assert most_leakage(app) > 0.0
 
 
-@pytest.mark.page("2_In_the_car#log-in-full")
+@pytest.mark.page("3_In_the_car#log-in-full")
 def test_moving_the_cursors_diagnoses_and_reads_nothing_again(app: AppTest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Only the leakage between them is computed, by the engine that the diagnosis keeps."""
 

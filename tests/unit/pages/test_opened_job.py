@@ -28,7 +28,7 @@ from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.json.diagnosis import diagnosis_record
 from tests.unit.pages.conftest import ROOT, go, uploader
 
-pytestmark = pytest.mark.page("3_Readings")
+pytestmark = pytest.mark.page("2_Measure")
 LOG = (
     "time [s];engine_speed [rpm];line pressure 1 [kPa];line pressure 2 [kPa];gear\n"
     + "".join(f"{step / 10};{800 + step};{600 + step};{900 - step};2\n" for step in range(100))
@@ -177,7 +177,7 @@ def test_a_file_on_its_way_stays_out_of_another_job_but_follows_the_job_file_tha
 
 def test_panel_and_settings_start_from_the_job(app: AppTest, content: bytes) -> None:
     open_job(app, content)
-    go(app, "22_Settings")
+    go(app, "21_Settings")
     expected = {
         "Valve body": "four_speed_2023",
         "Fluid": "mobil_atf_220",

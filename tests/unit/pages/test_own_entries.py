@@ -24,7 +24,7 @@ def test_an_own_valve_body_is_offered_used_and_kept_though_its_file_breaks_and_g
     assert not app.exception
     assert "nothing was measured" in texts(app)
     assert "18 mm³ is unusual for the displacement of one revolution" in "".join(w.value for w in app.sidebar.warning)
-    go(app, "26_Catalogue")
+    go(app, "20_Library")
     assert not app.exception
     assert "torn.toml: is not valid TOML" in texts(app)
 

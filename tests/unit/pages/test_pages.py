@@ -8,11 +8,11 @@ from streamlit.testing.v1 import AppTest
 from tests.unit.pages.conftest import ROOT, choice, go
 
 PAGES = (
-    "0_Start", "1_Job", "22_Settings",
-    "4_Diagnosis", "3_Readings", "21_Uncertainty", "2_In_the_car", "6_Report", "28_Source_study", "26_Catalogue",
-    "5_What_if", "27_Transmission", "10_Job_book", "11_Unit", "12_Compare", "13_Estimate",
-    "14_Fleet",
-    "23_Gauge_study", "24_Workshop_data",
+    "0_Start", "1_Job", "21_Settings",
+    "4_Diagnosis", "2_Measure", "4_Diagnosis?diagnosis=lands", "3_In_the_car", "6_Report", "28_Source_study", "20_Library",
+    "5_Plan?plan=what_if", "20_Library?library=transmission", "10_Jobs", "11_History", "11_History?history=compare", "5_Plan",
+    "12_Fleet",
+    "20_Library?library=gauge_study", "20_Library?library=workshop_data",
 )  # fmt: skip
 
 
@@ -27,9 +27,9 @@ def test_every_page_runs_with_the_sample_and_with_nothing(app: AppTest, page: st
 @pytest.mark.parametrize(
     ("page", "breaks"),
     [
-        pytest.param("2_In_the_car", "pages.shared.road.findings", marks=pytest.mark.page("1_Job")),
+        pytest.param("3_In_the_car", "pages.shared.road.findings", marks=pytest.mark.page("1_Job")),
         pytest.param("4_Diagnosis", "atleak.report.json.diagnosis.diagnosis_record", marks=pytest.mark.page("1_Job")),
-        pytest.param("5_What_if", "pages.shared.what_if_form.draw", marks=pytest.mark.page("1_Job")),
+        pytest.param("5_Plan?plan=what_if", "pages.shared.what_if_form.draw", marks=pytest.mark.page("1_Job")),
         pytest.param("6_Report", "pages.shared.conditions.undecided", marks=pytest.mark.page("1_Job")),
     ],
 )

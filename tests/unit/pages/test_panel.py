@@ -15,12 +15,12 @@ def test_choices_and_digits_survive_a_page_change(app: AppTest) -> None:
     settle(app, "4_Diagnosis", "Fluid", "mobil_atf_220")
     shown = app.dataframe[0].value
     assert "92.715 °C" in texts(app)
-    go(app, "3_Readings")
+    go(app, "2_Measure")
     go(app, "4_Diagnosis")
     assert number(app, "Temperature [°C]").value == "92.715"
     assert "92.715 °C" in texts(app)
     assert app.dataframe[0].value.equals(shown)
-    go(app, "22_Settings")
+    go(app, "21_Settings")
     assert choice(app, "Fluid").value == "mobil_atf_220"
 
 
@@ -39,14 +39,14 @@ def doubts(app: AppTest) -> list[str]:
     return [widget.value.replace("\\", "") for widget in (*app.sidebar.error, *app.sidebar.warning)]
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_a_mileage_that_can_be_read_in_two_ways_is_asked_and_the_last_one_stays(app: AppTest) -> None:
     number(app, "Mileage [km]").set_value("106 315").run()
     assert app.session_state["atleak"].good.mileage == 106315.0
     assert doubts(app) == []
     number(app, "Mileage [km]").set_value("123.456").run()
-    go(app, "26_Catalogue")
-    go(app, "3_Readings")
+    go(app, "20_Library")
+    go(app, "2_Measure")
     assert not app.exception
     assert app.session_state["atleak"].good.mileage == 106315.0
     assert number(app, "Mileage [km]").value == "123.456"
@@ -57,7 +57,7 @@ def test_a_mileage_that_can_be_read_in_two_ways_is_asked_and_the_last_one_stays(
     assert doubts(app) == []
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_a_wrong_entry_leaves_the_result_and_an_unusual_one_says_so(app: AppTest) -> None:
     before = app.session_state["atleak"].good
     for text in ("955", "abc", "", "1e999"):
@@ -95,7 +95,7 @@ def test_another_job_has_an_empty_record(app: AppTest, sample_readings: Path, la
     assert app.session_state["atleak"].good.readings.name == "mine.xlsx"
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_a_valve_body_without_complaints_says_so(app: AppTest) -> None:
     text = (ROOT / "atleak" / "catalogue" / "controllers" / "minimal_example.toml").read_text(encoding="utf-8")
     head, _, rest = text.partition("[[complaints]]")

@@ -13,7 +13,7 @@ from streamlit.testing.v1 import AppTest
 from atleak.catalogue.controller_file import load_controller
 from tests.unit.pages.conftest import choice, go, opened, texts, unfold, uploader
 
-pytestmark = pytest.mark.page("3_Readings")
+pytestmark = pytest.mark.page("2_Measure")
 
 
 def frame_with(app: AppTest, column: str):
@@ -37,7 +37,7 @@ def leaks_alone(app: AppTest) -> Any:
 @pytest.fixture(scope="module")
 def five_speed(tmp_path_factory: pytest.TempPathFactory, root: Path) -> Iterator[AppTest]:
     """The dashboard with the shipped sheet of a valve body with circuits; whoever chooses something undoes it."""
-    for app in opened(tmp_path_factory.mktemp("five_speed"), "3_Readings"):
+    for app in opened(tmp_path_factory.mktemp("five_speed"), "2_Measure"):
         choice(app, "Valve body").select("five_speed_2005").run()
         sheet = root / "sample_data" / "measuring_sheet_five_speed.xlsx"
         uploader(app, "Measuring sheet").upload(sheet.name, sheet.read_bytes(), "application/x").run()

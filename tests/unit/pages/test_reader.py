@@ -102,7 +102,7 @@ def test_a_number_is_typed_in_the_readers_unit_and_stays_the_same_value_in_every
 
 @pytest.mark.parametrize("language", ["de", pytest.param("pl", marks=pytest.mark.slow)])
 def test_every_page_is_shown_in_the_readers_language(tmp_path: Path, language: str) -> None:
-    (app,) = dashboard(tmp_path, "22_Settings", language)
+    (app,) = dashboard(tmp_path, "21_Settings", language)
     choice(app, wording(language)("slots.controller")).select("minimal_example").run()
     for path in sorted((ROOT / "pages").glob("[0-9]*_*.py")):
         shown = go(app, path.stem)
@@ -111,7 +111,7 @@ def test_every_page_is_shown_in_the_readers_language(tmp_path: Path, language: s
         assert files.label == wording(language)("panel.files")
 
 
-@pytest.mark.page("21_Uncertainty")
+@pytest.mark.page("4_Diagnosis?diagnosis=lands")
 def test_what_is_assumed_and_what_is_asked_stand_in_the_readers_units(app: AppTest) -> None:
     app.session_state["reader-units"] = "us"
     app.run()
@@ -119,5 +119,5 @@ def test_what_is_assumed_and_what_is_asked_stand_in_the_readers_units(app: AppTe
     by_name = dict(zip(*(assumed.iloc[:, column] for column in (0, 1)), strict=True))
     assert (by_name["contact length"], by_name["room temperature"]) == ("0.0039\xa0in", "0.9\xa0°F")
     assert by_name["viscosity"] == "5\xa0%"
-    go(app, "2_In_the_car#step-gauges")
+    go(app, "3_In_the_car#step-gauges")
     assert choice(app, "Unit").value == "psi"

@@ -63,7 +63,7 @@ accumulator;1;bore;18.10
 """
 
 
-@pytest.mark.page("22_Settings")
+@pytest.mark.page("21_Settings")
 def test_a_body_that_is_ticked_is_one_line_of_the_estimate_and_unticks_the_sleeve(app: AppTest) -> None:
     own = catalogue_files("controllers")["minimal_example"].read_text(encoding="utf-8") + KITS
     uploader(app).upload_all({"own.toml": own.encode(), "worn.csv": TWO_WORN}).run()
@@ -75,7 +75,7 @@ def test_a_body_that_is_ticked_is_one_line_of_the_estimate_and_unticks_the_sleev
     body.check().run()
     assert [each.value for each in app.checkbox if "sleeved" in each.label] == [False]
     app.button(key="take-repairs").click().run()
-    go(app, "13_Estimate")
+    go(app, "5_Plan")
     assert not app.exception
     assert "**the whole valve body**" in texts(app)
     (sums,) = [table.value for table in app.dataframe if "Net" in table.value]

@@ -35,7 +35,7 @@ def test_what_was_typed_is_still_there_after_another_page(app: AppTest) -> None:
     field(app, "Job number").set_value("A-17")
     field(app, "Complaint, in the customer's words").set_value("late 1-2 shift: 12.715")
     app.run()
-    go(app, "3_Readings")
+    go(app, "2_Measure")
     go(app, "1_Job")
     assert not app.exception
     assert field(app, "Job number").value == "A-17"
@@ -46,7 +46,7 @@ def test_what_was_typed_is_still_there_after_another_page(app: AppTest) -> None:
 
 def test_the_measuring_temperature_of_the_form_changes_the_diagnosis(app: AppTest) -> None:
     def measured() -> str:
-        go(app, "3_Readings")
+        go(app, "2_Measure")
         (said,) = [caption.value for caption in app.caption if "Temperature of measuring" in caption.value]
         go(app, "1_Job")
         return said
@@ -78,7 +78,7 @@ def test_fault_codes_and_tables_reach_the_record(app: AppTest) -> None:
     job: Job = app.session_state["job-record"]
     assert job.fault_codes == ("P0730", "P0741")
     assert job.repair_decisions[0].reason == "too dear"
-    go(app, "3_Readings")
+    go(app, "2_Measure")
     go(app, "1_Job")
     assert app.session_state["job-record"].repair_decisions == job.repair_decisions
 
@@ -148,7 +148,7 @@ def test_photos_are_kept_and_a_damaged_one_is_refused(app: AppTest) -> None:
     assert any("b.png" in widget.value.replace("\\", "") for widget in app.error)
     job: Job = app.session_state["job-record"]
     assert list(job.pictures) == ["photos/a.png"]
-    go(app, "3_Readings")
+    go(app, "2_Measure")
     go(app, "1_Job")
     assert list(app.session_state["job-record"].pictures) == ["photos/a.png"]
     # a job file may bring one that is none, under the name of a picture

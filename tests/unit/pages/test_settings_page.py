@@ -12,7 +12,7 @@ from tests.unit.pages.conftest import choice, go, settle, texts
 def test_profile_options_reach_the_engine(app: AppTest) -> None:
     settle(app, "4_Diagnosis", "Profile", "paper")
     assert "Profile: **paper**" in texts(app)
-    settle(app, "22_Settings", "Diameter in the gap law", "mean")
+    settle(app, "21_Settings", "Diameter in the gap law", "mean")
     settle(app, "4_Diagnosis", "Loss at a gap's entry and exit", "on")
     changed = (
         "paper (Diameter in the gap law: mean of spool and sleeve; "
@@ -21,7 +21,7 @@ def test_profile_options_reach_the_engine(app: AppTest) -> None:
     assert changed in texts(app)
 
 
-@pytest.mark.page("22_Settings")
+@pytest.mark.page("21_Settings")
 def test_where_the_spools_lie_can_be_unknown(app: AppTest) -> None:
     def position():
         return next(widget for widget in app.toggle if "spools lie" in widget.label)
@@ -45,7 +45,7 @@ def test_where_the_spools_lie_can_be_unknown(app: AppTest) -> None:
 
 def test_the_state_of_the_fluid_is_asked_and_reaches_the_result(app: AppTest) -> None:
     assert "taken as fresh (not stated)" in texts(app)
-    go(app, "22_Settings")
+    go(app, "21_Settings")
     states = next(widget for widget in app.radio if widget.label == "The fluid is")
     assert states.value is None
     states.set_value("used").run()
@@ -53,11 +53,11 @@ def test_the_state_of_the_fluid_is_asked_and_reaches_the_result(app: AppTest) ->
     go(app, "4_Diagnosis")
     assert "after 106 315 km" in texts(app)
     assert "taken as fresh" not in "".join(widget.value for widget in app.main.caption)
-    go(app, "22_Settings")
+    go(app, "21_Settings")
     assert next(widget for widget in app.radio if widget.label == "The fluid is").value == "used"
 
 
-@pytest.mark.page("22_Settings")
+@pytest.mark.page("21_Settings")
 def test_options_have_plain_labels_and_keep_their_value_in_the_help(app: AppTest) -> None:
     box = choice(app, "Viscosity")
     assert box.options[0] == "ASTM D341"
@@ -67,7 +67,7 @@ def test_options_have_plain_labels_and_keep_their_value_in_the_help(app: AppTest
         assert not any("_" in option for option in choice(app, label).options)
 
 
-@pytest.mark.page("22_Settings")
+@pytest.mark.page("21_Settings")
 def test_a_fluid_of_one_s_own_is_two_viscosities_and_no_file(app: AppTest) -> None:
     def field(label: str):
         return next(widget for widget in app.text_input if widget.label.startswith(label))
@@ -95,5 +95,5 @@ def test_a_fluid_of_one_s_own_is_two_viscosities_and_no_file(app: AppTest) -> No
     assert fluid.representative == ("density_g_cm3", "density_slope_g_cm3_k")
     go(app, "4_Diagnosis")
     assert "Drum 7, red" in texts(app)
-    go(app, "2_In_the_car")
+    go(app, "3_In_the_car")
     assert "**Drum 7, red**" in texts(app)  # the step is done

@@ -168,7 +168,7 @@ OWN = "Valve;Land;Part;Diameter [mm]\n" + "".join(
 )
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_a_row_of_the_jobs_own_sheet_counts_no_more_and_again_by_one_click(
     app: AppTest, own_home: Path, choose: Callable[..., None]
 ) -> None:
@@ -206,7 +206,7 @@ def test_a_cell_a_row_or_a_column_of_the_table_is_what_is_chosen() -> None:
         assert what_was_read.spot_of({"selection": selection}, range(300, 400), headings) == spot
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_the_page_names_its_own_fields_in_place_of_options_of_the_command_line(app: AppTest, own_home: Path) -> None:
     file = SourceFile("scheda.csv", ITALIAN.encode())
     with pytest.raises(ReadingsError, match=r"--map component=N\. --map") as caught:
@@ -218,7 +218,7 @@ def test_the_page_names_its_own_fields_in_place_of_options_of_the_command_line(a
     assert "map component" not in said
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_the_page_asks_which_component_a_word_of_the_sheet_names(app: AppTest, own_home: Path) -> None:
     file = SourceFile("own.csv", b"Valve;Land;Spool mm;Bore mm\nAccum.;1;17.998;18.041\nTCC reg.;1;10.998;11.034")
     with pytest.raises(ReadingsError) as caught:
@@ -238,7 +238,7 @@ def test_the_page_asks_which_component_a_word_of_the_sheet_names(app: AppTest, o
     assert dict(app.session_state["atleak"].good.sheet_columns)["component accumulator"] == "Accum."
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_the_page_says_first_since_when_columns_are_settled(app: AppTest, own_home: Path) -> None:
     columns = {"component": "N.", "plane": "Sezione", "value spool": "Cursore", "value sleeve": "Sede"}
     settled = read_readings(ITALIAN.encode(), load_controller("minimal_example"), name="a.csv", mapping=columns)

@@ -55,7 +55,7 @@ def test_the_numbers_of_a_chart_are_handed_on_as_they_are():
     assert in_chart({"x": numbers})["x"] is numbers
 
 
-@pytest.mark.page("3_Readings")
+@pytest.mark.page("2_Measure")
 def test_a_files_name_is_shown_sign_for_sign(app: AppTest, sample_log: Path) -> None:
     name = "<b>x $y$ :red[z] *w* [a](b) `c`.csv"
     uploader(app, "Road-test log").upload(name, sample_log.read_bytes(), "text/csv").run()

@@ -17,7 +17,7 @@ from pages.shared.transmission import STEPS
 from tests.unit.pages.conftest import choice, go, texts
 from tests.unit.pages.test_learn_form import sheets
 
-PAGE = "27_Transmission"
+PAGE = "20_Library?library=transmission"
 
 
 def labelled(elements: Any, label: str) -> Any:

@@ -118,7 +118,7 @@ def test_nobody_who_was_erased_comes_back(app: AppTest, shown: bool) -> None:
     (id,) = (row.id for row in open_book().rows())
     if not shown:
         press_new(app)
-    go(app, "10_Job_book")
+    go(app, "10_Jobs")
     app.session_state["job-list-erasing"] = [id]
     app.run()
     press(app, "job-erase-now")
@@ -134,7 +134,7 @@ def test_nobody_comes_back_who_was_erased_in_a_conflict(app: AppTest) -> None:
     changed = open_book().load(id).file.job.model_copy(update={"notes": "elsewhere"})
     open_book().save(small_job(**changed.model_dump()), id=id, version=open_book().version(id))
     field(app, "Technician").set_value("typed in the conflict").run()
-    go(app, "10_Job_book")
+    go(app, "10_Jobs")
     app.session_state["job-list-erasing"] = [id]
     app.run()
     press(app, "job-erase-now")

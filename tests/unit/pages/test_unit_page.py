@@ -29,7 +29,7 @@ def saved(book: Book, sleeve: float, year: int, mileage: float, **record: Any) -
     return book.save(job_parts(case.diagnose(), job, case)).id
 
 
-@pytest.mark.page("26_Catalogue")
+@pytest.mark.page("20_Library")
 def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest) -> None:
     book = open_book()
     declined = {"component": "tcc_regulator", "land": 1, "decision": "declined", "reason": "too dear", "work": "sleeve"}
@@ -38,7 +38,7 @@ def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest)
     this = unit_of_visit(book, last)
     book.engine.dispose()
     app.query_params["unit"] = str(this)
-    go(app, "11_Unit")
+    go(app, "11_History")
     assert not app.exception
     said = texts(app)
     assert "serial **0147**" in said
@@ -53,7 +53,7 @@ def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest)
     assert not app.exception
     assert [widget.value for widget in app.title] == ["Compare"]
     assert app.selectbox(key=f"compare-before-{first}").value == first
-    go(app, "11_Unit")
+    go(app, "11_History")
     # another one is looked for
     other = next(widget for widget in app.text_input if widget.label == "Look for another unit")
     other.set_value("no such thing").run()

@@ -25,7 +25,7 @@ def reset(app: AppTest) -> AppTest:
     return next(button for button in app.main.button if button.label.startswith("Back to")).click().run()
 
 
-@pytest.mark.page("5_What_if")
+@pytest.mark.page("5_Plan?plan=what_if")
 def test_what_is_tried_stays_until_it_is_reset_and_leaves_the_job_alone(app: AppTest) -> None:
     job = share(app)
     assert "Nothing is changed yet" in texts(app)
@@ -39,13 +39,13 @@ def test_what_is_tried_stays_until_it_is_reset_and_leaves_the_job_alone(app: App
     go(app, "4_Diagnosis")
     assert job in texts(app)  # the sentence on the unit
     assert tried not in texts(app)
-    go(app, "5_What_if")
+    go(app, "5_Plan?plan=what_if")
     assert (share(app), slider(app, "Wear").value, field(app, "Temperature").value) == (tried, 2.0, "101,5")
     reset(app)
     assert (share(app), slider(app, "Wear").value, field(app, "Temperature").value) == (job, 1.0, "80")
 
 
-@pytest.mark.page("5_What_if")
+@pytest.mark.page("5_Plan?plan=what_if")
 def test_a_temperature_outside_the_fluid_s_data_is_said_and_the_maps_stay(app: AppTest) -> None:
     field(app, "Temperature").set_value("160").run()
     assert not app.exception
@@ -54,7 +54,7 @@ def test_a_temperature_outside_the_fluid_s_data_is_said_and_the_maps_stay(app: A
     assert "Computed at 31 temperatures" in texts(app)
 
 
-@pytest.mark.page("5_What_if")
+@pytest.mark.page("5_Plan?plan=what_if")
 def test_what_is_tried_stands_in_the_address_and_comes_back_from_it(app: AppTest) -> None:
     slider(app, "Wear").set_value(2.0).run()
     field(app, "Temperature").set_value("101,5").run()

@@ -11,7 +11,7 @@ from atleak.common.verdicts import Verdict
 from atleak.report.printed_fonts import FONTS, keep_font, kept_file
 from tests.unit.pages.conftest import texts
 
-pytestmark = pytest.mark.page("24_Workshop_data")
+pytestmark = pytest.mark.page("20_Library?library=workshop_data")
 
 
 def press(app: AppTest, label: str) -> None:

@@ -16,7 +16,7 @@ from atleak.report.sheets.measuring_columns import PUMP_SIDE
 from atleak.report.sheets.measuring_sheet import write_readings
 from tests.unit.pages.conftest import choice, go, opened, texts, unfold, uploader
 
-pytestmark = pytest.mark.page("3_Readings")
+pytestmark = pytest.mark.page("2_Measure")
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def app(
     unit = checked_controller(data)
     pairs = {land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * land.new_clearance) for land in unit.lands}
     sheet = write_readings(unit, readings_of(unit, pairs).readings, fields={PUMP_SIDE: "85"})
-    for app in opened(folder, "3_Readings"):
+    for app in opened(folder, "2_Measure"):
         choice(app, "Valve body").select(unit.id).run()
         uploader(app, "Measuring sheet").upload("sheet.xlsx", sheet, "application/x").run()
         yield app
@@ -54,7 +54,7 @@ def test_the_plan_names_the_pump_first_with_its_repair(app: AppTest) -> None:
 
 
 def test_the_estimate_lists_the_pump_first(app: AppTest) -> None:
-    go(app, "13_Estimate")
+    go(app, "5_Plan")
     assert not app.exception
     assert "**pump** · ■ replace: new gears" in texts(app)
     assert "work in no sum: pump." in texts(app)

@@ -3,11 +3,11 @@
 import streamlit as st
 
 from atleak.common.errors import AtleakError
-from pages.shared import fleet, fleet_units, panel, reader, show
+from pages.shared import fleet, fleet_units, panel, places, reader, show
 
 panel.shown()
 if fleet_units.opened():
-    st.switch_page(panel.PAGES / "4_Diagnosis.py")
+    st.switch_page(places.page("Diagnosis"))
 say = reader.say()
 st.title(say("pages.Fleet"))
 try:

@@ -3,7 +3,7 @@
 import streamlit as st
 
 from atleak.common.errors import BookError
-from pages.shared import job_list, panel, reader, show
+from pages.shared import job_list, panel, places, reader, show
 from pages.shared.book import book
 from pages.shared.state import new_job
 
@@ -18,10 +18,10 @@ try:
     goal = job_list.actions(jobs, picked)
     if goal is not None:
         page, parameters = goal
-        st.switch_page(panel.PAGES / f"{page}.py", query_params=parameters)
+        st.switch_page(places.page(page), query_params=parameters)
     job_list.erasing(jobs)
     if st.button(say("job_book.new_job"), on_click=new_job, help=say("job_book.new_job_help")):
-        st.switch_page(panel.PAGES / "4_Diagnosis.py")
+        st.switch_page(places.page("Diagnosis"))
     job_list.taken_in(jobs)
     job_list.suggestions(jobs, picked)
 except BookError as error:

@@ -10,6 +10,7 @@ from pages.shared import (
     log_form,
     log_view,
     panel,
+    places,
     reader,
     remembered_columns,
     road,
@@ -72,4 +73,4 @@ guide.closed(diagnosis, "vacuum")
 with guide.step("open") as opened:
     if opened:
         guide.likely_worn(diagnosis)
-        st.page_link(panel.PAGES / "3_Readings.py", label=say("in_the_car.measure"))
+        st.page_link(places.page("Measure"), label=say("in_the_car.measure"))

@@ -1,0 +1,129 @@
+"""Show what the catalogue has, and describe valve bodies, limits, instruments and fluids of the workshop's own."""
+
+import streamlit as st
+
+from atleak.catalogue.entries import own_folder
+from atleak.report.charts.condition_figures import viscosity_curve
+from atleak.report.charts.study_figures import by_part_and_operator
+from atleak.report.tables import catalogue as rows
+from atleak.report.tables.gauge_study import study_sections
+from pages.shared import (
+    entry_tables,
+    fields,
+    font_form,
+    gauge_study_form,
+    panel,
+    reader,
+    show,
+    transmission,
+    transmission_picture,
+    workshop_data,
+)
+from pages.shared.cases import catalogue_list, own_faults, shown_name
+from pages.shared.editing import ask_step, checked_now, draw_faults
+
+case, diagnosis = panel.shown()
+say = reader.say()
+
+
+def catalogue() -> None:
+    """Show valve bodies, fluids and limits: their values, sources, and which values are assumed."""
+    st.write(say("catalogue.about"))
+    st.code(str(own_folder()), language=None)
+    for fault in own_faults():
+        st.error(f"**{say('catalogue.left_aside')}** {show.plain(say.sentence(fault.sentence))}")
+    for tab, kind in zip(st.tabs([say(f"catalogue.{kind}") for kind in rows.FOLDERS]), rows.FOLDERS, strict=True):
+        with tab:
+            entry_of(kind)
+
+
+def entry_of(kind: str) -> None:
+    """Show one of the catalogue's entries of a kind, that in the job unless another is chosen."""
+    known, chosen = list(catalogue_list(kind).entries.values()), getattr(diagnosis, kind)
+    entries = {shown_name(entry, say): entry for entry in ([] if chosen in known else [chosen]) + known}
+    first = list(entries).index(shown_name(chosen, say))
+    entry = entries[st.selectbox(say("catalogue.show"), list(entries), first, key=f"catalogue-{kind}-{say.language}")]
+    st.markdown(f"**{say('columns.source')}:** {show.with_links(say.name(entry.source))} ({entry.date})")
+    for doubt in entry.doubts:
+        st.warning(show.plain(say.sentence(doubt.text)))
+    if entry.note:
+        st.markdown(show.plain(say.name(entry.note)))
+    if getattr(entry, "representative", None):
+        st.info(f"**{say('catalogue.representative')}** {show.plain(rows.representative(entry, say))}")
+    if kind == "fluid":
+        st.subheader(say("catalogue.viscosity"))
+        show.chart(viscosity_curve(entry, say), "viscosity-curve")
+        st.caption(say("catalogue.viscosity_caption"))
+    for table in rows.TABLES[kind](entry, say):
+        st.subheader(table.title or say(f"catalogue.{table.name}"))
+        show.table(table)
+    st.download_button(
+        say("catalogue.file"), entry.origin.path.read_bytes, entry.origin.file, key=f"file-{kind}",
+        on_click="ignore", disabled=not entry.origin.path.is_file(),
+    )  # fmt: skip
+
+
+def describe() -> None:
+    """Describe a valve body in tables: from a shipped one, an own one or from nothing, and save it as an own file."""
+    st.write(say("transmission.about"))
+    editing = transmission.DESK.current()
+    workshop_data.draw_undo(transmission.DESK, say)
+    if editing is None:
+        workshop_data.choose_start(transmission.DESK, say)
+        return
+    checked = checked_now(editing)
+    transmission.draw_head(editing, checked)
+    step = ask_step(editing, list(transmission.STEPS), lambda name: say(f"transmission.step_{name}"), say)
+    draw_faults(editing, checked, say)
+    transmission_picture.draw_spools(step, checked)
+    transmission.draw_tables(editing, step, checked)
+    transmission.draw_learning(editing, step, checked)
+    transmission_picture.draw_flow(step, checked, diagnosis)
+    st.subheader(say("transmission.keep"))
+    transmission.draw_saving(editing, checked)
+
+
+def edit() -> None:
+    """Edit limits, instruments and fluids in forms and tables, and save them as the user's own."""
+    st.write(say("workshop_data.what"))
+    desk = workshop_data.choose_kind(say)
+    editing = desk.current()
+    workshop_data.draw_undo(desk, say)
+    if editing is None:
+        workshop_data.choose_start(desk, say)
+        font_form.draw(say)
+        return
+    checked = checked_now(editing)
+    workshop_data.draw_head(desk, editing, checked, say)
+    step = workshop_data.choose_step(editing, checked, say)
+    draw_faults(editing, checked, say)
+    entry_tables.draw(editing, [step], checked)
+    workshop_data.draw_curve(checked, say)
+    st.subheader(say("workshop_data.keep"))
+    workshop_data.draw_saving(desk, editing, checked, say)
+
+
+def gauge_study() -> None:
+    """Tell how well a gauge measures in the workshop's own hands, and take the result as an instrument."""
+    st.write(say("gauge_study.what"))
+    gauge_study_form.draw_blank_form(say)
+    study = gauge_study_form.asked_study(say)
+    if study is None:
+        return
+    sections = study_sections(study, say)
+    show.section(sections["title"], "gauge-study")
+    show.messages(study.messages, say("gauge_study.about"))
+    st.subheader(sections["components"].title)
+    show.section(sections["components"], "gauge-study")
+    st.subheader(say("gauge_study.readings"))
+    show.chart(by_part_and_operator(study, say), "gauge-study-readings")
+    st.caption(say("gauge_study.readings_help"))
+    with st.expander(sections["anova"].title):
+        show.section(sections["anova"], "gauge-study")
+    st.subheader(say("gauge_study.take"))
+    gauge_study_form.draw_taking(study, say)
+
+
+PARTS = {"catalogue": catalogue, "transmission": describe, "workshop_data": edit, "gauge_study": gauge_study}
+st.title(say("pages.Library"))
+PARTS[fields.part("library", {name: say(f"parts.{name}") for name in PARTS})]()

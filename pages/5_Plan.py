@@ -1,0 +1,59 @@
+"""Plan the repair: switches with their prices, what they leave of the unit, the estimate; and try the unit otherwise."""
+
+from functools import partial
+
+import streamlit as st
+
+from atleak.analysis.record_doubts import record_doubts
+from atleak.common.wording import wording
+from atleak.report.pdf import write_pdf
+from atleak.report.tables.estimate import EstimateWords
+from pages.shared import conditions, fields, font_form, panel, plan, reader, show, what_if
+from pages.shared.state import job
+
+_SECTIONS = ("repair", "estimate", "signatures")
+
+case, diagnosis = panel.shown()
+say = reader.say()
+
+
+def repairs() -> None:
+    """Choose repairs, decide on them with the customer, and say what they cost."""
+    if diagnosis.without_sheet:
+        st.info(say("estimate_page.no_sheet"))
+        return
+    made = plan.draw(diagnosis)
+    conditions.undecided(diagnosis, closing=False)
+    show.messages(record_doubts(job(), diagnosis), say("about.record"))
+    conditions.order_of_repair(diagnosis)
+    st.subheader(say("estimate_page.take_along"))
+    options = st.columns(2)
+    language = reader.pick_language(options[0], "estimate-language")
+    paper = reader.pick_paper(options[1], "estimate-paper")
+    record = job()
+    name = show.named("estimate", record.number)
+    printed = partial(write_pdf, diagnosis, record, language=language, paper=paper, sections=_SECTIONS, units=say.units)
+    with st.container(horizontal=True):
+        st.download_button(
+            "PDF",
+            font_form.printing(printed),
+            f"{name}.pdf",
+            key="estimate-pdf",
+            on_click="ignore",
+            disabled=not record.estimated,
+            help=say("estimate_page.pdf_help"),
+        )
+        st.download_button(
+            "CSV", EstimateWords(made, wording(language)).csv, f"{name}.csv", key="estimate-csv", on_click="ignore"
+        )
+
+
+def tried() -> None:
+    """Try the unit at another temperature, wear, fluid, speed, gear or position of its spools; the job stays as is."""
+    st.caption(say("what_if.about"))
+    what_if.draw(case, diagnosis)
+
+
+PARTS = {"repairs": repairs, "what_if": tried}
+st.title(say("pages.Plan"))
+PARTS[fields.part("plan", {name: say(f"parts.{name}") for name in PARTS})]()
