@@ -4,7 +4,7 @@ import streamlit as st
 
 from atleak.catalogue.entries import own_folder
 from atleak.report.charts.condition_figures import viscosity_curve
-from atleak.report.charts.study_figures import by_part_and_operator
+from atleak.report.charts.gauge_study_figures import by_part_and_operator
 from atleak.report.tables import catalogue as rows
 from atleak.report.tables.gauge_study import study_sections
 from pages.shared import (

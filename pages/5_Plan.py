@@ -1,4 +1,4 @@
-"""Plan the repair: switches with their prices, what they leave of the unit, the estimate; and try the unit otherwise."""
+"""Plan the repair: switches with their prices, what they leave of the unit; and try the unit otherwise."""
 
 from functools import partial
 

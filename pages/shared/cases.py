@@ -16,7 +16,6 @@ from weakref import WeakValueDictionary
 
 import streamlit as st
 
-from atleak.analysis.source_study import compare_options, run_variants, sample_log, temperature_curves
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.entries import ListedEntry, catalogue_files, listed_entries, own_files
 from atleak.catalogue.instruments import Instruments
@@ -33,7 +32,6 @@ from atleak.readers.logs import (
     Understood,
     default_path,
     log_columns,
-    read_road_test,
     recall,
     remember,
     understand,
@@ -363,12 +361,3 @@ def sheets_remembered(case: Case | None = None) -> str:
     used = case is None or (case.remember and case.readings is not None)
     kept = recall_all(default_path()) if used else {}
     return "".join(f"{key} {entry}" for key, entry in kept.items() if entry.format == FORMAT)
-
-
-@st.cache_resource(max_entries=8, show_spinner="W1 … W8")
-def study_of(key: str, _controller: Any, _road_test: Any) -> tuple[Any, ...]:
-    """Return a controller and a road test (the study's by default) with results, options and temperature curves."""
-    if _controller is None:
-        _controller, _road_test = controller_of(Case()), read_road_test(sample_log())
-    job = _controller, _road_test
-    return *job, run_variants(*job), compare_options(*job), temperature_curves(*job)

@@ -73,13 +73,13 @@ def picture(diagnosis: Diagnosis, say: Wording) -> None:
         if verdict.flagged
         for name in names
     )
-    folds = "".join(
-        f"<details><summary>{leveled(look_of(verdict).sign, verdict)} "
-        f"{escape(say(f'diagnosis.valves_{verdict}', count=len(names)))}</summary>"
-        f'<div class="grid">{"".join(_button(diagnosis, name, verdict, drawings[name], say) for name in names)}</div></details>'
-        for verdict, names in by_verdict.items()
-        if not verdict.flagged
-    )
+    folds = ""
+    for verdict, names in by_verdict.items():
+        if not verdict.flagged:
+            buttons = "".join(_button(diagnosis, name, verdict, drawings[name], say) for name in names)
+            counted = escape(say(f"diagnosis.valves_{verdict}", count=len(names)))
+            head = f"<summary>{leveled(look_of(verdict).sign, verdict)} {counted}</summary>"
+            folds += f'<details>{head}<div class="grid">{buttons}</div></details>'
     grid = f'<div class="grid worst">{flagged}</div>' if flagged else ""
     mount(grid + folds, key="picture", pressed=opened(diagnosis), on_pair=_open)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from atleak.analysis.source_study import ERRATA, VariantResult, run_variants
+from atleak.analysis.source_study import VariantResult, run_variants
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.engine.profile import PAPER
@@ -177,11 +177,7 @@ def test_23_repeats_of_table_1_swap_the_coordinates() -> None:
     assert abs(first[0] - first[1]) == abs(second[0] - second[1]) == pytest.approx(9.939, rel=1e-9, abs=0.0)
 
 
-def test_every_erratum_is_told_in_the_document_in_the_same_words(root: Path) -> None:
-    text = (root / "docs" / "source-study.md").read_text(encoding="utf-8")
-    rows = dict(re.findall(r"^\| (\d+) \| (.+) \|$", text, flags=re.MULTILINE))
-    assert rows == {str(item.number): f"{item.article} | {item.finding} | {item.here}" for item in ERRATA}
-
-
-def test_errata_are_numbered_without_a_gap() -> None:
-    assert [item.number for item in ERRATA] == list(range(1, len(ERRATA) + 1))
+def test_errata_of_the_document_are_numbered_without_a_gap(root: Path) -> None:
+    text = (root / "docs" / "source-study.md").read_text(encoding="utf-8").partition("## Errata")[2]
+    numbers = re.findall(r"^\| (\d+) \| .+ \|$", text, flags=re.MULTILINE)
+    assert [int(number) for number in numbers] == list(range(1, 24))

@@ -8,7 +8,7 @@ from atleak.analysis.gauge_study import CATEGORY, SPREAD, GaugeStudy
 from atleak.common.units import UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
-from atleak.report.charts.study_figures import component_chart
+from atleak.report.charts.gauge_study_figures import component_chart
 from atleak.report.json.conditions import message_record, named_record
 from atleak.report.json.diagnosis import FORMAT
 from atleak.report.tables.table import Column, Picture, Section, SectionPart, Table, Text

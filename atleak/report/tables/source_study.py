@@ -4,15 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from decimal import Decimal
-from functools import partial
 from typing import Any
 
 from atleak.analysis.source_study import (
-    ERRATA,
-    VARIANTS,
-    ComparedPoint,
-    Erratum,
-    OptionRow,
     VariantResult,
     gear_at_most_leakage,
     reaches_digits,
@@ -71,64 +65,6 @@ def table_3(results: Sequence[VariantResult], say: Wording) -> Table:
         _column("U largest", say, lambda result: _share(result.computed.max_share), 3),
     )
     return Table("table_3", columns, results, say, say("study.table_3_is"), remark=remark)
-
-
-def point_table(points: Sequence[ComparedPoint], say: Wording) -> Table:
-    """Return the points of the test that the article states, beside the computed ones."""
-
-    def said(words: str) -> str:
-        return say.get("study_words", words)
-
-    columns = (
-        _column("what", say, lambda each: said(f"{each.point.variant or 'pump'}: {each.point.quantity}")),
-        _column("at [s]", say, lambda each: each.time, 3),
-        _column("stated [dm³/min]", say, lambda each: float(each.point.printed), 3),
-        _column("computed [dm³/min]", say, lambda each: each.computed, 3),
-        _column("deviation [%]", say, lambda each: each.deviation * PERCENT, 3),
-        _column("stated in", say, lambda each: said("inferred from Table 3" if each.point.inferred else "section 4")),
-    )
-    return Table("points", columns, points, say)
-
-
-def option_table(options: Sequence[OptionRow], say: Wording) -> Table:
-    """Return what every set of options changes in the most leakage against the first, ``paper``, by variant [%]."""
-    base = options[0]
-
-    def change(name: str, row: OptionRow) -> float | None:
-        run, paper = row.runs[name], base.runs[name]
-        if run is None or paper is None:
-            return None
-        return (run.max_leakage.leakage / paper.max_leakage.leakage - 1.0) * PERCENT
-
-    return _by_variant("options", options[1:], change, say)
-
-
-def option_share_table(options: Sequence[OptionRow], say: Wording) -> Table:
-    """Return the share at the instant of most leakage with every set of options, by variant [%]."""
-
-    def share(name: str, row: OptionRow) -> float | None:
-        run = row.runs[name]
-        return None if run is None else _share(run.max_leakage)
-
-    return _by_variant("option_shares", options, share, say)
-
-
-def _by_variant(
-    name: str, options: Sequence[OptionRow], of: Callable[[str, OptionRow], float | None], say: Wording
-) -> Table:
-    first = _column("options", say, lambda row: say.get("study_words", row.label))
-    variants = (_column(each.name, say, partial(of, each.name), 2) for each in VARIANTS)
-    return Table(name, (first, *variants), options, say)
-
-
-def errata_table(say: Wording) -> Table:
-    """Return where the article contradicts itself, and what is done here."""
-
-    def said(name: str, erratum: Erratum) -> str:
-        return say.get("study_words", getattr(erratum, name))
-
-    columns = (_column(name, say, partial(said, name)) for name in ("article", "finding", "here"))
-    return Table("errata", (_column("no.", say, lambda each: str(each.number)), *columns), ERRATA, say)
 
 
 def _column(heading: str, say: Wording, of: Callable[[Any], Any], digits: int | None = None) -> Column:
