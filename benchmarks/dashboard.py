@@ -49,7 +49,7 @@ import streamlit
 streamlit.title("Hello")
 streamlit.write("world")
 """
-PAGES = ("Diagnosis", "Job", "Settings", "What_if", "Readings", "In_the_car")
+PAGES = ("Diagnosis", "Job", "Settings", "Plan", "Measure", "In_the_car")
 SHOWN = "Diagnosis"  # the page on which controls of the panel are changed
 MAIN, PANEL = "[data-testid=stMain]", "[data-testid=stSidebar]"
 FIRST = f"{MAIN} h1"

@@ -45,7 +45,7 @@ BARE = """import streamlit
 number = streamlit.text_input("Temperature [°C]", "80")
 streamlit.write(f"{number} °C")
 """
-PAGES = ("Diagnosis", "Readings", "In_the_car", "What_if", "Report", "Uncertainty")
+PAGES = ("Diagnosis", "Measure", "In_the_car", "Plan", "Report", "Library")
 FIELDS: dict[str, Callable[[int], str]] = {  # label, and what is typed at a change of all changes of a run
     "Temperature": lambda change: f"{70 + change * 0.037 % 40:.3f}",
     "Engine speed": lambda change: f"{700 + change % 1500}",

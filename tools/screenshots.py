@@ -153,7 +153,7 @@ def readings(page: Page) -> Part:
     page.get_by_role("tab", name="Clearances and wear").click()
     page.get_by_text("flagged", exact=True).click()
     idle(page)
-    return Part(chart(page, "Readings"), title(page))
+    return Part(page.get_by_test_id("stPlotlyChart").first, title(page))
 
 
 def typed_readings(page: Page) -> Part:
@@ -169,7 +169,7 @@ def typed_readings(page: Page) -> Part:
         page.locator(".measuring button").first.click()  # back to the first component
     expect(page.locator(".measuring .state")).to_contain_text("8/")
     idle(page)
-    return Part(page.get_by_text("Enter or Tab: next cell"), page.get_by_role("tab", name="Measure"))
+    return Part(page.get_by_text("Enter or Tab: next cell"), page.get_by_role("tab", name="Type readings"))
 
 
 def in_the_car(page: Page) -> Part:
@@ -194,7 +194,7 @@ def road_test(page: Page) -> Part:
 
 
 def diagnosis(page: Page) -> Part:
-    return Part(page.locator("table.cards").first)
+    return Part(page.get_by_text("Road-test log", exact=True).last)
 
 
 def diagnosis_land(page: Page) -> Part:
@@ -206,7 +206,7 @@ def diagnosis_land(page: Page) -> Part:
 
 
 def diagnosis_narrow(page: Page) -> Part:
-    return Part(page.locator("button[data-pair='17']").first)
+    return Part(page.get_by_text("valves are tight").first)
 
 
 def what_if(page: Page) -> Part:
@@ -259,22 +259,22 @@ def compare_page(page: Page) -> Part:
 
 # job-book comes before typed-readings, which puts a job of its own into the book
 SHOTS: dict[str, Shot] = {
-    "job-book": Shot("Job_book", job_book),
-    "compare": Shot("Compare?before={SAMPLE-1}&after={SAMPLE-2}", compare_page),
+    "job-book": Shot("Jobs", job_book),
+    "compare": Shot("History?history=compare&before={SAMPLE-1}&after={SAMPLE-2}", compare_page),
     "fleet": Shot("Fleet", fleet),
     "fleet-pairs": Shot("Fleet", fleet_pairs),
     "job": Shot("Job?job={SAMPLE-1}", job),
-    "readings": Shot("Readings", readings),
+    "readings": Shot("Measure", readings),
     "in-the-car": Shot("In_the_car", in_the_car),
     "road-test": Shot("In_the_car", road_test),
     "diagnosis": Shot("Diagnosis", diagnosis),
     "diagnosis-dark": Shot("Diagnosis", diagnosis, dark=True),
     "diagnosis-narrow": Shot("Diagnosis", diagnosis_narrow, width=PHONE),
     "diagnosis-land": Shot("Diagnosis", diagnosis_land),
-    "what-if": Shot("What_if", what_if),
+    "what-if": Shot("Plan?plan=what_if", what_if),
     "report": Shot("Report", report),
-    "transmission": Shot("Transmission", transmission),
-    "typed-readings": Shot("Readings", typed_readings),
+    "transmission": Shot("Library?library=transmission", transmission),
+    "typed-readings": Shot("Measure", typed_readings),
 }
 
 
