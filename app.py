@@ -17,13 +17,11 @@ if "framed" not in st.session_state:  # seen while all else is imported, read an
 
 from pages.shared import book, panel, show  # noqa: E402
 
-result = panel.draw()
+panel.draw()
 entrance.draw_sign_out()
 heading.empty()
 try:
     with show.faults():
-        panel.draw_steps(result)
-        del result  # the names of this file outlive the visit
         page.run()
 finally:  # also where the page ends early
     news = book.keep(page.url_path)

@@ -20,5 +20,3 @@ with st.container(horizontal=True):
     if st.button(say("start.book")):
         st.switch_page(places.page("Jobs"))
 st.caption(show.plain(say("start.open")))
-st.subheader(say("start.way"))
-panel.draw_steps(diagnosis)

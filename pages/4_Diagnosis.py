@@ -28,5 +28,7 @@ parts = {
 }
 labels = {name: say(f"parts.{name}") for name in parts}
 labels["remarks"] += f" ({sum(map(len, show.remarks(diagnosis).values()))})"
-if opened := fields.part("diagnosis", labels, closable=True):
+if diagnosis.without_sheet and diagnosis.pressures is None:
+    labels = {name: labels[name] for name in ("log", "pressures", "lands", "remarks")}
+if opened := fields.part("diagnosis", labels, closable=not diagnosis.without_sheet):
     parts[opened]()

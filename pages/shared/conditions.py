@@ -8,6 +8,7 @@ from atleak.analysis.repair.plan import RepairPlan, plan_repairs
 from atleak.common.units import DM3_MIN, KPA, RPM
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.engine.projection import Projection
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.estimate import open_words
 from atleak.report.tables.lands import leaking_worst_first, matrix_table
@@ -39,31 +40,26 @@ def complaint(diagnosis: Diagnosis) -> None:
     st.caption(plain(say("diagnosis.complaint_source", source=say.name(diagnosis.complaint.source))))
 
 
-def totals(diagnosis: Diagnosis) -> None:
-    """Say every condition with its total, and from which speed the pump covers the leakage."""
+def total(diagnosis: Diagnosis, point: Projection) -> None:
+    """Say the total at a condition, and from which speed the pump covers the leakage."""
     say = reader.say()
-    for number, point in enumerate(diagnosis.presented, start=1):
-        label = say.condition(point.condition)
-        if point is diagnosis.worst and len(diagnosis.presented) > 1:
-            label = say("diagnosis.total_worst", condition=label)
-        st.caption(
-            plain(
-                say(
-                    "diagnosis.total_line",
-                    number=number,
-                    condition=label,
-                    leakage=say.quantity(point.leakage * DM3_MIN, "flow"),
-                    capacity=say.quantity(point.pump_capacity * DM3_MIN, "flow"),
-                    pressure=say.quantity(point.condition.main_pressure * KPA, "pressure"),
-                    speed=say.number(point.condition.engine_speed * RPM, 0),
-                    new=say.quantity(diagnosis.new_at(point).leakage * DM3_MIN, "flow"),
-                    covered=say.number(point.minimum_speed * RPM, 0),
-                    counted=counted_in_speed(diagnosis, say),
-                    positions=position_sentence(diagnosis, point, say),
-                    source=say.name(point.condition.source),
-                )
-            )
-        )
+    label = say.condition(point.condition)
+    if point is diagnosis.worst and len(diagnosis.presented) > 1:
+        label = say("diagnosis.total_worst", condition=label)
+    said = say(
+        "diagnosis.total_line",
+        condition=label,
+        leakage=say.quantity(point.leakage * DM3_MIN, "flow"),
+        capacity=say.quantity(point.pump_capacity * DM3_MIN, "flow"),
+        pressure=say.quantity(point.condition.main_pressure * KPA, "pressure"),
+        speed=say.number(point.condition.engine_speed * RPM, 0),
+        new=say.quantity(diagnosis.new_at(point).leakage * DM3_MIN, "flow"),
+        covered=say.number(point.minimum_speed * RPM, 0),
+        counted=counted_in_speed(diagnosis, say),
+        positions=position_sentence(diagnosis, point, say),
+        source=say.name(point.condition.source),
+    )
+    st.caption(plain(said))
 
 
 def matrix(diagnosis: Diagnosis) -> None:

@@ -98,11 +98,12 @@ def _button(diagnosis: Diagnosis, name: str, verdict: Verdict, drawing: str, say
 
 
 def _leader(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> str:
-    """Say how wide a land is and was: ``25/1: 57 µm, was 34``."""
+    """Say how wide a land is and was: ``25/1: 57 µm, was 34``, or ``Land 3: …`` where components have no numbers."""
+    numbered = has_number(diagnosis.controller, land.key[0])
     now, new = land.state.radial_clearance * UM, [end * UM for end in land.state.land.mounting_ends]
     return say(
         "diagnosis.leader",
-        land=land_number(diagnosis.controller, land.key, say),
+        land=land_number(diagnosis.controller, land.key, say) if numbered else say("diagnosis.land", land=land.key[1]),
         now=say.quantity(now, "clearance", 0),
         new=span(new, "clearance", say, 0),
     )

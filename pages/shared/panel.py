@@ -26,7 +26,7 @@ LOOKS = Path(__file__).with_name("page.css")
 
 
 def draw() -> Diagnosis:
-    """Draw the sidebar, bring the job's results up to date and show refusals at the head of the page; return them."""
+    """Draw sidebar and navigation, bring the job's results up to date and show refusals above the page; return them."""
     st.session_state["framed"] = True
     if wanted := st.session_state.pop("wanted", ""):
         st.switch_page(places.page(wanted), query_params=st.query_params.to_dict())
@@ -54,9 +54,12 @@ def draw() -> Diagnosis:
                 _status(slot, result)
         for notice in session().notices:
             st.caption(show.plain(notice(reader.say())))
+    shown = diagnosis_of(session().good)
+    with show.faults():
+        _draw_steps(shown)
     with st.container():  # one element however many notices there are: the elements below keep their places
         _notices()
-    return diagnosis_of(session().good)
+    return shown
 
 
 def shown() -> tuple[PageCase, Diagnosis]:
@@ -236,7 +239,7 @@ def _notices() -> None:
             show.refusal(say("panel.not_computed"), now.refused[slot], say("panel.last_that_could"))
 
 
-def draw_steps(diagnosis: Diagnosis) -> None:
+def _draw_steps(diagnosis: Diagnosis) -> None:
     """Draw the one navigation: the job's steps, each with what is there or missing, and the pages beside them."""
     say = reader.say()
     steps = {step.name: step for step in job_steps(diagnosis, job(), say)}

@@ -71,7 +71,8 @@ def draw_switches(diagnosis: Diagnosis) -> None:
     costs = {line.key: words.amount(line) for line in estimated.lines}
     _pump(diagnosis, say)
     if not repairs.called_for:
-        st.write(say(f"repair_plan.nothing_{'called_for' if repairs.all else 'offered'}"))
+        if diagnosis.judged:
+            st.write(say(f"repair_plan.nothing_{'called_for' if repairs.all else 'offered'}"))
         return
     with st.container(gap=None, key="switches"):
         _switches(repairs, on, repairs.called_for[:_FIRST], say, costs, short=True)

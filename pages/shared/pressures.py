@@ -35,7 +35,6 @@ def section(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     st.subheader(say("diagnosis.pressures"))
     every = [pressures_at(diagnosis, each, repaired) for each in diagnosis.presented]
     show.section(conditions_section(diagnosis, every, say), "pressures")
-    conditions.totals(diagnosis)
     fold = fields.fold(say("circuits.in_full"), key=f"pressures-in-full-{session().generation}")
     if fold.open:
         with fold:
@@ -56,6 +55,7 @@ def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     )
     projection = conditions[chosen]
     condition = say.condition(projection.condition)
+    conditions.total(diagnosis, projection)
     at = pressures_at(diagnosis, projection, repaired)
     show.section(held_section(diagnosis, at, say), "pressures")
     st.markdown(f"**{say('circuits.pump_over_speed')}**")
