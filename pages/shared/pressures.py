@@ -12,7 +12,8 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.charts.condition_figures import pump_speed_chart
 from atleak.report.charts.flows import flow_diagram, flow_svg, flow_table
 from atleak.report.tables.pressures import conditions_section, held_section, pump_over_speed
-from pages.shared import answer, conditions, fields, reader, show
+from pages.shared import answer, fields, reader, show
+from pages.shared.conditions import total
 from pages.shared.show import plain
 from pages.shared.state import session
 
@@ -55,7 +56,7 @@ def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     )
     projection = conditions[chosen]
     condition = say.condition(projection.condition)
-    conditions.total(diagnosis, projection)
+    total(diagnosis, projection)
     at = pressures_at(diagnosis, projection, repaired)
     show.section(held_section(diagnosis, at, say), "pressures")
     st.markdown(f"**{say('circuits.pump_over_speed')}**")
