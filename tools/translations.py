@@ -13,6 +13,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from string import Formatter
 from typing import Any
@@ -37,15 +38,18 @@ _SIGNS = " .,:;()–…\n"  # that stand between places without a word
 _TEMPERATURE = re.compile(r", \d+ °C$")  # ends the name of an operating point; readers have it in their unit
 
 
-def _of_code() -> Iterator[tuple[Text, str]]:
-    """Yield the sentences of the code that hold words. Babel's own reader misses some that stand inside another."""
+@cache
+def _of_code() -> tuple[tuple[Text, str], ...]:
+    """Return the sentences of the code that hold words. Babel's own reader misses some that stand inside another."""
+    found: list[tuple[Text, str]] = []
     for path in (ROOT / "app.py", *(ROOT / "atleak").rglob("*.py"), *(ROOT / "pages").rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             name = getattr(node.func, "id", "") if isinstance(node, ast.Call) else ""
             if name in _FORMS:
                 forms = [ast.literal_eval(form) for form in node.args[_FORMS[name]]]
                 if any(literal.strip(_SIGNS) for form in forms for literal, *_ in Formatter().parse(form)):
-                    yield Text(*forms), ""
+                    found.append((Text(*forms), ""))
+    return tuple(found)
 
 
 def _of_files() -> Iterator[tuple[Text, str]]:

@@ -140,8 +140,8 @@ def holds(amount: tuple[float, float | None, float | None] | None, true: float) 
 @pytest.mark.parametrize("name", WORN)
 def test_intervals_hold_what_is_worn(name: str, log_of: LogOf) -> None:
     held, (bores, slips) = [], WORN[name]
-    for seed in range(6):
-        at = (seed + 0.5) / 6.0
+    for seed in range(3):
+        at = (seed + 0.5) / 3.0
         lands = Driven(name, bore=bores[0] + at * (bores[1] - bores[0]), seed=seed)
         pump = Driven(name, slip=slips[0] + at * (slips[1] - slips[0]), seed=100 + seed)
         told = lands.told(log_of)
@@ -150,7 +150,7 @@ def test_intervals_hold_what_is_worn(name: str, log_of: LogOf) -> None:
         told = pump.told(log_of)
         held += [holds(told.slip, pump.slipped)] if told.slip else []
         assert told.told_apart != "lands"
-    assert len(held) >= 8  # figures are told, not only where that is easy
+    assert len(held) >= 4  # figures are told, not only where that is easy
     assert np.mean(held) >= 0.93
 
 
@@ -170,7 +170,7 @@ def test_intervals_of_many_drives(name: str, log_of: LogOf) -> None:
 
 @pytest.mark.parametrize("name", WORN)
 def test_a_sound_unit_is_never_accused(name: str, log_of: LogOf) -> None:
-    for seed in range(6):
+    for seed in range(3):
         told = Driven(name, seed=seed).told(log_of)
         assert (told.found, told.gaps, told.holes, told.bore, told.slip) == ("held", None, None, None, None)
         low = Driven(name, setting=0.7, seed=seed).told(log_of)  # nothing leaks, and the line is set low

@@ -37,15 +37,19 @@ def read(diagnosis: Diagnosis, units: str, **kind: Any) -> openpyxl.Workbook:
     return openpyxl.load_workbook(io.BytesIO(write_workbook(diagnosis, units=units)), **kind)
 
 
-def named_units(sheet: Any, row: int, column: int) -> Iterator[str]:
-    """Give the units that a cell's row, its label and its heading name."""
-
-    def first(cells: Iterator[Any]) -> str:
-        return next((cell.value for cell in cells if isinstance(cell.value, str)), "")
-
-    yield from (str(sheet.cell(row, beside).value) for beside in (2, 4, column + 1))
-    yield from IN_BRACKETS.findall(first(sheet.cell(row, beside) for beside in range(column - 1, 0, -1)))
-    yield from IN_BRACKETS.findall(first(sheet.cell(above, column) for above in range(row - 1, 0, -1)))
+def numbers(sheet: Any) -> Iterator[tuple[Any, list[str]]]:
+    """Give every cell with a number and the units that its row, its label and its heading name."""
+    headings: dict[int, str] = {}  # the last text above, by column
+    for row in sheet.iter_rows():
+        labels: list[str] = []
+        for cell in row:
+            if isinstance(cell.value, int | float):
+                beside = [str(sheet.cell(cell.row, column).value) for column in (2, 4, cell.column + 1)]
+                named = [labels[-1] if labels else "", headings.get(cell.column, "")]
+                yield cell, [*beside, *(unit for text in named for unit in IN_BRACKETS.findall(text))]
+            elif isinstance(cell.value, str):
+                labels.append(cell.value)
+        headings |= {cell.column: cell.value for cell in row if isinstance(cell.value, str)}
 
 
 def test_every_number_is_the_metric_one_in_the_unit_that_its_heading_names(units):
@@ -53,26 +57,19 @@ def test_every_number_is_the_metric_one_in_the_unit_that_its_heading_names(units
         metric, us = (read(diagnosis, each, data_only=True) for each in ("metric", "us"))
         converted = 0
         for name in metric.sheetnames:
-            for row in metric[name].iter_rows():
-                for cell in row:
-                    label = str(metric[name].cell(cell.row, 1).value)
-                    if not isinstance(cell.value, int | float) or label.startswith(
-                        ("effective deg", "coverage factor")
-                    ):
-                        continue
-                    if (name, cell.column_letter) == ("Uncertainty budget", "F"):  # a sensitivity names no unit
-                        continue
-                    shown = us[name][cell.coordinate].value
-                    pairs = zip(
-                        named_units(metric[name], cell.row, cell.column),
-                        named_units(us[name], cell.row, cell.column),
-                        strict=True,
-                    )
-                    unit = next((SHOWN.get(pair) for pair in pairs if pair[0] in NAMES), None)
-                    expected = cell.value if unit is None else unit.shown(cell.value)
-                    off = 0.5 if unit is US["distance"] else 1e-12  # a mileage is in whole miles
-                    assert shown == pytest.approx(expected, rel=1e-9, abs=off), (name, cell.coordinate)
-                    converted += unit is not None
+            for (cell, in_metric), (other, in_us) in zip(numbers(metric[name]), numbers(us[name]), strict=True):
+                label = str(metric[name].cell(cell.row, 1).value)
+                if label.startswith(("effective deg", "coverage factor")):
+                    continue
+                if (name, cell.column_letter) == ("Uncertainty budget", "F"):  # a sensitivity names no unit
+                    continue
+                pairs = zip(in_metric, in_us, strict=True)
+                unit = next((SHOWN.get(pair) for pair in pairs if pair[0] in NAMES), None)
+                expected = cell.value if unit is None else unit.shown(cell.value)
+                off = 0.5 if unit is US["distance"] else 1e-12  # a mileage is in whole miles
+                assert other.coordinate == cell.coordinate
+                assert other.value == pytest.approx(expected, rel=1e-9, abs=off), (name, cell.coordinate)
+                converted += unit is not None
         assert converted > 300
 
 
