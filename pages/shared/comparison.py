@@ -92,7 +92,15 @@ def _label(rows: dict[str, JobRow], say: Wording, chosen: str) -> str:
     row = rows.get(chosen)
     if row is None:
         return say(f"compare.{chosen}")
-    named = [row.number, str(row.date or ""), row.plate or row.vin or row.serial, row.customer, row.controller]
+    day, mileage = row.date or row.made_on, row.mileage_km
+    named = [
+        "" if day is None else say.date(day),
+        row.plate or row.vin or row.serial,
+        "" if mileage is None else say.quantity(mileage, "distance", 0),
+        row.number or row.id[:6],
+        row.customer,
+        row.controller,
+    ]
     return " · ".join([*filter(None, named), say.signed(Verdict(row.verdict))])
 
 
