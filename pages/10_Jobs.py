@@ -9,7 +9,7 @@ from pages.shared.state import new_job
 
 panel.shown()
 say = reader.say()
-st.title(say("job_book.title"))
+st.title(say("pages.Jobs"))
 try:
     jobs = book()
     job_list.fault()

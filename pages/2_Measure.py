@@ -11,7 +11,7 @@ from pages.shared import measuring_form, panel, reader, sheet_form, show, state
 
 case, diagnosis = panel.shown()
 say, controller, readings = reader.say(), diagnosis.controller, diagnosis.readings
-st.title(say("readings.title"))
+st.title(say("pages.Measure"))
 with st.container():  # one element whatever is said: the grid below keeps its place
     if readings is None:
         st.markdown(say("readings.none"))

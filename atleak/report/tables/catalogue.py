@@ -130,7 +130,8 @@ def _described(controller: Controller, say: Wording) -> dict[str, Any]:
 
 
 def _word(text: str, say: Wording) -> str:
-    return say.name(text, "form")
+    """Return a word of the form; how a value is known in the words of every page: *assumed* for *representative*."""
+    return say(f"evidence.{text}") if text in set(Evidence) else say.name(text, "form")
 
 
 def _quantity(declared: Declared) -> str | None:
