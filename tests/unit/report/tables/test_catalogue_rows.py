@@ -32,7 +32,7 @@ def test_every_sheet_of_a_valve_body_is_shown_with_its_sources(five_speed: dict[
     (orifice,) = (row for row in five_speed["Feeds"] if row["Circuit"] == "overdrive_band")
     assert (orifice["Fed from"], orifice["Diameter"], orifice["How known"]) == ("p_g", 1.83, "published")
     pump = {row["what"]: (row["value"].replace("\u00a0", " "), row["known_from"]) for row in five_speed["Pump"]}
-    assert pump["Displacement of one revolution"] == ("20000 mm³", "representative")
+    assert pump["Displacement of one revolution"] == ("20000 mm³", "assumed")
 
 
 def test_what_regulators_are_set_to_stands_in_rows(
