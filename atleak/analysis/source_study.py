@@ -26,14 +26,12 @@ from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PAPER, WORKSHOP, Profile
 from atleak.engine.projection import with_wear
 from atleak.engine.road_leakage import RoadLeakage, evaluate_road_test
-from atleak.engine.series import leakage_series
 from atleak.measurements.clearances import LandClearance, clearances
 from atleak.measurements.road_test import Channel, RoadTest
 
 FRESH_FLUID = "hipol_atf_iid"
 USED_FLUID = "hipol_atf_iid_used"
 _USED_VISCOSITY = 8.40e-6  # [m²/s] at 80 °C after 106 315 km
-CURVES_WEAR = 0.5  # of the curves over temperature
 _USED_OIL_NOTE = (
     "Table 2 prints {printed} mm²/s, but the printed leakage follows from 8.40 mm²/s, the used oil of W2: with "
     "{printed} the study's controller gives {q} dm³/min. Computed here with 8.40, as tabulated with {printed}."
@@ -47,11 +45,6 @@ OPTION_STEPS: tuple[tuple[str, dict[str, object]], ...] = (
     ("pump slip instead of a constant efficiency", {"pump_efficiency": "wilson"}),
     ("entry loss", {"entry_loss": "on"}),
 )
-_MODEL_LABELS: dict[ViscosityModel, str] = {
-    "tabulated": "viscosities of Table 2, log-linear between",
-    "regression": "the study's regression, eq. (29)",
-    "d341": "ASTM D341 through the data sheet's points",
-}
 
 
 @dataclass(frozen=True)
@@ -255,13 +248,6 @@ class _StudyLog:
 
     def model(self, wear: float, fluid: Fluid, profile: Profile) -> LeakageModel:
         return LeakageModel(self.controller, with_wear(self.states, wear), fluid, profile)
-
-    def largest(self, model: LeakageModel, temperature: float) -> float:
-        """Return the largest leakage at one temperature [m³/s]; NaN where the viscosity's model does not cover it."""
-        if not _covers(model.fluid, temperature, model.profile.viscosity):
-            return float("nan")
-        main, converter, gear = map(self.road_test.values, ("main_pressure", "converter_pressure", "gear"))
-        return float(np.nanmax(leakage_series(model, main, converter, temperature, gear).total))
 
     def run(self, variant: Variant, fluid: Fluid, profile: Profile) -> RoadLeakage | None:
         """Return a variant over the log; None where the viscosity's model does not cover its temperature."""

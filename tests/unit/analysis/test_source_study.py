@@ -21,7 +21,6 @@ from atleak.analysis.source_study import (
     gear_at_most_leakage,
     reaches_digits,
     run_variants,
-    temperature_curves,
     variant_fluid,
     variant_road_test,
 )
@@ -183,25 +182,6 @@ def test_options_one_at_a_time_and_all_together(four_speed: Controller, road_tes
     assert rows[4].runs["W8"].max_share.share > rows[0].runs["W8"].max_share.share
     assert (d341["W5"], workshop["W5"]) == (None, None)
     assert workshop["W4"] < lossless["W4"]
-
-
-def test_temperature_curves_pass_through_the_variants(four_speed: Controller, road_test: RoadTest, results) -> None:
-    curves = {curve.model: curve for curve in temperature_curves(four_speed, road_test)}
-    tabulated = dict(zip(curves["tabulated"].temperature, curves["tabulated"].max_leakage, strict=True))
-    for result in results:
-        if result.variant.wear == 0.5:
-            assert tabulated[result.variant.temperature] == pytest.approx(
-                result.as_tabulated.max_leakage.leakage, rel=1e-9, abs=0.0
-            )
-    cold = curves["d341"].temperature < -20
-    assert np.isnan(curves["d341"].max_leakage[cold]).all()
-    assert np.isfinite(curves["d341"].max_leakage[~cold]).all()
-    assert curves["regression"].max_leakage[-1] == pytest.approx(
-        tabulated[100.0] * 7.0 / 4.67 * 0.768 / 0.7709, rel=2e-3, abs=0.0
-    )
-
-
-# --- the record
 
 
 def test_record_has_what_scripts_rely_on(four_speed: Controller, road_test: RoadTest, results) -> None:
