@@ -101,9 +101,13 @@ class Typed:
         return replace(self, entries=entries, unit=unit, earlier=())
 
     def paste(self, cells: Sequence[PlanCell], start: PlanCell, block: str) -> Done:
-        """Return this with a block of a spreadsheet in the cells along, row by row; its empty cells change nothing."""
-        values = block_values(block)
-        places = cells[cells.index(start) :] if start in cells else ()
+        """Return this with a block of a spreadsheet in the cells along, row by row; its empty cells change nothing.
+
+        A block of one column goes down the cells of one repeat.
+        """
+        values, one_wide = block_values(block), "\t" not in block
+        along = cells[cells.index(start) :] if start in cells else ()
+        places = [cell for cell in along if not one_wide or cell.repeat == start.repeat]
         filled = {cell: text for cell, text in zip(places, values, strict=False) if not is_blank(text)}
         after = places[min(len(values), len(places) - 1)] if places else None
         return Done(self.fill(filled), after, max(len(values) - len(places), 0))
