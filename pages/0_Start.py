@@ -5,7 +5,7 @@ import streamlit as st
 from pages.shared import panel, places, reader, show
 from pages.shared.state import new_job, session, take_sample
 
-case, diagnosis = panel.shown()
+panel.shown()
 say = reader.say()
 st.title("atleak")
 st.markdown(show.plain(say("start.what")))

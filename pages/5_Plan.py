@@ -19,7 +19,7 @@ say = reader.say()
 
 def repairs() -> None:
     """Choose repairs, decide on them with the customer, and say what they cost."""
-    if diagnosis.without_sheet:
+    if diagnosis.without_sheet or not (diagnosis.judged or plan.made(diagnosis).lines):
         st.info(say("estimate_page.no_sheet"))
         return
     made = plan.draw(diagnosis)

@@ -36,7 +36,9 @@ def draw_head(diagnosis: Diagnosis) -> None:
 def draw(diagnosis: Diagnosis) -> None:
     """Show the verdict and the answer in three lines."""
     say, level = reader.say(), shown_verdict(diagnosis)
-    open_ones = level == Verdict.NOT_MEASURED and diagnosis.judged
+    good_in_the_car = level == Verdict.OK and diagnosis.without_sheet  # which says little of the valve body
+    level = Verdict.NOT_MEASURED if good_in_the_car else level
+    open_ones = level == Verdict.NOT_MEASURED and (diagnosis.judged or good_in_the_car)
     word = f"{look_of(level).sign} {say('diagnosis.open')}" if open_ones else say.signed(level)
     marks = "".join(f" · {mark}" for mark in caveat_marks(diagnosis, say))
     st.title(f":{_COLOURS[look_of(level).box]}[{show.plain(word)}]{show.plain(marks)}", anchor=False)

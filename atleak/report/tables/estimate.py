@@ -127,8 +127,10 @@ class EstimateWords:
     def ends(self) -> Iterator[str]:
         """Say what the unit is like with all lines that are carried out, by the engine."""
         say, estimate = self.say, self.estimate
-        past = estimate.past
-        yield say("estimate.past", rules="; ".join(map(self.past, past))) if past else say("estimate.green")
+        if past := estimate.past:
+            yield say("estimate.past", rules="; ".join(map(self.past, past)))
+        elif estimate.diagnosis.judged:  # of a unit that nobody measured nothing is green
+            yield say("estimate.green")
         if estimate.lands_past:
             lands = _numbers_of(estimate.lands_past, estimate.diagnosis.controller, say)
             yield say("estimate.lands_past", lands=lands)

@@ -14,6 +14,12 @@ from streamlit.testing.v1 import AppTest
 from atleak.common import memory
 
 ROOT = Path(__file__).resolve().parents[3]
+PARTS = {  # of the pages that have some, as their addresses name them; a diagnosis is shown with none open, too
+    "4_Diagnosis": ("", "pressures", "lands", "log", "remarks"),
+    "5_Plan": ("repairs", "what_if"),
+    "11_History": ("unit", "compare"),
+    "20_Library": ("catalogue", "transmission", "workshop_data", "gauge_study"),
+}
 XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
 
 
@@ -74,6 +80,18 @@ def go(app: AppTest, page: str) -> AppTest:
         app.query_params[part.partition("=")[0]] = part.partition("=")[2]
     app.run()
     return unfold(app, fold) if fold else app
+
+
+def part(app: AppTest, name: str, page: str = "diagnosis") -> AppTest:
+    """Open a part of the page that is shown, as a link to it does; an empty name leaves none open."""
+    app.query_params[page] = name
+    return app.run()
+
+
+def part_shown(app: AppTest) -> str | None:
+    """The part that is open of the page that is shown: ``diagnosis=lands``; None on a page without parts."""
+    groups = [each for each in app.get("button_group") if (each.key or "").startswith("part-of-")]
+    return f"{groups[0].key.removeprefix('part-of-')}={groups[0].value or ''}" if groups else None
 
 
 def texts(app: AppTest) -> str:
@@ -141,7 +159,9 @@ def tables(app: AppTest) -> list[list[dict[str, str]]]:
 
 
 def flagged_pairs(app: AppTest) -> list[dict[str, str]]:
-    """The rows of the table of flagged pairs; none where there is none."""
+    """The rows of the table of flagged pairs, in the part of the diagnosis that shows it; none where there is none."""
+    if part_shown(app) != "diagnosis=lands":
+        part(app, "lands")
     return next((rows for rows in tables(app) if rows and "Pair" in rows[0]), [])
 
 
