@@ -32,6 +32,7 @@ def test_another_controller_drops_the_samples_files_and_offers_its_own_sheet(app
     assert flagged(app) == ["■ replace"]
 
 
+@pytest.mark.page("4_Diagnosis?diagnosis=lands")
 def test_a_refused_sheet_is_explained_and_the_last_job_stays(app: AppTest) -> None:
     before = app.dataframe[0].value
     target = io.BytesIO()
@@ -121,18 +122,19 @@ def test_an_unfilled_template_is_refused_by_name(app: AppTest, four_speed) -> No
     assert "every diameter is empty" in texts(app)
 
 
+@pytest.mark.page("4_Diagnosis?diagnosis=log")
 def test_own_files_replace_the_sample_one_by_one(app: AppTest, sample_readings: Path, sample_log: Path) -> None:
     uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
-    assert "Over the road test" not in [widget.value for widget in app.subheader]
+    assert "No road-test log in the job." in texts(app)
     uploader(app, "Road-test log").upload("drive.csv", sample_log.read_bytes(), "text/csv").run()
     assert not app.exception
-    assert "Over the road test" in [widget.value for widget in app.subheader]
+    assert any("Channel" in each.value for each in app.dataframe)
     assert "1201 rows" in texts(app)
     uploader(app, "Road-test log").set_value(None).run()
-    assert "Over the road test" not in [widget.value for widget in app.subheader]
+    assert "No road-test log in the job." in texts(app)
     next(widget for widget in app.button if widget.label == "Take the sample job").click().run()
     assert "Sample job" in texts(app)
-    assert "Over the road test" in [widget.value for widget in app.subheader]
+    assert any("Channel" in each.value for each in app.dataframe)
 
 
 def test_own_limits_are_taken_by_upload_and_bad_ones_explained(app: AppTest) -> None:
@@ -171,20 +173,21 @@ def bad_file(slot: str) -> tuple[str, bytes, str]:
     return ("bad.xlsx", target.getvalue(), XLSX) if slot == "Measuring sheet" else ("bad.csv", b"no log\n", "text/csv")
 
 
+@pytest.mark.page("4_Diagnosis?diagnosis=lands")
 @pytest.mark.parametrize("slot", ["Measuring sheet", "Road-test log"])
 def test_a_bad_file_in_place_of_an_own_good_one_leaves_the_good_one(
     app: AppTest, sample_readings: Path, sample_log: Path, slot: str
 ) -> None:
     uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
     uploader(app, "Road-test log").upload("drive.csv", sample_log.read_bytes(), "text/csv").run()
-    before, said = app.dataframe[0].value, app.error[0].value
+    before, said = app.dataframe[0].value, app.title[0].value
     uploader(app, slot).set_value(bad_file(slot)).run()
     assert not app.exception
     assert "was not taken" in texts(app)
     mine = "mine.xlsx" if slot == "Measuring sheet" else "drive.csv"
     assert f"Shown are still the results of {mine}" in texts(app)
     assert app.dataframe[0].value.equals(before)
-    assert said in [widget.value for widget in app.error]
+    assert app.title[0].value == said
     uploader(app, slot).set_value(None).run()
     assert "was not taken" not in texts(app)
     assert app.dataframe[0].value.equals(before)
@@ -217,6 +220,7 @@ def test_a_workbook_with_two_filled_sheets_is_settled_by_the_form(app: AppTest, 
     assert "two.xlsx**, sheet Second try" in texts(app)
 
 
+@pytest.mark.page("4_Diagnosis?diagnosis=pressures")
 def test_a_vacuum_test_and_flows_are_taken_shown_and_explained_where_they_are_wrong(app: AppTest) -> None:
     choice(app, "Valve body").select("five_speed_2005").run()
     flows, vacuum = (

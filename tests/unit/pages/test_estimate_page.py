@@ -1,4 +1,4 @@
-"""The page Estimate: lines start from the verdict, keep what is typed, and say what is missing."""
+"""The page Plan: lines start from the verdict, keep what is typed, and say what is missing."""
 
 from __future__ import annotations
 

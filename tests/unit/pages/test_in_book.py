@@ -16,7 +16,7 @@ from atleak.job.zip_file import packed_job
 from atleak.job_book.book import Book, open_book
 from atleak.measurements.job_card import Job
 from pages.shared import book as kept_in
-from pages.shared.files import named
+from pages.shared.show import named
 from pages.shared.state import InBook
 from tests.unit.pages.conftest import go, number, texts, uploader
 

@@ -13,7 +13,7 @@ from atleak.job.parts import JobParts, job_parts
 from atleak.job_book.book import Book, open_book
 from atleak.job_book.search import Query
 from atleak.measurements.job_card import Job
-from tests.unit.pages.conftest import go, texts
+from tests.unit.pages.conftest import go, part_shown, texts
 
 VIN = "WVWZZZ1JZXW000001"
 
@@ -78,12 +78,12 @@ def test_jobs_are_looked_up_merged_erased_archived_and_opened(filled: dict[str, 
     assert [row.customer for row in book.rows(Query(archived=True))] == ["Cy Core"]
     app.text_input(key="job-list-text").set_value("").run()
     compared = pick(app, 0, 1).button(key="job-compare").click().run()
-    assert [title.value for title in compared.title] == ["Compare"]
+    assert part_shown(compared) == "history=compare"
     assert compared.query_params["before"] == filled["Ana Lima"]
     go(app, "10_Jobs")
     pick(app, 0).button(key="job-open").click().run()
     assert not app.exception
-    assert [title.value for title in app.title] == ["Diagnosis"]
+    assert part_shown(app) == "diagnosis="
     assert app.query_params["job"] == filled["Bo Berg"]
 
 

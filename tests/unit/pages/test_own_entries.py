@@ -19,7 +19,7 @@ def test_an_own_valve_body_is_offered_used_and_kept_though_its_file_breaks_and_g
     app.run()
     offered = choice(app, "Valve body").options
     assert [name for name in offered if "own:" in name] == ["Example of a workshop's own description (own: my_box)"]
-    assert "torn.toml. What is wrong: page Catalogue" in texts(app)
+    assert "torn.toml. What is wrong: page Library" in texts(app)
     choice(app, "Valve body").select("my_box").run()
     assert not app.exception
     assert "nothing was measured" in texts(app)

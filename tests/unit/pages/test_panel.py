@@ -10,6 +10,7 @@ from streamlit.testing.v1 import AppTest
 from tests.unit.pages.conftest import ROOT, XLSX, choice, go, number, press, settle, texts, uploader
 
 
+@pytest.mark.page("4_Diagnosis?diagnosis=pressures")
 def test_choices_and_digits_survive_a_page_change(app: AppTest) -> None:
     number(app, "Temperature [°C]").set_value("92.715").run()
     settle(app, "4_Diagnosis", "Fluid", "mobil_atf_220")
@@ -24,6 +25,7 @@ def test_choices_and_digits_survive_a_page_change(app: AppTest) -> None:
     assert choice(app, "Fluid").value == "mobil_atf_220"
 
 
+@pytest.mark.page("4_Diagnosis?diagnosis=pressures")
 def test_a_temperature_outside_the_fluid_keeps_the_last_result(app: AppTest) -> None:
     before = app.dataframe[0].value
     number(app, "Temperature [°C]").set_value("190.0").run()

@@ -1,4 +1,4 @@
-"""The diagnosis page says what line and circuits hold, which lands cost them what, and where the flow goes."""
+"""The part of the diagnosis on pressures says what line and circuits hold, which lands cost them what, and where the flow goes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller_file import load_controller
-from tests.unit.pages.conftest import choice, go, opened, texts, unfold, uploader
+from tests.unit.pages.conftest import choice, go, opened, texts, uploader
 
 pytestmark = pytest.mark.page("2_Measure")
 
@@ -41,7 +41,7 @@ def five_speed(tmp_path_factory: pytest.TempPathFactory, root: Path) -> Iterator
         choice(app, "Valve body").select("five_speed_2005").run()
         sheet = root / "sample_data" / "measuring_sheet_five_speed.xlsx"
         uploader(app, "Measuring sheet").upload(sheet.name, sheet.read_bytes(), "application/x").run()
-        yield unfold(go(app, "4_Diagnosis"), "pressures-in-full")
+        yield go(app, "4_Diagnosis?diagnosis=pressures#pressures-in-full")
 
 
 def test_every_condition_stands_with_line_and_reserve_and_one_in_full(five_speed: AppTest) -> None:
@@ -65,7 +65,7 @@ def test_every_condition_stands_with_line_and_reserve_and_one_in_full(five_speed
 
 
 def test_the_first_sentence_names_the_pressure_and_the_lands_to_look_at(five_speed: AppTest) -> None:
-    said = five_speed.error[0].value.replace("\\", "").replace("\u00a0", " ")
+    said = texts(five_speed).replace("\u00a0", " ")
     assert "■ replace because of the pressure lost by forward clutch at “stall in drive, 90 °C”: " in said
     assert "Look first at forward engagement valve/1, manual valve/3;" in said
 
@@ -95,13 +95,13 @@ def test_the_flow_is_drawn_and_stands_as_a_table(five_speed: AppTest) -> None:
     leaks_alone(five_speed).set_value(False).run()
 
 
-@pytest.mark.page("4_Diagnosis")
+@pytest.mark.page("4_Diagnosis?diagnosis=pressures")
 def test_a_valve_body_without_circuits_says_so_in_one_sentence(app: AppTest) -> None:
     assert "This valve body's file describes no circuits: only the line is judged." in texts(app)
     assert not any("Lands that cost it" in frame.value for frame in app.dataframe)
 
 
-@pytest.mark.page("4_Diagnosis")
+@pytest.mark.page("4_Diagnosis?diagnosis=pressures")
 def test_without_a_sheet_no_pressure_is_green(app: AppTest) -> None:
     choice(app, "Valve body").select("five_speed_2005").run()
     assert not app.exception

@@ -111,7 +111,7 @@ def test_every_page_is_shown_in_the_readers_language(tmp_path: Path, language: s
         assert files.label == wording(language)("panel.files")
 
 
-@pytest.mark.page("4_Diagnosis?diagnosis=lands")
+@pytest.mark.page("4_Diagnosis?diagnosis=lands#how-sure")
 def test_what_is_assumed_and_what_is_asked_stand_in_the_readers_units(app: AppTest) -> None:
     app.session_state["reader-units"] = "us"
     app.run()

@@ -1,4 +1,4 @@
-"""The diagnosis page shows the repairs that a valve body's file names, and lets the workshop choose among them."""
+"""The page Plan shows the repairs that a valve body's file names, and lets the workshop choose among them."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ def planned(app: AppTest) -> dict[str, str]:
     return dict(zip(table["Repair"], table["Use"], strict=True))
 
 
+@pytest.mark.page("5_Plan")
 def test_repairs_of_the_file_are_shown_and_another_one_can_be_chosen(app: AppTest) -> None:
     choice(app, "Valve body").select("five_speed_2005").run()
     uploader(app, "Measuring sheet").upload("worn.csv", SHEET.encode(), "text/csv").run()
@@ -64,17 +65,16 @@ accumulator;1;bore;18.10
 
 
 @pytest.mark.page("21_Settings")
-def test_a_body_that_is_ticked_is_one_line_of_the_estimate_and_unticks_the_sleeve(app: AppTest) -> None:
+def test_a_body_that_is_switched_on_is_one_line_of_the_estimate_and_the_sleeve_is_off(app: AppTest) -> None:
     own = catalogue_files("controllers")["minimal_example"].read_text(encoding="utf-8") + KITS
     uploader(app).upload_all({"own.toml": own.encode(), "worn.csv": TWO_WORN}).run()
     go(app, "4_Diagnosis")
     assert not app.exception
-    next(each for each in app.checkbox if "bore sleeved" in each.label).check().run()
-    body = next(each for each in app.checkbox if "remanufactured body" in each.label)
+    next(each for each in app.main.toggle if "bore sleeved" in each.label).set_value(True).run()
+    body = next(each for each in app.main.toggle if "remanufactured body" in each.label)
     assert "one repair of the whole valve body" in body.label
-    body.check().run()
-    assert [each.value for each in app.checkbox if "sleeved" in each.label] == [False]
-    app.button(key="take-repairs").click().run()
+    body.set_value(True).run()
+    assert [each.value for each in app.main.toggle if "sleeved" in each.label] == [False]
     go(app, "5_Plan")
     assert not app.exception
     assert "**the whole valve body**" in texts(app)

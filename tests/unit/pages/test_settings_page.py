@@ -10,10 +10,10 @@ from tests.unit.pages.conftest import choice, go, settle, texts
 
 
 def test_profile_options_reach_the_engine(app: AppTest) -> None:
-    settle(app, "4_Diagnosis", "Profile", "paper")
+    settle(app, "4_Diagnosis?diagnosis=remarks", "Profile", "paper")
     assert "Profile: **paper**" in texts(app)
     settle(app, "21_Settings", "Diameter in the gap law", "mean")
-    settle(app, "4_Diagnosis", "Loss at a gap's entry and exit", "on")
+    settle(app, "4_Diagnosis?diagnosis=remarks", "Loss at a gap's entry and exit", "on")
     changed = (
         "paper (Diameter in the gap law: mean of spool and sleeve; "
         "Loss at a gap's entry and exit: subtracted everywhere)"
@@ -39,10 +39,11 @@ def test_where_the_spools_lie_can_be_unknown(app: AppTest) -> None:
     assert ratio().disabled
     position().set_value(False).run()
     assert options() == {"eccentricity": 0.4}
-    go(app, "4_Diagnosis")
+    go(app, "4_Diagnosis?diagnosis=remarks")
     assert "workshop (Eccentricity e/c: 0.4)" in texts(app)
 
 
+@pytest.mark.page("4_Diagnosis?diagnosis=remarks")
 def test_the_state_of_the_fluid_is_asked_and_reaches_the_result(app: AppTest) -> None:
     assert "taken as fresh (not stated)" in texts(app)
     go(app, "21_Settings")
@@ -93,7 +94,7 @@ def test_a_fluid_of_one_s_own_is_two_viscosities_and_no_file(app: AppTest) -> No
     assert [at for at, _ in fluid.points] == [40.0, 100.0]
     assert [nu for _, nu in fluid.points] == pytest.approx([34.1e-6, 7.1e-6], rel=1e-12, abs=0.0)
     assert fluid.representative == ("density_g_cm3", "density_slope_g_cm3_k")
-    go(app, "4_Diagnosis")
+    go(app, "4_Diagnosis?diagnosis=remarks")
     assert "Drum 7, red" in texts(app)
     go(app, "3_In_the_car")
     assert "**Drum 7, red**" in texts(app)  # the step is done

@@ -1,4 +1,4 @@
-"""The page of one unit: its visits, what was left undone, how it wears and how it stands among its kind."""
+"""The part of the page History on one unit: its visits, what was left undone, how it wears and how it stands among its kind."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from atleak.job_book.book import Book, open_book
 from atleak.job_book.unit_history import unit_of_visit, visits_of_unit
 from atleak.measurements.job_card import Job
 from pages.shared import unit
-from tests.unit.pages.conftest import go, texts
+from tests.unit.pages.conftest import go, part_shown, texts
 
 
 def saved(book: Book, sleeve: float, year: int, mileage: float, **record: Any) -> str:
@@ -51,7 +51,7 @@ def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest)
     # a visit beside the one before
     next(button for button in app.button if button.label == "Compare with the visit before").click().run()
     assert not app.exception
-    assert [widget.value for widget in app.title] == ["Compare"]
+    assert part_shown(app) == "history=compare"
     assert app.selectbox(key=f"compare-before-{first}").value == first
     go(app, "11_History")
     # another one is looked for

@@ -1,4 +1,4 @@
-"""A pump past its limits leads the plan on the page Diagnosis and the lines on the page Estimate."""
+"""A pump past its limits leads the page Plan: its order of repair and its lines."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from atleak.catalogue.controller_file import checked_controller
 from atleak.measurements.readings import Readings
 from atleak.report.sheets.measuring_columns import PUMP_SIDE
 from atleak.report.sheets.measuring_sheet import write_readings
-from tests.unit.pages.conftest import choice, go, opened, texts, unfold, uploader
+from tests.unit.pages.conftest import choice, go, opened, texts, uploader
 
 pytestmark = pytest.mark.page("2_Measure")
 
@@ -42,19 +42,16 @@ def app(
 
 
 def test_the_plan_names_the_pump_first_with_its_repair(app: AppTest) -> None:
-    unfold(go(app, "4_Diagnosis"), "order-of-repair")
+    go(app, "5_Plan#order-of-repair")
     assert not app.exception
     assert "Repair the pump first." in texts(app)
+    (first, *_) = [widget.label.replace("\\", "") for widget in app.main.toggle]
+    assert first.startswith("**pump** · ■ replace: new gears")
+    assert "work in no sum: pump." in texts(app)
     order, options = (
         next(frame.value for frame in app.dataframe if column in frame.value) for column in ("Helps most at", "Use")
     )
     assert order["Helps most at"].tolist() == ["for its own verdict: what a new one brings is not known"]
     assert order.iloc[0].astype(str).str.fullmatch("pump").any()
     assert (options["Repair"].tolist(), options["Use"].tolist()) == (["new gears"], ["planned"])
-
-
-def test_the_estimate_lists_the_pump_first(app: AppTest) -> None:
-    go(app, "5_Plan")
-    assert not app.exception
-    assert "**pump** · ■ replace: new gears" in texts(app)
-    assert "work in no sum: pump." in texts(app)
+    print(options.to_string())
