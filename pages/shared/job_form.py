@@ -159,7 +159,7 @@ def _tables(record: Job, controller: Controller) -> tuple[dict[str, Any], dict[s
             name: st.column_config.DateColumn(say(f"job_table.{name}"), format="YYYY-MM-DD")
             for name in ("date", "calibrated")
         },
-        **dict.fromkeys(("photo", "repair", "price", "hours")),  # in the folds above, and on the page Estimate
+        **dict.fromkeys(("photo", "repair", "price", "hours")),  # in the folds above, and on the page Plan
     }
     tables, places = {}, {}
     for name in ("repair_decisions", "scratches", "instruments"):

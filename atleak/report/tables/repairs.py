@@ -215,6 +215,7 @@ def option_table(plan: RepairPlan, say: Wording) -> Table:
         Column("tool", width=150, of=repair("tool")),
         Column(
             "lands",
+            of=lambda row: row.lands(say),
             parts=(
                 Column("lands", of=lambda row: row.lands(say)),
                 Column("id", of=repair("id")),

@@ -173,3 +173,9 @@ def unfold(app: AppTest, name: str) -> AppTest:
     """Open a fold whose content is made when it is opened."""
     app.session_state[f"{name}-{app.session_state['atleak'].generation}"] = True
     return app.run()
+
+
+def columns_of(log: Path, kept: int) -> bytes:
+    """The first columns of a log; of the sample two are its time and engine speed."""
+    lines = log.read_text(encoding="utf-8").splitlines()
+    return "\n".join(";".join(line.split(";")[:kept]) for line in lines).encode()

@@ -10,7 +10,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from pages.shared import places
-from tests.unit.pages.conftest import PARTS, ROOT, choice, go, part_shown, press, texts, uploader
+from tests.unit.pages.conftest import PARTS, ROOT, choice, columns_of, go, part_shown, press, texts, uploader
 
 PAGES = sorted(ROOT.joinpath("pages").glob("[0-9]*_*.py"))
 OF_A_JOB = ("1_Job", "2_Measure", "3_In_the_car", "4_Diagnosis", "5_Plan", "6_Report")
@@ -40,12 +40,6 @@ def test_every_page_and_part_runs_with_the_sample_and_with_nothing(app: AppTest)
     for place in walk(app):
         assert not called_good(app), place
         assert not app.error, place
-
-
-def columns_of(log: Path, kept: int) -> bytes:
-    """The first columns of a log; of the sample two are its time and engine speed."""
-    lines = log.read_text(encoding="utf-8").splitlines()
-    return "\n".join(";".join(line.split(";")[:kept]) for line in lines).encode()
 
 
 def called_good(app: AppTest) -> bool:

@@ -16,6 +16,7 @@ boost_valve;1;bore;9.955;4.5
 
 def planned(app: AppTest) -> dict[str, str]:
     table = next(frame.value for frame in app.dataframe if "Use" in frame.value)
+    assert set(table.iloc[:, -1]) == {"boost_valve/1, boost_valve/2, boost_valve/3"}
     return dict(zip(table["Repair"], table["Use"], strict=True))
 
 
@@ -29,7 +30,6 @@ def test_repairs_of_the_file_are_shown_and_another_one_can_be_chosen(app: AppTes
     assert "37947-03K" in first
     assert planned(app) == {first: "planned", second: ""}
     assert "neither price nor hours" in texts(app)
-    assert "Contact lengths of 1 of 34 lands are those measured on the sheet" in texts(app)
     app.multiselect[0].select("boost_kit_a4ld").run()
     assert not app.exception
     assert planned(app) == {second: "planned", first: ""}
@@ -77,6 +77,7 @@ def test_a_body_that_is_switched_on_is_one_line_of_the_estimate_and_the_sleeve_i
     assert [each.value for each in app.main.toggle if "sleeved" in each.label] == [False]
     go(app, "5_Plan")
     assert not app.exception
-    assert "**the whole valve body**" in texts(app)
+    (line,) = [each for each in app.main.toggle if each.value]
+    assert line.label.startswith("**the whole valve body**")
     (sums,) = [table.value for table in app.dataframe if "Net" in table.value]
     assert list(sums["Parts"]) == ["650.00"]

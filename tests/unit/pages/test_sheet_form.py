@@ -1,4 +1,4 @@
-"""The form that says which column of a measuring sheet is what, on the page Readings."""
+"""The form that says which column of a measuring sheet is what, on the page Measure."""
 
 from __future__ import annotations
 
@@ -214,7 +214,7 @@ def test_the_page_names_its_own_fields_in_place_of_options_of_the_command_line(a
     app.session_state["atleak"].refused["readings"] = Refusal(file.name, caught.value, file)
     app.run()
     said = next(error.value for error in app.error if "not taken as measuring sheet" in error.value)
-    assert "“What was read, and which column is what” on the page Readings" in said
+    assert "“What was read, and which column is what” on the page Measure" in said
     assert "map component" not in said
 
 

@@ -53,7 +53,7 @@ def test_a_unit_shows_its_visits_its_wear_and_what_was_left_undone(app: AppTest)
     assert not app.exception
     assert part_shown(app) == "history=compare"
     assert app.selectbox(key=f"compare-before-{first}").value == first
-    go(app, "11_History")
+    go(app, "11_History?history=unit")
     # another one is looked for
     other = next(widget for widget in app.text_input if widget.label == "Look for another unit")
     other.set_value("no such thing").run()

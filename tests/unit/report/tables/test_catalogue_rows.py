@@ -1,4 +1,4 @@
-"""A valve body, a fluid and limits as the page Catalogue shows them."""
+"""A valve body, a fluid and limits as the page Library shows them."""
 
 from __future__ import annotations
 
