@@ -109,8 +109,6 @@ def _leader(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> str:
     )
 
 
-@st.fragment
-@show.faults()
 def lands(diagnosis: Diagnosis) -> None:
     """Show the lands: flagged ones, each at every condition, all of them, and how sure their numbers are."""
     say = reader.say()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import signal
 import socket
@@ -44,10 +45,24 @@ AT_REST = """element => new Promise(done => {
 })"""
 
 
-def from_menu(page: playwright_api.Page, group: str, name: str) -> None:
-    """Choose a page of one of the groups at the head of the dashboard."""
-    page.get_by_text(group, exact=True).first.click()
-    page.get_by_role("menuitem", name=name).click()
+def step(page: playwright_api.Page, name: str) -> playwright_api.Locator:
+    """The link to a page in the navigation at the head of the dashboard; a step of the job says how far it is."""
+    links = page.locator(".st-key-steps").get_by_role("link")
+    return links.filter(has_text=re.compile(rf"^{re.escape(name)}( · |$)"))
+
+
+def to(page: playwright_api.Page, name: str, heading: str = "") -> None:
+    """Go to a page by the navigation; it is there when its heading is, a diagnosis with its answer."""
+    step(page, name).click()
+    heading = heading or {"Measure": "Readings", "Jobs": "Job book"}.get(name, name)
+    named = page.get_by_role("heading", name=heading, level=1)
+    playwright_api.expect(page.locator(".st-key-answer") if name == "Diagnosis" else named).to_be_visible()
+    page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()
+
+
+def open_part(page: playwright_api.Page, name: str) -> None:
+    """Open a part of a page by its label."""
+    page.get_by_test_id("stMain").get_by_role("radio", name=name).click()
 
 
 def unfold(page: playwright_api.Page, label: str) -> None:

@@ -16,9 +16,10 @@ pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
 from atleak.report.tables.lands import CONDITION_WIDTH
+from pages.shared import places
 from pages.shared.show import PAIR_WIDTH
 
-from .conftest import AT_REST, from_menu, unfold
+from .conftest import AT_REST, to, unfold
 
 Visit = Callable[[str], Page]
 SHEET = "component;part;plane;direction;diameter [mm]\n" + "".join(
@@ -59,15 +60,16 @@ def wait_until_idle(page: Page) -> None:
     page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()
 
 
-def banner(page: Page) -> str:
-    return page.get_by_test_id("stMain").get_by_test_id("stAlert").first.inner_text()
+def verdict(page: Page) -> str:
+    return page.get_by_role("heading", level=1).inner_text()
 
 
+@pytest.mark.page("4_Diagnosis?diagnosis=lands")
 def test_a_fresh_start_shows_the_sample_jobs_flagged_pairs(page: Page) -> None:
     texts = flagged(page)
     assert any("■ replace" in text and "25/1 main pressure valve" in text for text in texts)
     assert any("▲ watch" in text for text in texts)
-    assert "replace" in banner(page)
+    assert "replace" in verdict(page)
 
 
 def test_sorting_by_verdict_goes_by_severity(visit: Visit) -> None:
@@ -116,6 +118,7 @@ def test_a_file_that_ends_its_reader_ends_nothing_else(
 
 
 @pytest.mark.slow
+@pytest.mark.page("4_Diagnosis?diagnosis=lands")
 def test_leaving_a_page_and_coming_back_keeps_the_job(page: Page, sample_readings: Path) -> None:
     upload(page, "mine.xlsx", sample_readings.read_bytes())
     status(page, "mine.xlsx")
@@ -124,18 +127,20 @@ def test_leaving_a_page_and_coming_back_keeps_the_job(page: Page, sample_reading
     box = side.get_by_label("Temperature [°C]")
     box.fill("92.715")
     box.press("Enter")
-    expect(page.get_by_text(re.compile(r"gear 2, 92\.715 °C")).first).to_be_visible()
+    bar = page.locator(".js-plotly-plot").first
+    expect(bar).to_contain_text("92.715 °C")
     wait_until_idle(page)
-    before = banner(page), flagged(page)
-    page.get_by_role("link", name="Readings", exact=True).click()
+    before = verdict(page), flagged(page)
+    to(page, "Measure")
     expect(page.get_by_text("376 readings in mm")).to_be_visible()
-    page.get_by_role("link", name="Diagnosis", exact=True).click()
-    expect(page.get_by_text(re.compile(r"gear 2, 92\.715 °C")).first).to_be_visible()
+    to(page, "Diagnosis")
+    expect(bar).to_contain_text("92.715 °C")
     wait_until_idle(page)
-    assert (banner(page), flagged(page)) == before
+    assert (verdict(page), flagged(page)) == before
     status(page, "mine.xlsx")
 
 
+@pytest.mark.page("6_Report")
 def test_json_and_workbook_are_downloaded(page: Page) -> None:
     with page.expect_download() as waiting:
         page.get_by_role("button", name="JSON").click()
@@ -144,7 +149,7 @@ def test_json_and_workbook_are_downloaded(page: Page) -> None:
     assert any(land["verdict"] == "replace" for land in record["lands"])
     with page.expect_download() as waiting:
         page.get_by_role("button", name="Excel workbook").click()
-    assert waiting.value.suggested_filename == "diagnosis_measuring_sheet_four_speed.xlsx"
+    assert waiting.value.suggested_filename == "atleak.xlsx"
     assert "Lands" in openpyxl.load_workbook(io.BytesIO(Path(waiting.value.path()).read_bytes())).sheetnames
 
 
@@ -162,7 +167,7 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     status(page, "mine.xlsx")
     status(page, "In the job book")
     expect(page.get_by_test_id("stSidebar").get_by_text("not taken.").first).to_be_visible()
-    page.get_by_role("link", name="In the car", exact=True).click()
+    to(page, "In the car")
     main = page.get_by_test_id("stMain")
     expect(main.get_by_text("Which column is it?").first).to_be_visible()
     columns = main.get_by_role("combobox", name=re.compile(r"^.*main \(line\)"))
@@ -172,7 +177,7 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     page.get_by_role("option", name="line pressure 2 [kPa]").click()
     main.get_by_role("button", name=re.compile("Use and remember")).click()
     status(page, re.compile("100 rows"))
-    page.get_by_role("link", name="Report", exact=True).click()
+    to(page, "Report")
     with page.expect_download() as waiting:
         main.get_by_role("button", name="Job file").click()
     job = Path(waiting.value.path()).read_bytes()
@@ -182,7 +187,7 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
     upload(page, "job.zip", job)
     status(page, "two.csv")
     status(page, "mine.xlsx")
-    page.get_by_role("link", name="In the car", exact=True).click()
+    to(page, "In the car")
     unfold(page, "The log in full")
     expect(main.get_by_text("As understood")).to_be_visible()
     wait_until_idle(page)
@@ -216,6 +221,7 @@ def test_dragging_across_the_log_sets_the_cursors(page: Page) -> None:
     expect(cursors.filter(has_text=re.compile(r"^[56](\.\d+)?$"))).to_have_count(1)
 
 
+@pytest.mark.page("4_Diagnosis?diagnosis=lands")
 def test_flagged_pairs_are_cards_on_a_phone_and_the_matrix_shows_two_conditions(page: Page) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
     card = page.locator("table.cards tbody tr").first
@@ -238,9 +244,6 @@ def test_flagged_pairs_are_cards_on_a_phone_and_the_matrix_shows_two_conditions(
     assert matrix.bounding_box()["width"] + 2.0 >= PAIR_WIDTH + 2 * CONDITION_WIDTH
 
 
-GROUPS = {"Catalogue": "More", "Uncertainty": "More", "Settings": "More", "Job_book": "Job book", "Unit": "Job book"}
-
-
 def test_every_page_opens_at_its_address_asks_no_other_host_and_the_console_stays_silent(
     visit: Visit, server: str
 ) -> None:
@@ -249,21 +252,18 @@ def test_every_page_opens_at_its_address_asks_no_other_host_and_the_console_stay
     asked: list[str] = []
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.on("request", lambda request: asked.append(request.url))
-    page.goto(f"{server}/Catalogue")  # a page's own address opens it
-    expect(page.get_by_role("heading", name="Catalogue", level=1)).to_be_visible()
+    page.goto(f"{server}/Gauge_study?before=kept")  # an address of before leads to where the page is today
+    expect(page.get_by_role("heading", name="Library", level=1)).to_be_visible()
+    expect(page.get_by_role("radio", name="Gauge study")).to_be_checked()
+    page.wait_for_url(re.compile(r"/Library\?(?=.*before=kept)(?=.*library=gauge_study)"))
     expect(page.get_by_test_id("stSidebar").get_by_text("Files of the job").first).to_be_visible()
     # Streamlit itself looks for its server beside a page's address first, which the console tells
     page.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
-    for address in ("Job", "In_the_car", "Report", *GROUPS, "Readings", "Diagnosis"):
-        name = address.replace("_", " ")
-        if group := GROUPS.get(address):
-            from_menu(page, group, name)
-        else:
-            page.get_by_role("link", name=name, exact=True).click()
-        expect(page.get_by_role("heading", name=name, level=1)).to_be_visible()
-        wait_until_idle(page)
+    for path in (*places.EVERY, places.page("Diagnosis")):
+        address = places.name_of(path)
+        to(page, address.replace("_", " "))
         assert page.get_by_test_id("stException").count() == 0
-        assert page.url.rstrip("/") == f"{server}/{address}"
+        assert page.url.partition("?")[0] == f"{server}/{address}"
     page.get_by_test_id("stPlotlyChart").first.wait_for()
     assert wrong == []
     assert not [url for url in asked if not url.startswith((server, "data:", "blob:", server.replace("http", "ws")))]

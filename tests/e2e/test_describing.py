@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
-from .conftest import AT_REST, from_menu
+from .conftest import AT_REST, open_part, to
 
 ROW = 35  # pixels
 EXAMPLE = "Example of a workshop's own description"
@@ -52,7 +52,8 @@ def type_into(page: Page, table: int, row: int, column: int, text: str) -> None:
 def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
     page: Page, server: str, server_home: Path
 ) -> None:
-    from_menu(page, "More", "Transmission")
+    to(page, "Library")
+    open_part(page, "Transmission")
     page.get_by_role("combobox", name="Start from").click()
     page.keyboard.type(EXAMPLE)
     page.keyboard.press("Enter")
@@ -85,9 +86,8 @@ def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
     displacement.press("Tab")
     expect(page.get_by_text("Nothing is missing or wrong.")).to_be_visible()
 
-    page.get_by_role("link", name="Readings", exact=True).click()
-    expect(page.get_by_role("heading", name="Readings")).to_be_visible()
-    from_menu(page, "More", "Transmission")
+    to(page, "Measure")
+    to(page, "Library")  # the part is the one that was open
     expect(page.get_by_text("our_box_2012")).to_be_visible()
     page.reload()  # a new session
     expect(page.get_by_text("our_box_2012")).to_be_visible()
@@ -100,5 +100,5 @@ def test_a_copy_of_a_shipped_unit_is_edited_saved_chosen_and_diagnosed(
     wait_until_idle(page)
     chosen = page.get_by_test_id("stSidebar").get_by_role("combobox", name="Valve body")
     expect(chosen).to_have_value("Our box, 2012 (own: our_box_2012)")
-    page.get_by_role("link", name="Diagnosis", exact=True).click()
+    to(page, "Diagnosis")
     expect(page.get_by_text("nothing was measured").first).to_be_visible()

@@ -18,7 +18,7 @@ from atleak.job.zip_file import write_job_file
 from atleak.measurements.job_card import Job
 
 from ..unit.fleet.small_units import small_unit
-from .conftest import AT_REST, from_menu
+from .conftest import AT_REST, to
 
 ROW, HALF = 35, 17  # [px] of a row of a table
 
@@ -41,7 +41,7 @@ def evaluated(tmp_path: Path, server_home: Path, monkeypatch: pytest.MonkeyPatch
 
 @pytest.mark.slow
 def test_from_a_fleet_down_to_one_unit_and_back_with_what_was_chosen(page: Page, evaluated: Path) -> None:
-    from_menu(page, "Job book", "Fleet")
+    to(page, "Fleet")
     expect(page.get_by_text("To be replaced, or worse: 0 of 3 units.", exact=True)).to_be_visible()
     expect(page.get_by_role("button", name="Excel workbook")).to_be_visible()  # the last of the page
     groups = page.get_by_test_id("stMain").get_by_role("combobox", name="Groups by")
@@ -64,7 +64,7 @@ def test_from_a_fleet_down_to_one_unit_and_back_with_what_was_chosen(page: Page,
     page.wait_for_url("**/Diagnosis**")
     expect(page.get_by_role("button", name="Undo: 2026-04-2 opened")).to_be_visible()
     expect(page.get_by_test_id("stSidebar").get_by_text("2.csv")).to_be_visible()
-    from_menu(page, "Job book", "Fleet")
+    to(page, "Fleet")
     expect(page.get_by_text("The 2 groups by “group”, each compared with each.")).to_be_visible()
     page.wait_for_url("**by=group**")
     with page.expect_download() as download:

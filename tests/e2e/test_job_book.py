@@ -15,7 +15,7 @@ from playwright.sync_api import Page, expect
 from atleak.job_book.book import Book, open_book
 from atleak.measurements.job_card import Job
 
-from .conftest import SOON, end, started
+from .conftest import SOON, end, started, to
 
 TYPED = {"Job number": "2026-0417", "Technician": "K. N.", "Make": "Mercedes", "VIN": "WDB2100371A123456"}
 
@@ -58,9 +58,9 @@ def test_a_killed_tab_and_a_killed_server_lose_no_digit_and_the_second_browser_i
         first = visit(f"{address}/Job?job={job}")
         for label, text in TYPED.items():
             expect(first.get_by_label(label, exact=True)).to_have_value(text)
-        first.get_by_role("link", name="Readings", exact=True).first.click()
-        first.wait_for_url(f"**/Readings?job={job}")
-        first.get_by_role("link", name="Job", exact=True).first.click()
+        to(first, "Measure")
+        first.wait_for_url(f"**/Measure?job={job}")
+        to(first, "Job")
         expect(first.get_by_label("VIN", exact=True)).to_have_value(TYPED["VIN"])
         second = visit(f"{address}/Job?job={job}")
         expect(second.get_by_label("VIN", exact=True)).to_have_value(TYPED["VIN"])

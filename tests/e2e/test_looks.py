@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from .conftest import SOON, playwright_api, unfold
+from .conftest import AT_REST, SOON, playwright_api, unfold
 
 pypdfium2 = pytest.importorskip("pypdfium2")
 
@@ -41,15 +41,16 @@ CONTRAST = """() => {
     }
     return Math.min(...contrasts)
 }"""
-# Buttons and folds of the page that are smaller than a finger.
-SMALL = f"""() => [...document.querySelectorAll("[data-testid^=stBaseButton], summary, [data-testid=stMainMenuButton]")]
+# Buttons, links to pages and folds that are smaller than a finger.
+TOUCHED = "[data-testid^=stBaseButton], summary, [data-testid=stMainMenuButton], [data-testid=stPageLink-NavLink]"
+SMALL = f"""() => [...document.querySelectorAll("{TOUCHED}")]
     .filter(each => each.offsetParent && each.checkVisibility({{opacityProperty: true, visibilityProperty: true}}))
     .map(each => [each.getBoundingClientRect(), each.innerText || each.dataset.testid])
     .filter(([box]) => box.right > 0 && Math.min(box.width, box.height) < {LEAST_TARGET})
     .map(([box, name]) => `${{name}}: ${{box.width}} x ${{box.height}}`)"""
 
-# What lies over something else: a button over a button, a tab's words over another's, a table's toolbar over what it
-# belongs to or stands below.
+# What lies over something else: a button over a button, a link over a link, a tab's words over another's, a table's
+# toolbar over what it belongs to or stands below.
 OVER = """() => {
     const shown = kind => [...document.querySelectorAll(kind)]
         .filter(each => each.checkVisibility({opacityProperty: true, visibilityProperty: true}))
@@ -66,7 +67,8 @@ OVER = """() => {
         each => lower.filter(other => lies(each, other)).map(other => `${name(each)} over ${name(other)}`))
     const main = "[data-testid=stMain]", texts = ["h1", "h2", "h3", "p", "li", "label", "summary", "canvas", "img"]
     const alike = [main, "[data-testid=stSidebar]", "[data-testid=stHeader]"].flatMap(
-        place => ["button:not([role=tab])", "[role=tab]"].map(kind => shown(`${place} ${kind}`)))
+        place => ["button:not([role=tab])", "[role=tab]", "[data-testid=stPageLink-NavLink]"].map(
+            kind => shown(`${place} ${kind}`)))
     return alike.flatMap(kind => over(kind, kind))
         .concat(over(shown(`${main} [data-testid=stElementToolbar]`), shown(`${main} :is(${texts})`)))
 }"""
@@ -116,6 +118,34 @@ def test_nothing_that_is_touched_lies_over_anything_else(
     assert found == {}
 
 
+# The steps of the job that stand on the screen, whole and over all else, and the height of the page.
+SEEN = """() => [...document.querySelectorAll(".st-key-steps a")].slice(0, 6).filter(each => {
+    const {left, right, top, bottom} = each.getBoundingClientRect()
+    return left >= 0 && right <= innerWidth && top >= 0 && bottom <= innerHeight
+        && each.contains(document.elementFromPoint((left + right) / 2, (top + bottom) / 2))
+}).map(each => each.innerText.split(" · ")[0])"""
+HEIGHT = "document.querySelector('[data-testid=stMainBlockContainer]').getBoundingClientRect().height"
+STEPS = ["Job", "Measure", "In the car", "Diagnosis", "Plan", "Report"]
+
+
+def test_a_diagnosis_stands_on_one_screen_and_on_three_of_a_phone(browser: playwright_api.Browser, server: str) -> None:
+    screens = (((1366, 700), False, 900), ((820, 1180), True, 2000), ((390, 800), True, 3 * 800))
+    for size, touched, most in screens:
+        context = browser.new_context(
+            viewport=dict(zip(("width", "height"), size, strict=True)), has_touch=touched, is_mobile=touched
+        )
+        context.set_default_timeout(SOON)
+        page = context.new_page()
+        page.goto(f"{server}/Diagnosis")
+        page.locator(".js-plotly-plot").first.wait_for()
+        page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()
+        page.locator(".st-key-steps").evaluate(AT_REST)
+        assert page.evaluate(SEEN) == STEPS, size
+        assert page.evaluate(HEIGHT) <= most, size
+        assert not touched or page.evaluate(SMALL) == [], size
+        context.close()
+
+
 @pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_a_finger_scrolls_over_a_chart_and_finds_what_it_touches(
     browser: playwright_api.Browser, server: str, scheme: str
@@ -157,7 +187,7 @@ def test_on_paper_stands_the_page_alone_and_nothing_is_cut(page: playwright_api.
     printed = pypdfium2.PdfDocument(target)
     texts = [sheet.get_textpage() for sheet in printed]
     words = "\n".join(text.get_text_range() for text in texts)
-    assert "What if" in words
+    assert "Try this unit at another temperature" in words
     for of_panel in ("Files of the job", "Take the sample job", "Deploy"):
         assert of_panel not in words
     assert re.search(r"ATF temperature", words)

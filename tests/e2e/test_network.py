@@ -95,7 +95,7 @@ def test_every_page_is_shut_until_somebody_of_the_list_signs_in(guarded: Guarded
         page.get_by_role("button", name="Sign in").wait_for()
         expect(page.get_by_text("Sample job")).to_have_count(0)
         expect(page.get_by_test_id("stFileUploader")).to_have_count(0)
-        expect(page.get_by_test_id("stTopNavLink")).to_have_count(0)
+        expect(page.locator(".st-key-steps")).to_have_count(0)
     sign_in(page, guarded, email="ana@shop.example", email_verified=True)
     page.get_by_text("Signed in: ana@shop.example").wait_for()
     page.goto(f"{guarded.address}/Diagnosis")

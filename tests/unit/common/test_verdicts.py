@@ -152,7 +152,7 @@ words = {}
 for page in sorted((root / "pages").glob("[0-9]*_*.py")):
     app.switch_page(str(page)).run()
     assert not app.exception, page.name
-    words[page.name] = "".join(text.value for text in (*app.error, *app.warning))
+    words[page.name] = "".join(text.value for text in (*app.title, *app.caption))
 assert "◆ repair soon" in words["4_Diagnosis.py"], "sentence"
 assert "◆ repair soon" in pair_table(found, found.flagged, wording("en")).html(), "table"
 print("walked")

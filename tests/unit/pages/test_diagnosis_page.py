@@ -103,7 +103,7 @@ def test_a_fresh_start_says_which_part_it_is_and_shows_the_flagged_pairs_of_the_
     for total, row in zip(matrix[shares].sum(), effect, strict=True):
         assert float(row["Share"].split("\u00a0")[0]) == pytest.approx(total, abs=0.2)  # of shares that are rounded
 
-    go(app, "4_Diagnosis?diagnosis=pressures")
+    go(app, "4_Diagnosis?diagnosis=pressures#pressures-in-full")
     assert "converter, lubrication and clutch fill are not in it" in texts(app)
     part(app, "remarks")
     assert "kinds of value are assumed: neither measured nor published" in texts(app)
@@ -133,10 +133,10 @@ def test_a_sheet_with_a_repeat_that_is_far_off_is_not_shown_green(app: AppTest, 
     lines = ["component;land;part;direction;repeat;diameter [mm]"]
     for land in minimal.lands:
         spool, sleeve = 1e3 * land.nominal_diameter, 1e3 * land.nominal_sleeve_diameter
-        for part, diameter in (("spool", spool), ("sleeve", sleeve)):
+        for side, diameter in (("spool", spool), ("sleeve", sleeve)):
             for direction, repeat in itertools.product((0, 90), (1, 2)):
-                slip = 0.0095 if (land.component, part, repeat) == ("tcc_regulator", "spool", 2) else 0.0
-                lines.append(f"{land.component};{land.land};{part};{direction};{repeat};{diameter + slip:.4f}")
+                slip = 0.0095 if (land.component, side, repeat) == ("tcc_regulator", "spool", 2) else 0.0
+                lines.append(f"{land.component};{land.land};{side};{direction};{repeat};{diameter + slip:.4f}")
     uploader(app, "Measuring sheet").upload("slip.csv", "\n".join(lines).encode(), "text/csv").run()
     go(app, "4_Diagnosis")
     assert not app.exception

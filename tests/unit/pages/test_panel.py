@@ -10,7 +10,7 @@ from streamlit.testing.v1 import AppTest
 from tests.unit.pages.conftest import ROOT, XLSX, choice, go, number, press, settle, texts, uploader
 
 
-@pytest.mark.page("4_Diagnosis?diagnosis=pressures")
+@pytest.mark.page("4_Diagnosis?diagnosis=pressures#pressures-in-full")
 def test_choices_and_digits_survive_a_page_change(app: AppTest) -> None:
     number(app, "Temperature [°C]").set_value("92.715").run()
     settle(app, "4_Diagnosis", "Fluid", "mobil_atf_220")

@@ -1,4 +1,4 @@
-"""The part of the diagnosis on pressures says what line and circuits hold, which lands cost them what, and where the flow goes."""
+"""The diagnosis says what line and circuits hold, which lands cost them what, and where the flow goes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The part of the page History on one unit: its visits, what was left undone, how it wears and how it stands among its kind."""
+"""The part of the page History on a unit: visits, what was left undone, wear, and how it stands among its kind."""
 
 from __future__ import annotations
 

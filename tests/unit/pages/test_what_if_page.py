@@ -1,4 +1,4 @@
-"""What is tried in the part What if of the page Plan stays in the session, never reaches the job, and is taken back with one button."""
+"""What is tried in the part What if of the page Plan never reaches the job, and one button takes it back."""
 
 from __future__ import annotations
 
