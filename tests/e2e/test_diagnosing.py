@@ -11,7 +11,7 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Locator, Page, expect
 
-from .conftest import open_part, to
+from .conftest import AT_REST, open_part, to
 
 
 def idle(page: Page) -> None:
@@ -40,7 +40,7 @@ def test_a_pair_is_opened_by_the_picture_a_row_and_the_list(page: Page) -> None:
     page.get_by_role("option", name=re.compile("^17 ")).click()
     expect(opened).to_contain_text("17 ")
     page.reload()
-    expect(page.get_by_text("Ovality of the bore").first).to_be_visible()
+    expect(opened).to_contain_text("17 ")
     expect(page.get_by_role("radio", name="Lands")).to_be_checked()
 
 
@@ -50,7 +50,9 @@ def test_repairs_are_switched_priced_and_the_record_holds_what_was_decided(page:
     expect(said).to_be_visible()
     switch(page, "25/1 main pressure valve").click()
     expect(page.get_by_text("Flagged lands without a repair: 25/1.")).to_be_visible()
-    page.get_by_role("link", name="Prices and estimate").click()
+    prices = page.get_by_role("link", name="Prices and estimate")
+    prices.evaluate(AT_REST)  # what is said above it grew
+    prices.click()
     on = page.get_by_test_id("stMain").get_by_test_id("stCheckbox").locator("input").first
     price = page.get_by_role("textbox", name=re.compile("^Price")).first
     price.fill("61,55")

@@ -10,16 +10,15 @@ from streamlit.testing.v1 import AppTest
 from tests.unit.pages.conftest import ROOT, XLSX, choice, go, number, press, settle, texts, uploader
 
 
-@pytest.mark.page("4_Diagnosis?diagnosis=pressures#pressures-in-full")
+@pytest.mark.page("4_Diagnosis?diagnosis=pressures")
 def test_choices_and_digits_survive_a_page_change(app: AppTest) -> None:
     number(app, "Temperature [°C]").set_value("92.715").run()
     settle(app, "4_Diagnosis", "Fluid", "mobil_atf_220")
     shown = app.dataframe[0].value
-    assert "92.715 °C" in texts(app)
+    assert shown["Operating point"].str.contains("92.715").sum() == 1
     go(app, "2_Measure")
     go(app, "4_Diagnosis")
     assert number(app, "Temperature [°C]").value == "92.715"
-    assert "92.715 °C" in texts(app)
     assert app.dataframe[0].value.equals(shown)
     go(app, "21_Settings")
     assert choice(app, "Fluid").value == "mobil_atf_220"
