@@ -68,7 +68,7 @@ def test_a_unit_that_was_not_measured_is_nowhere_called_good(app: AppTest, sampl
 
 @pytest.mark.page("1_Job")
 def test_an_address_of_before_leads_to_the_page_and_part_of_today(app: AppTest) -> None:
-    titles = {"Measure": "Readings", "In_the_car": "In the car", "Jobs": "Job book"}
+    titles = {"Measure": "Measure", "In_the_car": "In the car", "Jobs": "Jobs"}
     app.query_params["before"] = "kept"
     for name, (now, part) in places.MOVED.items():
         (app._page_hash,) = (key for key, each in app._registered_pages.items() if each["url_pathname"] == name)
