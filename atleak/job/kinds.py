@@ -34,7 +34,6 @@ from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.layout import find_tables, looks_measured
 from atleak.readers.sheets.words import is_word
 
-_WORKBOOK = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
 _REFUSED: tuple[type[Exception], ...] = (ReadingsError, *DAMAGE)
 _SHORT, _SURE = 400, 4  # rows of a sheet that may be of another valve body, and planes of that found in it
 _START = 60_000  # bytes of a text that are looked at
@@ -72,7 +71,7 @@ def table_kind(data: bytes, controller: Controller) -> TableKind:
     """
     if form_of(data) not in ("text", "workbook"):
         return TableKind.ROAD_TEST
-    is_workbook = data.startswith(_WORKBOOK)
+    is_workbook = form_of(data) == "workbook"
     if not is_workbook:
         data = data[:_START].rpartition(b"\n")[0] if len(data) > _START else data
     names, likeness = ControllerNames(controller), gauge_table.likeness_of(controller)

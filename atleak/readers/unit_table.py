@@ -17,6 +17,7 @@ from atleak.common.sentences import Sentence
 from atleak.readers.cells.extent import EXPECTED
 from atleak.readers.cells.sheet import NO_WIDTH, Cell
 from atleak.readers.dates import vocabulary, words
+from atleak.readers.logs.log_file import form_of
 from atleak.readers.logs.text_lines import to_text
 from atleak.readers.sheets.head import identity_field
 
@@ -64,8 +65,6 @@ def column_meant(heading: str) -> str | None:
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".parquet", ".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")  # of such a table's file
 _ROWS, _COLUMNS, _SIZE = 1_000_000, 300, 256 << 20  # bytes, at most
-_WORKBOOK = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
-_PARQUET = b"PAR1"
 _INDEX = "__index_level_"  # a column in which pandas writes the numbers of its rows
 _DELIMITERS = ";\t,|"
 _LOOKED_AT = 20  # rows among which the headings are sought: titles may stand above them
@@ -124,7 +123,7 @@ class UnitTable:
 
 def is_unit_table(path: Path, head: bytes) -> bool:
     """Tell whether a file may be a table of units, by the ending of its name and its first bytes."""
-    return path.suffix.lower() in SUFFIXES or head.startswith(_PARQUET)
+    return path.suffix.lower() in SUFFIXES or form_of(head) == "parquet"
 
 
 @own_errors_only(InputError, "path")
@@ -140,7 +139,7 @@ def read_unit_table(path: Path) -> UnitTable:
         raise InputError(problem, place=Place(str(path)), expected=_KINDS) from error
     if not data.strip(b"\0 \t\r\n\xef\xbb\xbf"):
         raise InputError(Sentence("the file is empty"), place=Place(path.name), expected=_EXPECTED)
-    read = _parquet if data.startswith(_PARQUET) else _workbook if data.startswith(_WORKBOOK) else _text
+    read = {"parquet": _parquet, "workbook": _workbook}.get(form_of(data), _text)
     sheet, rows = read(data, path.name)
     place = Place(path.name, sheet)
     header = _headings(rows)

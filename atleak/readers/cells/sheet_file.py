@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby, pairwise, zip_longest
 from pathlib import Path
@@ -34,7 +34,7 @@ _DELIMITERS = {
 _LOOKED_AT = 400  # lines that are read to choose encoding and delimiter
 _LOOKED_AT_NEXT = 4000  # the same, where nothing is found in those
 _COMPLETE = 4.0  # score of headings that say what a diameter is of
-_MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
+_MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 _USUAL = ("cp1252", "cp1250")
 _CODE_PAGES = ("cp1252", "cp1250", "cp1251", "cp850", "cp852", "cp866")
 _RULE = re.compile(r"\s*:?[-=]{2,}:?\s*")  # between the headings and the rows of a table in Markdown
@@ -110,15 +110,19 @@ def csv_rows(content: bytes) -> list[list[str]]:
 # --- encodings --------------------------------------------------------------------------------------------------------
 
 
+def stated_encoding(data: bytes) -> str | None:
+    """Return the encoding that the first bytes of a text tell: its mark, or that every second one is zero."""
+    marked = next((encoding for mark, encoding in _MARKS.items() if data.startswith(mark)), None)
+    low, high = data[:4096:2], data[1:4096:2]
+    wide = (("utf-16-le", high, low), ("utf-16-be", low, high))
+    told = (name for name, half, other in wide if half.count(0) > 0.8 * len(half) and other.count(0) < 0.2 * len(other))
+    return marked or next(told, None)
+
+
 def _decoded(data: bytes, file: str, knows: Knows | None) -> Iterator[tuple[str, str]]:
-    start = data[:4000]
-    stated = next((encoding for mark, encoding in _MARKS if data.startswith(mark)), None)
-    if stated is None and b"\0" in start:
-        # UTF-16 without its mark: every second byte of plain text is zero
-        zeros = {"utf-16-le": start[1::2], "utf-16-be": start[0::2]}
-        stated = next((name for name, half in zeros.items() if half.count(0) > 0.8 * len(half)), None)
-        if stated is None:
-            raise _not_text(file)
+    stated = stated_encoding(data)
+    if stated is None and b"\0" in data[:4000]:
+        raise _not_text(file)
     try:
         yield stated or "utf-8", data.decode(stated or "utf-8")
     except UnicodeDecodeError as error:
@@ -195,21 +199,33 @@ def _aligned(lines: Sequence[str]) -> list[list[str]]:
     return rows
 
 
-_FOREIGN = (  # first bytes → what it is
-    (b"\x89PNG", Sentence("a PNG picture")),
-    (b"\xff\xd8\xff", Sentence("a JPEG picture")),
-    (b"GIF8", Sentence("a GIF picture")),
-    (b"BM", Sentence("a bitmap picture")),
-    (b"II*\0", Sentence("a TIFF picture")),
-    (b"MM\0*", Sentence("a TIFF picture")),
-    (b"%PDF", Sentence("a PDF document")),
-    (b"{\\rtf", Sentence("an RTF document")),
-    (b"\x1f\x8b", Sentence("a gzip archive")),
-    (b"7z\xbc\xaf", Sentence("a 7-Zip archive")),
-    (b"Rar!", Sentence("a RAR archive")),
-    (b"MDF     ", Sentence("an MDF measurement file, so perhaps the road-test log")),
-    (b"PAR1", Sentence("a Parquet file, so perhaps the road-test log")),
-)
+_FOREIGN: Mapping[bytes, Sentence] = {  # first bytes → what is neither a table nor text
+    b"\x89PNG": Sentence("a PNG picture"),
+    b"\xff\xd8\xff": Sentence("a JPEG picture"),
+    b"GIF8": Sentence("a GIF picture"),
+    b"BM": Sentence("a bitmap picture"),
+    **dict.fromkeys((b"II*\0", b"MM\0*"), Sentence("a TIFF picture")),
+    b"%PDF": Sentence("a PDF document"),
+    b"{\\rtf": Sentence("an RTF document"),
+    b"7z\xbc\xaf": Sentence("a 7-Zip archive"),
+    b"Rar!": Sentence("a RAR archive"),
+    **dict.fromkeys((b"\x7fELF", b"MZ\x90"), Sentence("a program")),
+    b"SQLite format 3": Sentence("a database"),
+    b"PARE": Sentence("an encrypted Parquet file"),
+    b"\x89HDF": Sentence("an HDF5 file"),
+    b"MATLAB 5.0": Sentence("a MATLAB file"),
+}
+_NO_SHEET = {
+    b"\x1f\x8b": Sentence("a gzip archive"),
+    b"MDF     ": Sentence("an MDF measurement file, so perhaps the road-test log"),
+    b"PAR1": Sentence("a Parquet file, so perhaps the road-test log"),
+}
+
+
+def foreign_kind(data: bytes, others: Mapping[bytes, Sentence]) -> Sentence | None:
+    """Return what a file's first bytes show it to be that is neither a table nor text, or is of some other kinds."""
+    fits = (kind for magic, kind in {**_FOREIGN, **others}.items() if data.startswith(magic))
+    return None if data.startswith(b"BM") and b"\0" not in data[:64] else next(fits, None)
 
 
 def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str]:
@@ -234,10 +250,9 @@ def read_sheets(
         raise ReadingsError(Sentence("the file is empty"), place=place, expected=_WANTED)
     if data.startswith((b"PK", b"\xd0\xcf\x11\xe0")):
         return [replace(sheet, rows=bounded(sheet.rows)) for sheet in read_workbook(data, file, only_look=only_look)]
-    for magic, kind in _FOREIGN:
-        if data.startswith(magic) and (magic != b"BM" or b"\0" in data[:64]):
-            problem = Sentence("this is {kind}, whatever its name says", kind=kind)
-            raise ReadingsError(problem, place=place, expected=_WANTED)
+    if (kind := foreign_kind(data, _NO_SHEET)) is not None:
+        problem = Sentence("this is {kind}, whatever its name says", kind=kind)
+        raise ReadingsError(problem, place=place, expected=_WANTED)
     head = data[:2000].lstrip(b"\xef\xbb\xbf \t\r\n").lower()
     if head.startswith((b"<html", b"<!doctype html", b"<table", b"<?xml", b"<meta", b"<head")):
         problem = Sentence("this is a web page or XML file, whatever its name says")

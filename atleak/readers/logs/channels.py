@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -31,7 +31,7 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
         if quantity in logged:
             signal = logged[quantity]
             speed = next((speed for speed in speeds if speed is not signal), None)
-            built[quantity] = _channel(assigner, signal, _checked(signal, timeline, speed), timeline)
+            built[quantity] = _channel(assigner, signal, speed, timeline)
             if quantity not in beside:  # the file's numbers are let go of as soon as nothing asks for them
                 assigner.signals[quantity] = logged[quantity] = replace(signal, values=_NOTHING)
         elif quantity in constants and quantity != "time":  # of which the constant is the interval between rows
@@ -46,22 +46,12 @@ def channels(assigner: Assigner, timeline: Timeline, constants: Mapping[str, flo
 SPEEDS = ("engine_speed", "vehicle_speed", "output_speed", "turbine_speed")  # each tells whether the car moves
 
 
-@dataclass(frozen=True)
-class _Checked:
-    """A signal's samples as logged and in SI, its stamps [s], and for each check the samples it doubts."""
-
-    raw: np.ndarray
-    si: np.ndarray
-    time: np.ndarray
-    suspect_masks: dict[str, np.ndarray]
-
-
-def _checked(signal: Signal, timeline: Timeline, speed: Signal | None) -> _Checked:
-    raw, time = signal.values, signal.time
+def _channel(assigner: Assigner, signal: Signal, speed: Signal | None, timeline: Timeline) -> Channel:
+    """Return a signal as a channel, checked beside another speed of the car, and say what is wrong with it."""
+    candidate, raw, time = signal.candidate, signal.values, signal.time
     if time is None:
         time = timeline.time
-        if timeline.order is not None:
-            raw = raw[timeline.order]
+        raw = timeline.in_order(raw)
         if np.isnan(raw.sum()):
             present = ~np.isnan(raw)
             raw, time = raw[present], time[present]
@@ -70,41 +60,25 @@ def _checked(signal: Signal, timeline: Timeline, speed: Signal | None) -> _Check
     def moving() -> np.ndarray | None:
         if speed is None or speed.time is not None or signal.time is not None or len(raw) != len(timeline.time):
             return None
-        beside = speed.values if timeline.order is None else speed.values[timeline.order]
-        return np.concatenate([[False], np.diff(beside) != 0])
+        return np.concatenate([[False], np.diff(timeline.in_order(speed.values)) != 0])
 
-    return _Checked(raw, si, time, suspects.suspect(signal.candidate.quantity, raw, si, time, moving))
-
-
-def _channel(assigner: Assigner, signal: Signal, checked: _Checked, timeline: Timeline) -> Channel:
-    candidate, raw = signal.candidate, checked.raw
     suspect, label = np.zeros(len(raw), bool), candidate.label
-    for name, mask in checked.suspect_masks.items():
+    for name, mask in suspects.suspect(candidate.quantity, raw, si, time, moving).items():
         suspect |= mask
-        text = Sentence(
-            "{column!r}: {count} of {total} samples are suspect ({check}) and left out",
-            column=label,
-            count=int(mask.sum()),
-            total=len(raw),
-            check=suspects.CHECKS[name],
-        )
+        text = Sentence("{column!r}: {count} of {total} samples are suspect ({check}) and left out")
+        text = text.of(count=int(mask.sum()), total=len(raw), check=suspects.CHECKS[name], column=label)
         assigner.say("suspect_samples", text, "warning", label)
     kind, commanded = QUANTITIES[candidate.quantity].unit_kind, candidate.kind == "commanded"
     independent = len(raw)
     if kind in ("rotational_speed", "pressure", "speed") and not commanded and suspects.is_sample_and_hold(raw):
         independent -= int(np.count_nonzero(raw[1:] == raw[:-1]))
-        text = Sentence(
-            "{column!r}: the logger repeats its last answer; {count} of {total} are true samples",
-            column=label,
-            count=independent,
-            total=len(raw),
-        )
-        assigner.say("sample_and_hold", text, "info", label)
-    span = _span(checked.time, timeline.segments)
+        text = Sentence("{column!r}: the logger repeats its last answer; {count} of {total} are true samples")
+        assigner.say("sample_and_hold", text, "info", label, count=independent, total=len(raw))
+    span = _span(time, timeline.segments)
     return Channel(
         candidate.quantity,
-        checked.time,
-        checked.si.astype(float, copy=False),
+        time,
+        si.astype(float, copy=False),
         suspect,
         label,
         signal.fit.unit.name if signal.fit.unit else "",
@@ -131,18 +105,13 @@ def _span(time: np.ndarray, segments: tuple[Segment, ...]) -> float:
 def _constant(assigner: Assigner, quantity: str, value: float, time: np.ndarray) -> Channel:
     """Return a channel that is a constant; ``time`` is the log's first stamp."""
     info = QUANTITIES[quantity]
+    problem = Sentence("a constant outside what {quantity} can be", quantity=info.label)
     if quantity == "main_pressure" and value <= 0:
-        raise RoadTestError(
-            Sentence("a constant outside what {quantity} can be", quantity=info.label),
-            value=Sentence("{pressure:g} {pressure.unit}", pressure=Quantity(value * KPA, "pressure")),
-            expected=Sentence("a pressure above 0 (gauge)"),
-        )
+        found = Sentence("{pressure:g} {pressure.unit}", pressure=Quantity(value * KPA, "pressure"))
+        raise RoadTestError(problem, value=found, expected=Sentence("a pressure above 0 (gauge)"))
     if not info.low <= value <= info.high:
-        raise RoadTestError(
-            Sentence("a constant outside what {quantity} can be", quantity=info.label),
-            value=value,
-            expected=Sentence("{low:g} to {high:g} (SI)", low=info.low, high=info.high),
-        )
+        expected = Sentence("{low:g} to {high:g} (SI)", low=info.low, high=info.high)
+        raise RoadTestError(problem, value=value, expected=expected)
     assigner.say("constant", Sentence("{quantity} is not in the log: the given constant is used", quantity=info.said))
     return Channel(quantity, time, np.array([float(value)]), np.zeros(1, bool), source="constant", independent=1)
 
@@ -150,23 +119,15 @@ def _constant(assigner: Assigner, quantity: str, value: float, time: np.ndarray)
 def time_messages(assigner: Assigner, timeline: Timeline) -> None:
     """Report what is unusual about the clock."""
     if timeline.restarts:
-        text = Sentence(
-            "the clock jumps back {count} time(s): the log consists of {parts} recordings, kept apart",
-            count=timeline.restarts,
-            parts=timeline.restarts + 1,
-        )
-        assigner.say("clock_restarted", text, "warning")
+        text = Sentence("the clock jumps back {count} time(s): the log consists of {parts} recordings, kept apart")
+        assigner.say("clock_restarted", text, "warning", count=timeline.restarts, parts=timeline.restarts + 1)
     if timeline.gaps:
-        text = Sentence(
-            "{count} gap(s) in the recording, the longest {longest:.1f} s: nothing is filled in",
-            count=len(timeline.gaps),
-            longest=max(timeline.gaps),
-        )
-        assigner.say("gaps", text, "warning")
+        text = Sentence("{count} gap(s) in the recording, the longest {longest:.1f} s: nothing is filled in")
+        assigner.say("gaps", text, "warning", count=len(timeline.gaps), longest=max(timeline.gaps))
     say_strays(assigner, timeline)
     if count := timeline.unreadable:
-        text = Sentence("{count} row(s) without a readable time are left out", count=count)
-        assigner.say("unreadable_stamps", text, "warning")
+        text = Sentence("{count} row(s) without a readable time are left out")
+        assigner.say("unreadable_stamps", text, "warning", count=count)
     if count := timeline.reordered:
         assigner.say("reordered", Sentence("{count} row(s) stood out of turn and were put in order", count=count))
 

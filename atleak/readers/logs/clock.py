@@ -112,10 +112,8 @@ def _epoch_clock(values: np.ndarray, unit: Unit, middle: float) -> Clock:
 
 
 def _epoch(value: float) -> str | None:
-    for low, unit in ((1e9, "s"), (1e12, "ms"), (1e15, "µs"), (1e18, "ns")):
-        if low <= value < 4e9 * low / 1e9:
-            return unit
-    return None
+    from_then_on = {"s": 1e9, "ms": 1e12, "µs": 1e15, "ns": 1e18}
+    return next((unit for unit, low in from_then_on.items() if low <= value < 4 * low), None)
 
 
 def _seconds_of_digits(values: np.ndarray) -> np.ndarray:
@@ -292,19 +290,14 @@ def read_clocks(column: pd.Series) -> ClockParts:
     if not width:
         return read
     table = packed.view(np.uint8).reshape(size, width)
-    alike = {width: np.arange(size)} if all_as_long else _by_length(table)
-    for length, rows in alike.items():
+    lengths = np.full(size, width) if all_as_long else (table != 0).sum(axis=1)
+    for length in np.unique(lengths[lengths > 0]).tolist():
+        rows = np.flatnonzero(lengths == length)
         for _ in range(12):  # templates of one length
             rows = _read_alike(read, table, rows, length, column)
             if not len(rows):
                 break
     return read
-
-
-def _by_length(table: np.ndarray) -> dict[int, np.ndarray]:
-    """Return the rows of strings of each length."""
-    lengths = (table != 0).sum(axis=1)
-    return {int(length): np.flatnonzero(lengths == length) for length in np.unique(lengths[lengths > 0])}
 
 
 def _packed(column: pd.Series) -> tuple[np.ndarray, bool]:

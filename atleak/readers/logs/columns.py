@@ -78,22 +78,16 @@ class Ambiguous:
 
 def match_heading(heading: Heading) -> Match | None:
     """Return the quantity a heading stands for: the first of its names that is known."""
-    best: Match | None = None
-    for name in heading.names:
-        match = match_name(name) or match_short_name(name, heading.unit)
-        if match and (best is None or match.tier < best.tier):
-            best = match
-    return best
+    matches = (match_name(name) or match_short_name(name, heading.unit) for name in heading.names)
+    return min(filter(None, matches), key=lambda match: match.tier, default=None)
 
 
 def find_candidates(headings: Sequence[Heading]) -> list[Candidate]:
     """Return every heading that may be a quantity, in file order."""
     result = []
     for heading in headings:
-        match = match_heading(heading)
-        if match:
-            second = match.tier == 0 and heading.foreign and match.quantity != "time"
-            tier = 1 if second else match.tier
+        if match := match_heading(heading):
+            tier: Tier = 1 if match.tier == 0 and heading.foreign and match.quantity != "time" else match.tier
             result.append(Candidate(heading, match.quantity, tier, match.kind, heading.unit or match.unit))
     return result
 
@@ -114,12 +108,9 @@ def find_heading(headings: Sequence[Heading], wanted: str, file: str) -> Heading
     for test in tests:
         matching = [heading for heading in headings if test(heading)]
         if len(matching) > 1:
-            raise RoadTestError(
-                Sentence("several columns bear this name"),
-                place=Place(file=file),
-                value=wanted,
-                expected=one_of(f"'column {heading.index + 1}'" for heading in matching),
-            )
+            places = one_of(f"'column {heading.index + 1}'" for heading in matching)
+            problem = Sentence("several columns bear this name")
+            raise RoadTestError(problem, place=Place(file=file), value=wanted, expected=places)
         if matching:
             return matching[0]
     labels = [heading.label for heading in headings]
@@ -143,12 +134,8 @@ def map_columns(
         stated = heading.unit or (match.unit if match and match.quantity == quantity else None)
         if match and match.quantity == quantity:
             kind = match.kind
-        candidates = [
-            candidate
-            for candidate in candidates
-            if candidate.quantity != quantity and candidate.heading.index != heading.index
-        ]
-        candidates.append(Candidate(heading, quantity, 0, kind, stated, mapped=True))
+        others = (each for each in candidates if each.quantity != quantity and each.heading.index != heading.index)
+        candidates = [*others, Candidate(heading, quantity, 0, kind, stated, mapped=True)]
     return candidates
 
 
@@ -186,13 +173,25 @@ class Assigner:
     base: np.ndarray | None = None  # stamps of signals that have none of their own
     again: dict[int, Again] = field(default_factory=dict)  # by place of a column whose unit a later header states
 
-    def say(self, code: str, text: Sentence, level: MessageLevel = "info", column: str | None = None) -> None:
-        """Add a message."""
-        place = Place(file=self.file, column=column)
-        self.messages.append(Message(level, code, text, place))
+    def error(
+        self, problem: Sentence, value: object = None, expected: Sentence | None = None, column: str | None = None
+    ) -> RoadTestError:
+        """Return an error about the file, or about a column of it."""
+        return RoadTestError(problem, place=Place(file=self.file, column=column), value=value, expected=expected)
 
-    def refuse(self, candidate: Candidate, code: str, why: Sentence, level: MessageLevel = "warning") -> None:
-        """Add a message that a column is not taken for its quantity, and why."""
+    def say(
+        self, code: str, text: Sentence, level: MessageLevel = "info", column: str | None = None, **values: object
+    ) -> None:
+        """Add a message, filled in with values and the column of which it speaks."""
+        values = {"column": column, **text.values, **values}
+        self.messages.append(Message(level, code, text.of(**values), Place(file=self.file, column=column)))
+
+    def refuse(
+        self, candidate: Candidate, code: str, why: Sentence, level: MessageLevel = "warning", **values: object
+    ) -> None:
+        """Add a message that a column is not taken for its quantity, and why; values fill it in."""
+        quantity = QUANTITIES[candidate.quantity].said
+        why = why.of(**{"column": candidate.label, "quantity": quantity, **why.values, **values})
         self.refused.setdefault(candidate.quantity, why)
         if code == "column_refused":
             self.unreadable.add(candidate.label)
@@ -200,8 +199,8 @@ class Assigner:
 
     def assume_unit(self, column: str, unit: str, quantity: str, doubt: Sentence | None = None) -> None:
         """Add a message that a column states no unit, and which is assumed."""
-        values = {"column": column, "unit": unit, "quantity": QUANTITIES[quantity].said}
-        text = Sentence("{column!r} states no unit; {unit} is assumed for {quantity}", **values)
+        text = Sentence("{column!r} states no unit; {unit} is assumed for {quantity}")
+        text = text.of(column=column, unit=unit, quantity=QUANTITIES[quantity].said)
         if doubt:
             text = Sentence("{problem} ({doubt})", problem=text, doubt=doubt)
         text = Sentence("{problem}: confirm or name the unit", problem=text)
@@ -210,12 +209,7 @@ class Assigner:
     def refuse_too_large(self, rows: float, wide: float, *, thins: bool = True) -> None:
         """Refuse a log that would take more memory than there is, before it is read.
 
-        Parameters
-        ----------
-        rows, wide
-            how many it has, more or less, and bytes that the cells of one take that are kept.
-        thins
-            whether fewer are kept where one of some rows is read.
+        It has some ``rows``, of which each takes ``wide`` bytes; ``thins``: where one of some is read, fewer are kept.
         """
         whole, most = HELD * wide * rows, own_part_of(self.room)
         held = whole / (self.every if thins else 1)
@@ -225,15 +219,8 @@ class Assigner:
         if thins:
             fits = math.ceil(whole / most)
             expected = Sentence("part of the drive, or one row in {every}: --every {every}", every=fits)
-        raise RoadTestError(
-            Sentence(
-                "would take {needed:.1f} GB of memory with its evaluation, and {room:.1f} GB are free",
-                needed=(BESIDE + held) / 1e9,
-                room=self.room / 1e9,
-            ),
-            place=Place(file=self.file),
-            expected=expected,
-        )
+        problem = Sentence("would take {needed:.1f} GB of memory with its evaluation, and {room:.1f} GB are free")
+        raise self.error(problem.of(needed=(BESIDE + held) / 1e9, room=self.room / 1e9), expected=expected)
 
     def leave_out(self, mapping: Mapping[str, str]) -> None:
         """Note which quantities the user says are not logged: nothing is asked about them."""
@@ -254,18 +241,12 @@ class Assigner:
         fitting = [signal for signal in signals if not signal.fit.problem]
         misfits = [signal for signal in signals if signal.fit.problem]
         for signal in misfits:
-            text = Sentence(
-                "{column!r} is not taken for {quantity}: {problem}",
-                column=signal.candidate.label,
-                quantity=QUANTITIES[quantity].said,
-                problem=signal.fit.problem,
-            )
-            self.refuse(signal.candidate, "column_misfit", text)
+            text = Sentence("{column!r} is not taken for {quantity}: {problem}")
+            self.refuse(signal.candidate, "column_misfit", text, problem=signal.fit.problem)
         chosen = self._choose(quantity, fitting)
         if chosen is None:
-            if not fitting and (
-                doubtful := [signal for signal in misfits if signal.candidate.tier < 2 and not signal.fit.foreign]
-            ):
+            doubtful = [signal for signal in misfits if signal.candidate.tier < 2 and not signal.fit.foreign]
+            if doubtful and not fitting:
                 labels = tuple(signal.candidate.label for signal in doubtful)
                 self.ambiguous.append(Ambiguous(quantity, labels, doubtful[0].fit.problem or Sentence("")))
             return
@@ -310,16 +291,11 @@ class Assigner:
         if not np.isfinite(sample).any() and not np.isfinite(values).any():
             if candidate.label in self.unreadable:
                 return None
-            text = Sentence("{column!r} holds no values", column=candidate.label)
-            self.refuse(candidate, "column_empty", text, "info")
+            self.refuse(candidate, "column_empty", Sentence("{column!r} holds no values"), "info")
             return None
         if not candidate.mapped and (dead_value := _dead_value(kind, sample)) is not None and _only(values, dead_value):
-            text = Sentence(
-                "{column!r} is {value:g} throughout: the car or logger does not deliver it",
-                column=candidate.label,
-                value=dead_value,
-            )
-            self.refuse(candidate, "column_empty", text)
+            text = Sentence("{column!r} is {value:g} throughout: the car or logger does not deliver it")
+            self.refuse(candidate, "column_empty", text, value=dead_value)
             return None
         if candidate.quantity in self.units:
             return Signal(candidate, values, given(candidate.quantity, self.units[candidate.quantity]), time)
@@ -338,7 +314,10 @@ class Assigner:
         tied = _measured_of([signal for signal in fitting if signal.candidate.tier == best])
         resembling = best > 0 and 2 in tiers
         if len(tied) == 1 and not resembling:
-            self._name_others(tied[0], fitting)
+            chosen = tied[0].candidate
+            if others := tuple(repr(each.candidate.label) for each in fitting if each is not tied[0]):
+                text, said = Sentence("{quantity} is {column!r}; also there: {others}"), QUANTITIES[quantity].said
+                self.say("other_candidates", text, "info", chosen.label, quantity=said, others=others)
             return tied[0]
         if not resembling and (same := self._same(tied)):
             return same
@@ -350,19 +329,6 @@ class Assigner:
             self.ambiguous.append(Ambiguous(quantity, labels, Sentence("the name only resembles it"), guess))
         return None
 
-    def _name_others(self, chosen: Signal, fitting: list[Signal]) -> None:
-        """Say which other columns fit as well."""
-        others = tuple(repr(signal.candidate.label) for signal in fitting if signal is not chosen)
-        if others:
-            column = chosen.candidate.label
-            text = Sentence(
-                "{quantity} is {column!r}; also there: {others}",
-                quantity=QUANTITIES[chosen.candidate.quantity].said,
-                column=column,
-                others=others,
-            )
-            self.say("other_candidates", text, "info", column)
-
     def _same(self, tied: list[Signal]) -> Signal | None:
         """Return the first of several columns if all hold the same values, perhaps in other units; else None."""
         first = tied[0]
@@ -373,12 +339,8 @@ class Assigner:
                 continue
             if not _hold_the_same(first, other):
                 return None
-            text = Sentence(
-                "{first!r} and {other!r} hold the same; the first is used",
-                first=first.candidate.label,
-                other=other.candidate.label,
-            )
-            self.say("same_twice", text, "info", first.candidate.label)
+            text, label = Sentence("{first!r} and {other!r} hold the same; the first is used"), first.candidate.label
+            self.say("same_twice", text, "info", label, first=label, other=other.candidate.label)
         return first
 
     def _same_name_elsewhere(self, first: Signal, other: Signal) -> bool:
@@ -392,8 +354,7 @@ class Assigner:
         difference = np.abs(np.interp(own, time, values) - base)
         if np.nanmedian(difference) > 0.03 * max(float(np.nanmax(base) - np.nanmin(base)), 1e-9):
             return False
-        text = Sentence("{column!r} stands twice; the first is used", column=first.candidate.label)
-        self.say("same_twice", text, "info", first.candidate.label)
+        self.say("same_twice", Sentence("{column!r} stands twice; the first is used"), "info", first.candidate.label)
         return True
 
     def _comment(self, signal: Signal) -> None:
@@ -402,30 +363,22 @@ class Assigner:
         if column_fit.assumed and column_fit.unit:
             self.assume_unit(label, column_fit.unit.name, candidate.quantity, column_fit.doubt)
         if candidate.tier == 1:
-            text = Sentence(
-                "{quantity} is taken from {column!r}, for want of a better", quantity=quantity.said, column=label
-            )
-            self.say("second_choice", text, "warning", label)
+            text = Sentence("{quantity} is taken from {column!r}, for want of a better")
+            self.say("second_choice", text, "warning", label, quantity=quantity.said)
         if quantity.unit_kind == "pressure":
             if candidate.kind == "commanded":
                 text = Sentence(
-                    "{column!r} is commanded by the gearbox computer, not measured by a gauge: no leak shows in it",
-                    column=label,
+                    "{column!r} is commanded by the gearbox computer, not measured by a gauge: no leak shows in it"
                 )
                 self.say("pressure_commanded", text, "warning", label)
             elif candidate.kind == "unknown":
-                text = Sentence("{column!r}: nothing says whether this pressure is measured or commanded", column=label)
+                text = Sentence("{column!r}: nothing says whether this pressure is measured or commanded")
                 self.say("pressure_unknown", text, "warning", label)
             if column_fit.absolute:
-                text = Sentence(
-                    "{column!r} is absolute; {air:.3f} {air.unit} are taken off",
-                    column=label,
-                    air=Quantity(ATMOSPHERE * KPA, "pressure"),
-                )
-                self.say("pressure_absolute", text, "info", label)
+                text = Sentence("{column!r} is absolute; {air:.3f} {air.unit} are taken off")
+                self.say("pressure_absolute", text, "info", label, air=Quantity(ATMOSPHERE * KPA, "pressure"))
             else:
-                text = Sentence("{column!r} is taken as gauge pressure", column=label)
-                self.say("pressure_gauge", text, "info", label)
+                self.say("pressure_gauge", Sentence("{column!r} is taken as gauge pressure"), "info", label)
 
 
 def _hold_the_same(first: Signal, other: Signal) -> bool:

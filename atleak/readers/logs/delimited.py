@@ -9,14 +9,14 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pandas as pd
 
-from atleak.common.errors import InputError, Place, RoadTestError
+from atleak.common.errors import InputError
 from atleak.common.sentences import Sentence
 from atleak.readers.logs.headings import HeadRow
 from atleak.readers.logs.log_cells import MISSING, OFF, Decimal, kind_of_cells, without_unit
@@ -97,13 +97,12 @@ _LOOK = 150
 class Delimited(LogTable):
     """Delimited text whose table is located but not read yet.
 
-    ``held`` is the whole text where no byte of the file tells where its lines end, else None. The rows lie between the
-    bytes ``start`` and ``end``; behind them stands at most a last cell that breaks off. ``per_line``: how many
-    delimiters and quotation marks each of the first rows has, where all have as many.
+    ``source`` holds the whole text where no byte of the file tells where its lines end. The rows lie between the bytes
+    ``start`` and ``end``; behind them stands at most a last cell that breaks off. ``per_line``: how many delimiters and
+    quotation marks each of the first rows has, where all have as many.
     """
 
     source: LogFile
-    held: bytes | None
     codec: str
     encoding: str
     delimiter: str
@@ -120,7 +119,7 @@ class Delimited(LogTable):
     @cached_property
     def rows(self) -> int:  # type: ignore[override]
         """Return how many rows there are, more or less: as if all were as long as the first ones."""
-        first = _part(self.source, self.held, self.start, min(self.start + LARGE, self.end))
+        first = self.source.part(self.start, min(self.start + LARGE, self.end))
         return int((self.end - self.start) / max(len(first), 1) * (first.count(b"\n") + 1))
 
     def read(self, columns: Sequence[int], every: int = 1) -> pd.DataFrame:
@@ -141,7 +140,7 @@ class Delimited(LogTable):
         if too_wide > 0.1 * (lines + too_wide):
             problem = Sentence("{count} of its rows have more numbers than it has columns", count=too_wide)
             expected = Sentence("as many cells in every row; is the decimal comma used as delimiter too?")
-            raise RoadTestError(problem, place=Place(file=self.source.file), expected=expected)
+            raise self.source.error(problem, expected=expected)
         result = pd.DataFrame({index: column.cells(kept) for index, column in joined.items()}, copy=False)
         result.attrs = {
             "words": {index: pd.concat(column.words) for index, column in joined.items() if column.words},
@@ -158,7 +157,7 @@ class Delimited(LogTable):
         """Yield the rows in blocks of whole lines."""
         at, size = self.start, BLOCK
         while at < self.end:
-            data = _part(self.source, self.held, at, min(at + size, self.end))
+            data = self.source.part(at, min(at + size, self.end))
             length = len(data) if at + len(data) >= self.end else data.rfind(b"\n") + 1
             if length:
                 block = one_line_end(without_nul(data[:length]))
@@ -167,7 +166,7 @@ class Delimited(LogTable):
                 at, size = at + length, BLOCK
             elif size > _LONGEST:
                 problem = Sentence("has a line of more than {size} MB", size=_LONGEST >> 20)
-                raise RoadTestError(problem, place=Place(file=self.source.file))
+                raise self.source.error(problem)
             else:
                 size *= 2
 
@@ -186,7 +185,7 @@ class Delimited(LogTable):
                     frame = self._parsed(rows.data, columns, True)
                 except pd.errors.ParserError as error:
                     problem = Sentence("its lines cannot be read: {reason}", reason=str(error))
-                    raise RoadTestError(problem, place=Place(file=self.source.file)) from error
+                    raise self.source.error(problem) from error
         for index, unit in self.layout.cell_units.items():  # which stands behind every number
             if index in frame and frame[index].dtype.kind not in "fiub":
                 frame[index] = without_unit(frame[index], unit)
@@ -277,10 +276,7 @@ _WORD = r"\s*[^\W\d]|\s*#"  # what begins like no number and no clock
 def every_nth(frame: pd.DataFrame, every: int, before: int = 0) -> pd.DataFrame:
     """Return each ``every``-th row, and those without a number but with a word: remarks, and headers among the rows.
 
-    Parameters
-    ----------
-    before
-        how many rows of the same table stand before these.
+    So many rows of the same table stand ``before`` these.
     """
     if every == 1:
         return frame
@@ -308,10 +304,6 @@ def must_be_held(source: LogFile) -> bool:
     return other_ends or b"\x00" in head or to_text(source.whole_lines).encoding.startswith("utf-16")
 
 
-def _part(source: LogFile, held: bytes | None, start: int, stop: int) -> bytes:
-    return source.part(start, stop) if held is None else held[start:stop]
-
-
 def open_delimited(source: LogFile) -> Delimited | None:
     """Locate the table in a delimited text; None when there is none."""
     if source.size > LARGE and not any(end in source.head for end in (b"\n", b"\r")):
@@ -319,11 +311,12 @@ def open_delimited(source: LogFile) -> Delimited | None:
     if must_be_held(source):
         text = to_text(source.data)
         text = LogText(one_line_end(text.data), text.encoding, text.codec)
-        held, size, mark = text.data, len(text.data), 0
+        source, mark = replace(source, content=text.data, size=len(text.data)), 0
     else:
-        text, held, size = to_text(source.whole_lines), None, source.size
+        text = to_text(source.whole_lines)
         mark = 3 * text.encoding.endswith("sig")
-    tail = _part(source, held, max(size - HEAD_BYTES, 0), size)
+    size = source.size
+    tail = source.part(max(size - HEAD_BYTES, 0), size)
     end = size - _half_written(tail)
     head = text.data[: min(LARGE, end - mark)].split(b"\n")
     if size > LARGE:
@@ -331,7 +324,7 @@ def open_delimited(source: LogFile) -> Delimited | None:
     lines = head[-80:]  # from the end of the head and from four places further on in the file
     for share in (0.3, 0.5, 0.75, 1.0) if size > LARGE else ():
         at = min(int(size * share), size - 1) - (1 << 14)
-        lines += _part(source, held, at, at + (1 << 14)).split(b"\n")[1:-1][:20]
+        lines += source.part(at, at + (1 << 14)).split(b"\n")[1:-1][:20]
     dialect = find_dialect([text.decode(line) for line in lines])
     if dialect is None:
         return None
@@ -343,9 +336,9 @@ def open_delimited(source: LogFile) -> Delimited | None:
         above = text.decode(b"\n".join(head[: layout.start])).replace("\r", "")
         layout = logger.described(layout, above, rows[layout.start :][:400])
     start = mark + sum(len(line) + 1 for line in head[: layout.start])
-    body = (_part(source, held, start, start + HEAD_BYTES), tail)
+    body = (source.part(start, start + HEAD_BYTES), tail)
     return Delimited(
-        source, held, text.codec, text.encoding, delimiter, dialect.decimal, layout, start, end, end < size,
+        source, text.codec, text.encoding, delimiter, dialect.decimal, layout, start, end, end < size,
         sample=tuple(rows[layout.start :][:400]),
         quoted=any(QUOTE in part for part in body),
         spaced=any(delimiter.encode() + b" " in part for part in body),

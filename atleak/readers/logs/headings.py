@@ -16,6 +16,12 @@ HeadRow = list[str]
 _LONGEST_UNIT = 10  # characters; what is longer is a name
 # names that spreadsheets give to columns without any
 _NAMELESS = re.compile(r"(?:column|spalte|kolumna|colonne|coluna|columna|столбец)[ _]?\d+\Z")
+VALUE_HEADERS = frozenset(  # what a column of numbers is called whose quantity is named elsewhere
+    {
+        "value", "values", "wert", "messwert", "reading", "wartosc", "valeur", "valor", "значение", "data",
+        "physical value",
+    }
+)  # fmt: skip
 _NOT_OF_THE_CAR = re.compile(r"\b(?:gps|calc|accelerometer|gyroscope|phone)\b")
 
 

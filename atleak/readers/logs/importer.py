@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -46,8 +46,12 @@ from atleak.readers.logs.timeline import Timeline
 from atleak.readers.logs.timeline import build as build_timeline
 from atleak.readers.logs.understood import TableResult, Understood, finish, labels_of
 
-_Written = tuple[str | None, str | None, str | None]
-"""Encoding, delimiter and decimal sign of a text."""
+_OPENED: Mapping[str, tuple[str, Callable[[LogFile], LogTable | None]]] = {  # by form: its name, what finds the table
+    "parquet": ("Parquet", open_parquet),
+    "mlg": ("MLG", open_mlg),
+    "json": ("JSON", lambda source: open_delimited(as_text(source))),
+    "text": ("delimited text", open_delimited),
+}
 _POINTS = 60  # of a small curve
 _WORDS = 6  # different cells that are shown of a column of words
 
@@ -63,7 +67,6 @@ class _Job:
     memory: Path | None
     every: int = 1
     room: float = math.inf  # bytes of memory that may be taken
-    notes: list[Message] = field(default_factory=list)  # said of the file before its table is read
 
     @property
     def interval(self) -> float | None:
@@ -72,12 +75,8 @@ class _Job:
         least, longest = INTERVAL.limits
         if interval is None or least <= interval <= longest:
             return interval
-        raise RoadTestError(
-            Sentence("an interval between rows that no log has"),
-            place=Place(file=self.source.file),
-            value=interval,
-            expected=Sentence("more than 0 and at most {longest:g} s", longest=longest),
-        )
+        expected = Sentence("more than 0 and at most {longest:g} s", longest=longest)
+        raise self.source.error(Sentence("an interval between rows that no log has"), interval, expected)
 
 
 @own_errors_only(RoadTestError, "name", "source")
@@ -94,27 +93,19 @@ def understand(
 ) -> Understood:
     """Read a road-test log of any logger and return what is understood of it.
 
-    What is not explained here is as of `atleak.readers.logs.read_road_test`.
-
-    Parameters
-    ----------
-    memory
-        bytes that this process may take; None: as many as are free.
-
-    Raises
-    ------
-    RoadTestError
-        when the file is no log at all: empty, a picture, damaged. A log that lacks an answer does not raise:
-        ``problem`` says what is needed.
+    Parameters are those of `atleak.readers.logs.read_road_test`, and ``memory``: the bytes that this process may take,
+    None for as many as are free. A `RoadTestError` refuses what is no log at all: empty, a picture, damaged. A log that
+    lacks an answer does not raise: ``problem`` says what is needed.
     """
     if every < 1:
         problem = Sentence("no number of rows of which one is read")
         raise RoadTestError(problem, value=every, expected=Sentence("a whole number above 0"))
-    opened, done = open_source(source, name), False
+    opened = open_source(source, name)
     room = free_memory() if memory is None else memory
     job = _Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered, every, room)
     try:
         understood = _by_form(job)
+        digest = opened.sha256  # computed beside all this; only here is it waited for
     except InputError as error:
         if isinstance(error, RoadTestError):
             raise
@@ -124,15 +115,10 @@ def understand(
         ) from error  # fmt: skip
     except MemoryError as error:
         problem = Sentence("is too large for the memory of this computer")
-        raise RoadTestError(problem, place=Place(file=opened.file), expected=Sentence("part of the drive")) from error
-    else:
-        done = True
+        raise opened.error(problem, expected=Sentence("part of the drive")) from error
     finally:
-        if not done:  # who is told so may delete the file
-            opened.digest.stop()
+        opened.digest.stop()  # who is told that it cannot be read may delete the file
         opened.close()
-    # the SHA-256 is computed beside all this; only here is it waited for
-    digest = opened.sha256
     test = understood.road_test
     return replace(understood, sha256=digest, road_test=replace(test, sha256=digest) if test else None)
 
@@ -143,55 +129,31 @@ def _by_form(job: _Job) -> Understood:
         return _workbook(job)
     if source.form == "mdf":
         return understand_mdf(source, job.mapping, job.units, job.constants, job.every, job.room)
-    if source.form == "parquet":
-        return _one_table(open_parquet(source), "Parquet", job)
-    if source.form == "mlg":
-        return _one_table(open_mlg(source), "MLG", job)
-    table = _located(job)
-    if source.form == "json":
-        return _one_table(table, "JSON", job)
-    understood = _one_table(table, "delimited text", job, (table.encoding, table.delimiter, table.decimal))
-    if understood.road_test is not None or job.mapping:
+    held, form = TIMES * source.size, source.form
+    if held > own_part_of(job.room) and (form == "json" or (form == "text" and must_be_held(source))):
+        problem = Sentence("takes up to {needed:.1f} GB of memory where it is read whole, and {room:.1f} GB are free")
+        expected = Sentence("UTF-8 or a code page of one byte a sign, with a line feed behind every line")
+        problem = problem.of(needed=(BESIDE + held) / 1e9, room=job.room / 1e9)
+        raise source.error(problem, expected=expected)
+    name, opened = _OPENED[form]
+    table = opened(source)
+    if table is None:
+        raise without_a_table(source.head[:HEAD_BYTES], source.file)
+    understood = _one_table(table, name, job)
+    if form != "text" or understood.road_test is not None or job.mapping:
         return understood
     return replace(understood, problem=of_measured_parts(source.head[:HEAD_BYTES], source.file) or understood.problem)
 
 
-def _located(job: _Job) -> Delimited:
-    """Locate the table in a delimited text.
-
-    Raises
-    ------
-    RoadTestError
-        where there is none, or the text is held as a whole to be read and would take more memory than there is.
-    """
-    held = TIMES * job.source.size
-    if held > own_part_of(job.room) and (job.source.form == "json" or must_be_held(job.source)):
-        raise RoadTestError(
-            Sentence(
-                "takes up to {needed:.1f} GB of memory where it is read whole, and {room:.1f} GB are free",
-                needed=(BESIDE + held) / 1e9,
-                room=job.room / 1e9,
-            ),
-            place=Place(file=job.source.file),
-            expected=Sentence("UTF-8 or a code page of one byte a sign, with a line feed behind every line"),
-        )
-    source = job.source
-    if source.form == "json":
-        source, job.notes = as_text(source)
-    table = open_delimited(source)
-    if table is None:
-        raise without_a_table(job.source.head[:HEAD_BYTES], job.source.file)
-    return table
-
-
-def _one_table(table: LogTable, form: str, job: _Job, written: _Written = (None, None, None)) -> Understood:
-    blank = _blank_of(job, table, form, written)
+def _one_table(table: LogTable, form: str, job: _Job) -> Understood:
+    blank = _blank_of(job, table, form)
     mapping, units, notes = _with_memory(job, blank.signature)
     assigner = Assigner(job.source.file, units, stated_units(table.headings), job.interval, job.every, job.room)
     assigner.messages += notes
     if table.layout.note is not None:
         assigner.say("logger", table.layout.note)
-    assigner.messages += job.notes
+    if isinstance(table, Delimited):
+        assigner.messages += table.source.notes
     assigner.leave_out(mapping)
     try:
         reading = read_table(table, assigner, mapping)
@@ -200,8 +162,11 @@ def _one_table(table: LogTable, form: str, job: _Job, written: _Written = (None,
     return finish(blank, assigner, reading, job.constants)
 
 
-def _blank_of(job: _Job, table: LogTable, form: str, written: _Written = (None, None, None)) -> Understood:
+def _blank_of(job: _Job, table: LogTable, form: str) -> Understood:
     """Return what is known of a table before its columns are read."""
+    written: tuple[str | None, str | None, str | None] = None, None, None
+    if isinstance(table, Delimited) and job.source.form == "text":
+        written = table.encoding, table.delimiter, table.decimal
     # choices for logs like this one are kept under the names of its columns; under none where its header names none
     signature = memory.signature(labels_of(table.headings)) if table.has_header else ""
     preview = tuple(tuple(row) for row in table.sample[:8])
@@ -226,11 +191,8 @@ def _with_memory(job: _Job, signature: str) -> tuple[dict[str, str], dict[str, s
 def _workbook(job: _Job) -> Understood:
     sheets = open_log_sheets(job.source)
     if not sheets:
-        raise RoadTestError(
-            Sentence("holds no sheet with a table of numbers"),
-            place=Place(file=job.source.file),
-            expected=Sentence("a sheet with a header and rows of numbers"),
-        )
+        expected = Sentence("a sheet with a header and rows of numbers")
+        raise job.source.error(Sentence("holds no sheet with a table of numbers"), expected=expected)
     if len(sheets) == 1:
         return _one_table(sheets[0], "workbook", job)
     titled = [replace(sheet, titled=True) for sheet in sheets]
@@ -287,22 +249,17 @@ def _sheet_per_signal(job: _Job, good: list[_SheetReading]) -> Understood:
     for quantity, sources in offered.items():
         asked = [question for question in main.ambiguous if question.quantity == quantity]
         if len(sources) > 1 or asked:
-            names = tuple(
-                f"{sheet.name}: {assigner.signals[quantity].candidate.label}" for sheet, assigner, _ in sources
-            )
-            names = (*(name for question in asked for name in question.candidates), *names)
+            names = [name for question in asked for name in question.candidates]
+            names += [f"{sheet.name}: {assigner.signals[quantity].candidate.label}" for sheet, assigner, _ in sources]
             main.ambiguous = [question for question in main.ambiguous if question not in asked]
-            main.ambiguous.append(Ambiguous(quantity, names, Sentence("several sheets hold it")))
+            main.ambiguous.append(Ambiguous(quantity, tuple(names), Sentence("several sheets hold it")))
             continue
         source = sources[0]
         signal = source.assigner.signals[quantity]
         time = signal.time
         if time is None:
-            values, timeline = signal.values, source.result.timeline  # noqa: PD011  no Series
-            values = values if timeline.order is None else values[timeline.order]
-            kept = np.isfinite(values)
-            time = timeline.time[kept]
-            signal = replace(signal, values=values[kept], time=time)
+            values, time = source.result.timeline.samples(signal.values)
+            signal = replace(signal, values=values, time=time)
         main.signals[quantity] = signal
         stamps.append(time)
     longest = max((reading.result for reading in good), key=lambda result: result.rows)
@@ -330,12 +287,7 @@ class LogColumn:
 def log_columns(source: str | Path | bytes, *, name: str | None = None) -> tuple[LogColumn, ...]:
     """Return every column of a log, in file order; none where no table of numbers is found in it.
 
-    Parameters are those of `atleak.readers.logs.read_road_test`.
-
-    Raises
-    ------
-    RoadTestError
-        when the file is no log at all: empty, a picture, damaged.
+    A `RoadTestError` refuses what is no log at all: empty, a picture, damaged.
     """
     opened = open_source(source, name)
     try:
@@ -351,16 +303,8 @@ def _read(opened: LogFile) -> Iterator[tuple[Heading, np.ndarray, Iterable[str]]
         for heading, values in mdf_columns(opened):
             yield heading, values, ()
         return
-    tables: list[LogTable] = []
-    if opened.form == "workbook":
-        tables += open_log_sheets(opened)
-    elif opened.form == "parquet":
-        tables.append(open_parquet(opened))
-    elif opened.form == "mlg":
-        tables.append(open_mlg(opened))
-    elif (text := open_delimited(as_text(opened)[0] if opened.form == "json" else opened)) is not None:
-        tables.append(text)
-    for table in tables:
+    tables = open_log_sheets(opened) if opened.form == "workbook" else [_OPENED[opened.form][1](opened)]
+    for table in filter(None, tables):
         shape = long_shape(table, find_candidates(table.headings), {})
         if shape is not None:
             yield from long_columns(table, shape)

@@ -22,14 +22,8 @@ _DEPTH = 5  # of objects within objects that are looked at
 _MANY = 0.1  # part of the lines that are no objects, as in no log
 
 
-def as_text(source: LogFile) -> tuple[LogFile, list[Message]]:
-    """Return a log of JSON objects as delimited text, and what is to be said of it.
-
-    Raises
-    ------
-    RoadTestError
-        where many lines are no objects.
-    """
+def as_text(source: LogFile) -> LogFile:
+    """Return a log of JSON objects as delimited text; refuse one of which many lines are none."""
     text = to_text(source.data)
     lines = one_line_end(text.data).split(b"\n")
     names: dict[str, None] = {}
@@ -49,8 +43,8 @@ def as_text(source: LogFile) -> tuple[LogFile, list[Message]]:
     rows.writerows(filter(None, map(_record, lines)))
     data = written.getvalue().encode("utf-8", "replace")
     said = Sentence("{count} line(s) that are no JSON object left out", count=len(bad))
-    notes = [Message("warning", "lines_left_out", said, Place(file=source.file))] if bad else []
-    return replace(source, head=data[:LARGE], form="text", size=len(data), path=None, content=data), notes
+    notes = (Message("warning", "lines_left_out", said, Place(file=source.file)),) if bad else ()
+    return replace(source, head=data[:LARGE], form="text", size=len(data), path=None, content=data, notes=notes)
 
 
 def _record(line: bytes) -> dict[str, Any] | None:

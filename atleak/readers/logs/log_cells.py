@@ -124,6 +124,7 @@ def to_float(cell: str, decimal: Decimal) -> float:
 
 
 TEXT = Sentence("text instead of numbers")
+HOLDS = Sentence("{column!r} holds {what} ({found}): it is not used")
 _LONGEST_QUOTE = 40  # characters of a cell that a message shows
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?P<sign>[.,'’\u00a0\u202f ])\d{3}(?:(?P=sign)\d{3})*(?P<rest>[.,]\d*)?\Z")
 _OTHER: dict[Decimal, Decimal] = {".": ",", ",": "."}
@@ -137,11 +138,6 @@ def quoted(cell: object) -> str:
     """
     text = str(cell).strip()
     return text if len(text) <= _LONGEST_QUOTE else text[:_LONGEST_QUOTE] + "…"
-
-
-def holds(column: str, what: Sentence, example: str) -> Sentence:
-    """Return the sentence that a column is not used, and for which cells."""
-    return Sentence("{column!r} holds {what} ({found}): it is not used", column=column, what=what, found=example)
 
 
 def cause(cells: pd.Series, values: np.ndarray, decimal: Decimal) -> tuple[Sentence, str]:

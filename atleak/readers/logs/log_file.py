@@ -17,31 +17,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-from atleak.common.errors import Place, RoadTestError, reason_of
+from atleak.common.errors import Message, Place, RoadTestError, reason_of
 from atleak.common.sentences import Sentence
+from atleak.readers.cells.sheet_file import foreign_kind
 from atleak.readers.logs.loggers import SHOWN, known_logger, logger_by_name
 
 _FORMS = Sentence("delimited text, xlsx, Parquet or MDF4 as the logger exports it")
-_MAGIC = {
-    b"\x89PNG": Sentence("a PNG picture"),
-    b"\xff\xd8\xff": Sentence("a JPEG picture"),
-    b"GIF8": Sentence("a GIF picture"),
-    b"BM": Sentence("a bitmap picture"),
-    b"II*\x00": Sentence("a TIFF picture"),
-    b"MM\x00*": Sentence("a TIFF picture"),
-    b"%PDF": Sentence("a PDF document"),
-    b"{\\rtf": Sentence("a formatted text document"),
-    b"Rar!": Sentence("a RAR archive"),
-    b"7z\xbc\xaf": Sentence("a 7z archive"),
-    b"\x7fELF": Sentence("a program"),
-    b"MZ\x90": Sentence("a program"),
-    b"SQLite format 3": Sentence("a database"),
-    b"PARE": Sentence("an encrypted Parquet file"),
-    b"\x89HDF": Sentence("an HDF5 file"),
-    b"MATLAB 5.0": Sentence("a MATLAB file"),
+_DOCUMENTS = {
     b"<?xml": Sentence("an XML document"),
-    b"<!DOCTYPE": Sentence("a web page"),
-    b"<html": Sentence("a web page"),
+    **dict.fromkeys((b"<!DOCTYPE", b"<html"), Sentence("a web page")),
 }
 _JSON_LINES = re.compile(rb"\A(?:\xef\xbb\xbf)?\s*\{.*\}[ \t\r]*\n\s*\{.*\}[ \t\r]*(?:\n|\Z)")
 _JSON = re.compile(rb'\A\s*(?:\{\s*["}]|\[\s*[\[{"\]])')
@@ -65,16 +49,15 @@ def refuse_what_is_no_log(head: bytes, file: str) -> None:
     if (logger := known_logger(shown)) is not None and (refusal := logger.refusal(file)) is not None:
         raise refusal
     if not head.strip(b" \t\r\n\x00\xef\xbb\xbf\xff\xfe"):
+        problem = Sentence("is empty: the logger wrote nothing")
         if head.strip(b" \t\r\n"):
-            raise RoadTestError(
-                Sentence("holds nothing but zero bytes: the logger did not finish writing it, or the card is damaged"),
-                place=place,
+            problem = Sentence(
+                "holds nothing but zero bytes: the logger did not finish writing it, or the card is damaged"
             )
-        raise RoadTestError(Sentence("is empty: the logger wrote nothing"), place=place)
-    for magic, what in _MAGIC.items():
-        if head.startswith(magic) and (magic != b"BM" or b"\x00" in head[:32]):
-            problem = Sentence("is {what}, no road-test log, whatever its name says", what=what)
-            raise RoadTestError(problem, place=place, expected=_FORMS)
+        raise RoadTestError(problem, place=place)
+    if (what := foreign_kind(head, _DOCUMENTS)) is not None:
+        problem = Sentence("is {what}, no road-test log, whatever its name says", what=what)
+        raise RoadTestError(problem, place=place, expected=_FORMS)
     if _JSON.match(head) and form_of(head) != "json":
         problem = Sentence("is JSON: nothing tells which of its values are the rows of a log")
         raise RoadTestError(problem, place=place, expected=_FORMS)
@@ -176,6 +159,7 @@ class LogFile:
     path: Path | None = None
     content: bytes | None = field(default=None, repr=False)
     folder: tempfile.TemporaryDirectory[str] | None = field(default=None, repr=False)
+    notes: tuple[Message, ...] = ()  # what is to be said of it
 
     @cached_property
     def data(self) -> bytes:
@@ -200,6 +184,10 @@ class LogFile:
         """Return the SHA-256 of the file as it was given."""
         return str(self.digest)
 
+    def error(self, problem: Sentence, value: object = None, expected: Sentence | None = None) -> RoadTestError:
+        """Return an error about the file."""
+        return RoadTestError(problem, place=Place(file=self.file), value=value, expected=expected)
+
     def close(self) -> None:
         """Delete what was unpacked to disk."""
         if self.folder is not None:
@@ -217,11 +205,8 @@ class LogFile:
 def open_source(source: str | Path | bytes, name: str | None = None) -> LogFile:
     """Open a log: read it whole, but only the first bytes of a large text file.
 
-    Raises
-    ------
-    RoadTestError
-        when the file is missing, empty, a picture or another file that is no log, only zeros, or packed so
-        tightly that unpacking it would fill the memory.
+    A `RoadTestError` refuses a file that is missing, empty, a picture or another file that is no log, only zeros, or
+    packed so tightly that unpacking it would fill the memory.
     """
     if isinstance(source, bytes):
         file = name or "log"
@@ -291,13 +276,9 @@ def _unpack(data: bytes, file: str, target: Path) -> None:
                         raise RoadTestError(Sentence("is packed twice; unpack it first"), place=place)
                 total += len(part)
                 if total > limit:
-                    raise RoadTestError(
-                        Sentence(
-                            'unfolds to more than {size} MB: this is no ordinary log (a "zip bomb"?)', size=limit >> 20
-                        ),
-                        place=place,
-                        expected=Sentence("a log; if it really is one, unpack it first"),
-                    )
+                    problem = Sentence('unfolds to more than {size} MB: this is no ordinary log (a "zip bomb"?)')
+                    expected = Sentence("a log; if it really is one, unpack it first")
+                    raise RoadTestError(problem.of(size=limit >> 20), place=place, expected=expected)
                 out.write(part)
     except (OSError, EOFError, zlib.error) as error:
         raise RoadTestError(Sentence("its gz packing is damaged: {reason}", reason=str(error)), place=place) from error

@@ -18,7 +18,7 @@ from atleak.common.errors import RoadTestError
 from atleak.readers.cells.extent import cut
 from atleak.readers.dates import words
 from atleak.readers.logs.delimited import every_nth
-from atleak.readers.logs.headings import Heading, HeadRow, nameless
+from atleak.readers.logs.headings import VALUE_HEADERS, Heading, HeadRow, nameless
 from atleak.readers.logs.log_cells import MISSING, OFF, Decimal, without_unit
 from atleak.readers.logs.log_file import LogFile
 from atleak.readers.logs.log_table import Layout, LogTable, find_table
@@ -64,6 +64,7 @@ def _cells(column: _Column) -> list[_Cell]:
     return [None if cell != cell else cell for cell in np.frombuffer(column).tolist()]
 
 
+_GENERIC_NAMES = VALUE_HEADERS | {"", "y", "signal"}
 _HEAD = 2000  # rows of a sheet among which its table is sought
 
 
@@ -88,7 +89,7 @@ class LogSheet(LogTable):
             has_quantity = any(match_name(name) for name in heading.names)
             if heading.index == 0 and self._is_a_pair_without_names:
                 heading = replace(heading, names=("time",))
-            elif not has_quantity and _plain(heading) in _GENERIC_NAMES:
+            elif not has_quantity and (nameless(heading) or words(heading.names[0]) in _GENERIC_NAMES):
                 heading = Heading(heading.index, self.name, (split.text,), heading.unit or split.unit)
             result.append(heading)
         return tuple(result)
@@ -123,16 +124,6 @@ class LogSheet(LogTable):
         column = pd.Series(cells) if isinstance(cells, np.ndarray) else _column(cells)
         unit = self.layout.cell_units.get(index)
         return column if unit is None or column.dtype != "str" else without_unit(column, unit)
-
-
-_GENERIC_NAMES = {
-    "", "value", "values", "wert", "messwert", "data", "y", "signal", "reading", "wartosc", "valeur", "valor",
-    "значение",
-}  # fmt: skip
-
-
-def _plain(heading: Heading) -> str:
-    return "" if nameless(heading) else words(heading.names[0])
 
 
 def text_of_cell(cell: object, decimal: Decimal = ".") -> str:

@@ -83,11 +83,8 @@ class LogTable:
         stands in ``attrs["too_wide"]``, how many have fewer cells in ``attrs["short"]``, and whether the last line
         breaks off in ``attrs["breaks_off"]``. Where not all are kept, their numbers stand in ``attrs["lines"]``.
 
-        Raises
-        ------
-        RoadTestError
-            when the file is damaged, its lines cannot be told apart, or many of them have more numbers than the table
-            has columns.
+        A `RoadTestError` refuses a damaged file, one whose lines cannot be told apart, and one of which many have more
+        numbers than the table has columns.
         """
         raise NotImplementedError
 

@@ -61,10 +61,7 @@ class Logger:
     def described(self, layout: Layout, head: str, body: Sequence[HeadRow]) -> Layout:
         """Return a table's layout with the names and units that this logger is known to give its columns.
 
-        Parameters
-        ----------
-        head, body
-            the lines above the data, and the first rows.
+        ``head`` are the lines above the data, ``body`` the first rows.
         """
         headings = self._named_in_head(layout, head) or self._named_by_rows(layout)
         said = [] if headings is None else [Sentence("names and units as its head gives them")]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.common.errors import Place, RoadTestError, extra_installed
+from atleak.common.errors import RoadTestError, extra_installed
 from atleak.common.sentences import Sentence
 from atleak.readers import remembered_columns as memory
 from atleak.readers.logs.clock import Clock
@@ -96,40 +96,27 @@ def understand_mdf(
     every: int = 1,
     room: float = math.inf,
 ) -> Understood:
-    """Read an MDF file, of which only the channels that may hold a quantity.
+    """Read an MDF file, of which only the channels that may hold a quantity, of ``every`` samples one.
 
-    Parameters
-    ----------
-    every, room
-        of how many samples one is kept, and the bytes of memory that may be taken.
-
-    Raises
-    ------
-    RoadTestError
-        when asammdf is not installed, the file is damaged, it holds bus frames that need a database, or it would take
-        more memory than there is.
+    A `RoadTestError` says that asammdf is not installed, the file is damaged, it holds bus frames that need a database,
+    or it would take more memory than there is (``room``).
     """
     channels, frames, version = _contents(source)
-    headings, place = tuple(channel.heading for channel in channels), Place(file=source.file)
+    headings = tuple(channel.heading for channel in channels)
     if not headings and frames:
-        raise RoadTestError(
-            Sentence(
-                "is a recording of a CAN bus ({frames} frames) without OBD2 answers: turning frames into quantities "
-                "needs the car's database (DBC)",
-                frames=frames,
-            ),
-            place=place,
-            expected=Sentence("the logger's export with decoded (physical) channels"),
+        problem = Sentence(
+            "is a recording of a CAN bus ({frames} frames) without OBD2 answers: turning frames into quantities "
+            "needs the car's database (DBC)",
+            frames=frames,
         )
+        raise source.error(problem, expected=Sentence("the logger's export with decoded (physical) channels"))
     if not headings:
-        raise RoadTestError(Sentence("holds no channels"), place=place)
+        raise source.error(Sentence("holds no channels"))
     assigner = Assigner(source.file, units, stated_units(headings), every=every, room=room)
     assigner.leave_out(mapping)
     if frames:
-        text = Sentence(
-            "{format}: OBD2 answers were decoded from {frames} CAN frames", format=f"MDF {version}", frames=frames
-        )
-        assigner.say("obd2_decoded", text)
+        text = Sentence("{format}: OBD2 answers were decoded from {frames} CAN frames")
+        assigner.say("obd2_decoded", text, format=f"MDF {version}", frames=frames)
     named_columns = {quantity: column for quantity, column in mapping.items() if quantity != "time"}
     candidates = [candidate for candidate in find_candidates(headings) if candidate.quantity != "time"]
     candidates = map_columns(candidates, headings, named_columns, source.file)
@@ -231,13 +218,10 @@ def _read_channels(source: LogFile, channels: Sequence[_MdfChannel], every: int)
 def _check_readable(source: LogFile) -> None:
     """Refuse an MDF file that is cut off, or that nothing is there to read."""
     if importlib.util.find_spec("asammdf") is None:
-        raise RoadTestError(
-            Sentence("is an MDF file: reading it needs the extra 'mdf'"),
-            place=Place(file=source.file),
-            expected=extra_installed("mdf"),
-        )
+        problem = Sentence("is an MDF file: reading it needs the extra 'mdf'")
+        raise source.error(problem, expected=extra_installed("mdf"))
     if source.head[64:66] != b"HD" and source.head[64:68] != b"##HD":
-        raise RoadTestError(Sentence("is a damaged MDF file: its header is missing"), place=Place(file=source.file))
+        raise source.error(Sentence("is a damaged MDF file: its header is missing"))
 
 
 def _obd2(bus: Sequence[Mapping[str, bytearray]]) -> dict[int, tuple[np.ndarray, np.ndarray]]:

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from atleak.common.errors import Place, RoadTestError
 from atleak.common.sentences import Sentence
 from atleak.readers.logs.headings import Heading, HeadRow
 from atleak.readers.logs.log_cells import Decimal
@@ -24,10 +23,9 @@ from atleak.readers.logs.names import clean_unit, split_unit
 _TYPES = {0: "u1", 1: "i1", 2: ">u2", 3: ">i2", 4: ">u4", 5: ">i4", 6: ">i8", 7: ">f4", 10: "u1", 11: ">u2", 12: ">u4"}
 _FIRST_OF_BITS = 10
 _HEADS = {  # by the form's version
-    1: np.dtype([("start", "S6"), ("version", ">i2"), ("time", ">i4"), ("info", ">i2"), ("data", ">i4"),
-                 ("length", ">i2"), ("fields", ">i2")]),
-    2: np.dtype([("start", "S6"), ("version", ">i2"), ("time", ">i4"), ("info", ">i4"), ("data", ">i4"),
-                 ("length", ">i2"), ("fields", ">i2")]),
+    version: np.dtype([("start", "S6"), ("version", ">i2"), ("time", ">i4"), ("info", info), ("data", ">i4"),
+                       ("length", ">i2"), ("fields", ">i2")])
+    for version, info in ((1, ">i2"), (2, ">i4"))
 }  # fmt: skip
 _FIELD = [("type", "u1"), ("name", "S34"), ("unit", "S10"), ("style", "u1"), ("scale", ">f4"), ("transform", ">f4"),
           ("digits", "i1")]  # fmt: skip
@@ -66,20 +64,14 @@ class MlgLog(LogTable):
 
 
 def open_mlg(source: LogFile) -> MlgLog:
-    """Return the table of a binary log.
-
-    Raises
-    ------
-    RoadTestError
-        where its head or its blocks are damaged, or it is of another version.
-    """
-    data, place = source.data, Place(file=source.file)
-    damaged = RoadTestError(Sentence("is a damaged log of {logger}", logger="TunerStudio"), place=place)
+    """Return the table of a binary log; refuse one that is damaged or of another version."""
+    data = source.data
+    damaged = source.error(Sentence("is a damaged log of {logger}", logger="TunerStudio"))
     version = int.from_bytes(data[6:8], "big")
     if version not in _HEADS:
         expected = Sentence("the log exported as CSV or text by {program}", program="MegaLogViewer")
         problem = Sentence("is a log of {logger} in a binary form that is not read", logger="TunerStudio")
-        raise RoadTestError(problem, place=place, value=version, expected=expected)
+        raise source.error(problem, version, expected)
     form = _FIELDS[version]
     at = _HEADS[version].itemsize
     head = np.frombuffer(data[:at].ljust(at, b"\x00"), _HEADS[version])[0]
@@ -93,7 +85,7 @@ def open_mlg(source: LogFile) -> MlgLog:
         raise damaged
     blocks = _blocks(data, int(head["data"]), block)
     if not len(blocks):
-        raise RoadTestError(Sentence("holds no rows: the logger wrote nothing"), place=place)
+        raise source.error(Sentence("holds no rows: the logger wrote nothing"))
     summed = blocks.view((np.uint8, block.itemsize))[:, 4:-1].sum(axis=1, dtype=np.uint8)
     good = summed == blocks["sum"]
     if np.mean(good) < _MOST_ARE_GOOD:

@@ -170,10 +170,8 @@ def _without(text: str, unwanted: tuple[str, ...]) -> str:
 
 def unit_at_the_end(name: str, kind: str | None) -> _Name | None:
     """Separate a last word that is a unit of this kind: ``engine_speed_rpm``, ``Vehicle speed, km/h``."""
-    if kind is None:
-        return None
     match = re.match(r"^(.*\S)[\s_,;:.\-]+(\S+)$", name.strip())
-    if not match:
+    if kind is None or not match:
         return None
     ends = [(match[1], match[2])]
     if two := re.match(r"^(.*\S)[\s_,]+(\S+)$", match[1]):
@@ -194,11 +192,8 @@ def match_name(name: str) -> Match | None:
     table, text = synonyms(), words(name)
     if not text:
         return None
-    entry = table.exact.get(_squash(text))
-    bare = text
-    if entry is None:
-        bare = _without(text, table.neutral)
-        entry = table.exact.get(_squash(bare)) if bare else None
+    bare = _without(text, table.neutral)
+    entry = table.exact.get(_squash(text)) or table.exact.get(_squash(bare))
     if entry is not None:
         quantity, tier, kind = entry
         return Match(quantity, tier, _pressure_kind(quantity, text, kind), _own_unit(name, quantity))
@@ -257,26 +252,19 @@ def _offer(text: str, bare: str) -> Match | None:
     table = synonyms()
     if any(_holds(text, word) for word in table.veto):
         return None
-    best: tuple[int, str, ChannelKind] | None = None
-    for synonym, (quantity, tier, kind) in _phrases():
-        if quantity in _NOT_OFFERED or tier == 1 or " " not in synonym:
-            continue
-        if _holds(bare, synonym) and (best is None or len(synonym) > best[0]):
-            best = (len(synonym), quantity, kind)
-    if best is None:
-        return None
-    return Match(best[1], 2, _pressure_kind(best[1], text, best[2]))
+    offered = (
+        (synonym, quantity, kind) for synonym, (quantity, tier, kind) in _phrases()
+        if " " in synonym and quantity not in _NOT_OFFERED and tier != 1 and _holds(bare, synonym)
+    )  # fmt: skip
+    _, quantity, kind = max(offered, key=lambda each: len(each[0]), default=("", None, None))
+    return Match(quantity, 2, _pressure_kind(quantity, text, kind)) if quantity and kind else None
 
 
 @cache
 def _phrases() -> tuple[tuple[str, tuple[str, Tier, ChannelKind]], ...]:
-    phrases = [
-        words(name)
-        for quantity in QUANTITIES
-        for key, names in vocabulary(*_SYNONYMS).get(quantity, {}).items()
-        if key != "with_unit"
-        for name in names
-    ]
+    of_quantities = [vocabulary(*_SYNONYMS).get(quantity, {}) for quantity in QUANTITIES]
+    lists = [names for own in of_quantities for key, names in own.items() if key != "with_unit"]
+    phrases = [words(name) for names in lists for name in names]
     return tuple((phrase, synonyms().exact[_squash(phrase)]) for phrase in phrases)
 
 
@@ -293,14 +281,7 @@ _DIGIT = re.compile(
     r"\s*(?:gear|gang|bieg|marcha|передача)?\Z"
 )
 
-SELECTOR = {"park": -2.0, "reverse": -1.0, "neutral": 0.0, "drive": 10.0}
-"""Numbers of selector positions written in words; a forward range with a digit is that digit."""
-
-
-_POSITIONS = {
-    "p": "park", "park": "park", "parking": "park", "r": "reverse", "reverse": "reverse", "rev": "reverse",
-    "n": "neutral", "neutral": "neutral",
-}  # fmt: skip
+_PARK = ("p", "park", "parking")
 
 
 def gear_of(text: str) -> float:
@@ -317,14 +298,13 @@ def gear_of(text: str) -> float:
 
 
 def selector_of(text: str) -> float:
-    """Return a selector position's number (see `SELECTOR`), NaN where the word names none."""
-    plain = words(text)
-    if plain in _POSITIONS:
-        return SELECTOR[_POSITIONS[plain]]
-    number = gear_of(text)
+    """Return a selector position's number: park −2, else its gear's, drive 10; NaN where the word names none."""
+    plain, number = words(text), gear_of(text)
+    if plain in _PARK:
+        return -2.0
     if number == number:
         return number
-    return SELECTOR["drive"] if plain in _DRIVE or plain[:1] == "d" else float("nan")
+    return 10.0 if plain in _DRIVE or plain[:1] == "d" else float("nan")
 
 
 def switch_of(text: str) -> float:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from atleak.common.errors import Place, RoadTestError
+from atleak.common.errors import RoadTestError
 from atleak.common.sentences import Sentence
 from atleak.readers.logs.delimited import Filled
 from atleak.readers.logs.headings import HeadRow, headings_of, names_columns
@@ -69,8 +69,7 @@ def open_parquet(source: LogFile) -> ParquetLog:
     ((_, parts),) = read_apart(parquet_parts, source.apart, source.file, RoadTestError, PARQUET)
     columns, rows = parts["columns"], parts["rows"]
     if not rows or not columns:
-        problem = Sentence("holds no rows: the logger wrote nothing")
-        raise RoadTestError(problem, place=Place(file=source.file))
+        raise source.error(Sentence("holds no rows: the logger wrote nothing"))
     _, (_, block) = read_apart(
         parquet_parts, source.apart, source.file, RoadTestError, PARQUET, columns=list(range(len(columns))),
         rows=_SAMPLE,
@@ -96,13 +95,7 @@ def open_parquet(source: LogFile) -> ParquetLog:
 
 
 def head_of_parquet(source: str | Path | bytes, name: str) -> bytes:
-    """Return a small Parquet log with the first rows alone, by which it is told what its columns are.
-
-    Raises
-    ------
-    RoadTestError
-        where the file is damaged.
-    """
+    """Return a small Parquet log with the first rows alone, by which it is told what its columns are."""
     opened = open_source(source, name)
     (head,) = read_apart(parquet_head, opened.apart, name, RoadTestError, PARQUET, rows=_SAMPLE)
     return head

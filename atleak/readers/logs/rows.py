@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from atleak.common.errors import MessageLevel, Place, RoadTestError
+from atleak.common.errors import MessageLevel, RoadTestError
 from atleak.common.sentences import Sentence
 from atleak.measurements.road_test import QUANTITIES
 from atleak.readers.dates import words
@@ -22,7 +22,7 @@ from atleak.readers.logs.clock import Clock
 from atleak.readers.logs.columns import Again, Assigner, Candidate
 from atleak.readers.logs.delimited import numbers, words_of
 from atleak.readers.logs.headings import Heading
-from atleak.readers.logs.log_cells import MISSING, OFF, Decimal, cause, holds, is_clock, is_destroyed, quoted
+from atleak.readers.logs.log_cells import HOLDS, MISSING, OFF, Decimal, cause, is_clock, is_destroyed, quoted
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.names import is_unit, match_name, split_unit
 from atleak.readers.logs.units import fit, same_unit
@@ -38,18 +38,13 @@ class _Cell(NamedTuple):
     def repeats(self) -> bool:
         """Return whether it is the column's own name, with any unit."""
         heading = self.column.heading
-        return self.text == heading.label or words(split_unit(self.text).text) in [
-            words(name) for name in heading.names
-        ]
+        return self.text == heading.label or words(split_unit(self.text).text) in map(words, heading.names)
 
 
 def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: Assigner) -> None:
     """Refuse a log with a header among its rows that names other columns, or the same ones in other units.
 
-    Parameters
-    ----------
-    lines
-        of which each bears its number in the file as label.
+    Each of the lines bears its number in the file as label.
     """
     columns = {candidate.heading.index: candidate for candidate in used}
     indices = [int(index) for index in lines.columns]
@@ -64,12 +59,9 @@ def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: 
             for cell in cells:
                 _refuse_another_unit(cell, cell.text, int(row), assigner)
         elif others:
-            raise RoadTestError(
-                Sentence("another header with other columns begins in the middle of the log"),
-                place=Place(file=assigner.file, row=None, column=others[0].column.label),
-                value=others[0].text,
-                expected=Sentence("one header; split the file at data row {row}", row=int(row) + 1),
-            )
+            problem = Sentence("another header with other columns begins in the middle of the log")
+            expected = Sentence("one header; split the file at data row {row}", row=int(row) + 1)
+            raise assigner.error(problem, others[0].text, expected, others[0].column.label)
         else:
             _compare_units([cell for cell in cells if cell.repeats], int(row), assigner)
 
@@ -104,12 +96,9 @@ def _refuse_another_unit(cell: _Cell, unit: str, row: int, assigner: Assigner) -
         assigner.again.setdefault(cell.column.heading.index, Again(unit, row, cell.text))
     if kind is None or stated is None or same_unit(stated, unit, kind):
         return
-    raise RoadTestError(
-        Sentence("the unit changes from {first} to {other} in the middle of the log", first=stated, other=unit),
-        place=Place(file=assigner.file, column=cell.column.label),
-        value=cell.text,
-        expected=Sentence("one unit in every column; split the file at data row {row}", row=row + 1),
-    )
+    problem = Sentence("the unit changes from {first} to {other} in the middle of the log", first=stated, other=unit)
+    expected = Sentence("one unit in every column; split the file at data row {row}", row=row + 1)
+    raise assigner.error(problem, cell.text, expected, cell.column.label)
 
 
 def with_units_stated_again(
@@ -117,10 +106,7 @@ def with_units_stated_again(
 ) -> list[Candidate]:
     """Return the channels, with its unit each that a header in the middle of the log states for the first time.
 
-    Parameters
-    ----------
-    place
-        tells how many rows stand before a line.
+    ``place`` tells how many rows stand before a line.
     """
     result = []
     for channel in channels:
@@ -137,10 +123,10 @@ def with_units_stated_again(
         if np.isfinite(silent).any() and (not agrees or fit(channel.quantity, unit, telling).problem):
             raise _asked(channel, again, unit, assigner)
         if again.unit is not None:
-            assigner.say("unit_stated_later", Sentence(
-                "{column!r} states its unit from data row {row} on only; the numbers before are in {unit}, too",
-                column=channel.label, row=again.row + 1, unit=unit,
-            ), "info", channel.label)  # fmt: skip
+            text = Sentence(
+                "{column!r} states its unit from data row {row} on only; the numbers before are in {unit}, too"
+            )
+            assigner.say("unit_stated_later", text, "info", channel.label, row=again.row + 1, unit=unit)
         result.append(replace(channel, unit=unit))
     return result
 
@@ -150,10 +136,7 @@ def check_clock_stated_again(
 ) -> None:
     """Refuse a clock for which a header in the middle of the log states, for the first time, another unit.
 
-    Parameters
-    ----------
-    unit_before
-        tells in which unit a column of numbers seems to be before a line.
+    ``unit_before`` tells in which unit a column of numbers seems to be before a line.
     """
     label, chosen = clock
     if chosen.form != "number" or "time" in assigner.units:
@@ -171,17 +154,9 @@ def _asked(channel: Candidate, again: Again, unit: str, assigner: Assigner) -> R
     problem = Sentence("its unit is stated from data row {row} on only ({unit})", row=again.row + 1, unit=unit)
     if again.unit is None:
         problem = Sentence("its unit ({unit}) is not stated again from data row {row} on", row=again.row + 1, unit=unit)
-    return RoadTestError(
-        problem,
-        place=Place(file=assigner.file, column=channel.label),
-        value=again.text,
-        expected=Sentence(
-            "the unit of all rows, such as {quantity} = {unit!r}; or the file split at data row {row}",
-            quantity=channel.quantity,
-            unit=unit,
-            row=again.row + 1,
-        ),
-    )
+    expected = Sentence("the unit of all rows, such as {quantity} = {unit!r}; or the file split at data row {row}")
+    expected = expected.of(quantity=channel.quantity, unit=unit, row=again.row + 1)
+    return assigner.error(problem, again.text, expected, channel.label)
 
 
 @dataclass
@@ -208,30 +183,26 @@ class LeftOutRow:
 
     def say(self, assigner: Assigner) -> None:
         """Say how many rows were left out, and why."""
-        met: tuple[tuple[int, str, Sentence, MessageLevel], ...] = (
-            (self.above, "table_above", Sentence(
-                "{count} row(s) of another table above this one are not read", count=self.above,
-            ), "warning"),
-            (self.too_wide, "rows_too_wide", Sentence(
-                "{count} row(s) have more numbers than there are columns: which belongs to which is not known, they "
-                "are left out", count=self.too_wide,
-            ), "warning"),
-            (self.short, "rows_short", Sentence(
-                "{count} row(s) have fewer cells than the others: what they lack is taken as blank", count=self.short,
-            ), "info"),
-            (self.breaks_off, "line_breaks_off", Sentence(
-                "the last line breaks off: its last value, perhaps half-written, is left out",
-            ), "info"),
-            (self.lines, "lines_left_out", Sentence(
-                "{count} comment, marker or repeated header line(s) left out", count=self.lines,
-            ), "info"),
-            (self.blank, "blank_rows", Sentence(
-                "{count} blank row(s) at the end left out", count=self.blank,
-            ), "info"),
-        )  # fmt: skip
-        for count, code, text, level in met:
-            if count:
-                assigner.say(code, text, level)
+        for name, (level, code, text) in _LEFT_OUT.items():
+            if count := getattr(self, name):
+                assigner.say(code, text, level, count=count)
+
+
+_LEFT_OUT: Mapping[str, tuple[MessageLevel, str, Sentence]] = {  # by the field of `LeftOutRow` that counts it
+    "above": ("warning", "table_above", Sentence("{count} row(s) of another table above this one are not read")),
+    "too_wide": ("warning", "rows_too_wide", Sentence(
+        "{count} row(s) have more numbers than there are columns: which belongs to which is not known, they are left "
+        "out"
+    )),
+    "short": ("info", "rows_short", Sentence(
+        "{count} row(s) have fewer cells than the others: what they lack is taken as blank"
+    )),
+    "breaks_off": ("info", "line_breaks_off", Sentence(
+        "the last line breaks off: its last value, perhaps half-written, is left out"
+    )),
+    "lines": ("info", "lines_left_out", Sentence("{count} comment, marker or repeated header line(s) left out")),
+    "blank": ("info", "blank_rows", Sentence("{count} blank row(s) at the end left out")),
+}  # fmt: skip
 
 
 class LogRows(NamedTuple):
@@ -288,10 +259,7 @@ def _without_words(
 ) -> tuple[pd.DataFrame, int]:  # fmt: skip
     """Remove comments, markers, repeated headers and blank lines; return the rest, and how many there were.
 
-    Parameters
-    ----------
-    word_for_time
-        lines with a word in place of the time.
+    Lines with a word in place of the time (``word_for_time``) are markers, too.
     """
     words_in_columns = {index: words_of(frame, index, table.decimal) for index in frame.attrs.get("words", {})}
     if frame.empty or (
@@ -310,7 +278,7 @@ def _without_words(
             text_columns.append(index)
     # only rows without a single number so far need a closer look
     without_number = np.flatnonzero(~has_number)
-    clocks_at = {candidate.heading.index for candidate in times if _holds_clocks(table, candidate.heading)}
+    clocks_at = {candidate.heading.index for candidate in times if holds_clocks(table, candidate.heading)}
     for index in text_columns if len(without_number) else ():
         column = frame[index].iloc[without_number]
         text = column.astype("str").str.strip()
@@ -344,15 +312,15 @@ def _words_for_time(frame: pd.DataFrame, times: list[Candidate], table: LogTable
     column = frame[times[0].heading.index]
     # before its version 3 pandas keeps text as objects, too
     objects = column.dtype == object and pd.api.types.infer_dtype(column) != "string"
-    if column.dtype.kind == "M" or objects or _holds_clocks(table, times[0].heading):
+    if column.dtype.kind == "M" or objects or holds_clocks(table, times[0].heading):
         return np.empty(0, int)
     return words_of(frame, times[0].heading.index, table.decimal).index.to_numpy()
 
 
-def _holds_clocks(table: LogTable, heading: Heading) -> bool:
+def holds_clocks(table: LogTable, heading: Heading, most: float = 0.5) -> bool:
     """Return whether most cells of a column are clock readings."""
     cells = table.sampled(heading.index)
-    return sum(is_clock(cell) for cell in cells) > 0.5 * len(cells)
+    return sum(map(is_clock, cells)) > most * len(cells)
 
 
 def columns_of_numbers(
@@ -390,15 +358,10 @@ def _numbers_but_for_few(
     """Tell whether few cells of a column are no numbers, and say how many."""
     if len(words) > _FEW_WORDS * len(values) or any(is_destroyed(str(cell)) for cell in words.head(50)):
         what, example = cause(words, values[:: max(1, len(values) // 50_000)], decimal)
-        assigner.refuse(candidate, "column_refused", holds(candidate.label, what, example))
+        assigner.refuse(candidate, "column_refused", HOLDS, what=what, found=example)
         return False
-    text = Sentence(
-        "{column!r}: {count} cell(s) are no numbers ({found}) and left out",
-        column=candidate.label,
-        count=len(words),
-        found=quoted(words.iloc[0]),
-    )
-    assigner.say("cells_unreadable", text, "warning", candidate.label)
+    text = Sentence("{column!r}: {count} cell(s) are no numbers ({found}) and left out")
+    assigner.say("cells_unreadable", text, "warning", candidate.label, count=len(words), found=quoted(words.iloc[0]))
     return True
 
 
@@ -407,17 +370,14 @@ def _names_gears(
 ) -> bool:
     """Tell whether the numbers and words of a column name gears, and which words do not."""
     if np.isnan(values).all() and words_as_numbers.only_positions(words):
-        text = Sentence("{column!r} holds selector positions, no gears", column=candidate.label)
+        text = Sentence("{column!r} holds selector positions, no gears")
         assigner.say("gear_is_selector", text, "info", candidate.label)
         return False
     unnamed = words[np.isnan(in_words)].astype("str").str.strip()
     if words_as_numbers.only_positions(unnamed):
-        text = Sentence(
-            "{column!r}: {words} names no gear, so it is not known at {count} of {total} samples",
-            column=candidate.label,
-            words=tuple(sorted(unnamed.unique())),
-            count=len(unnamed),
-            total=len(values),
+        text = Sentence("{column!r}: {words} names no gear, so it is not known at {count} of {total} samples")
+        text = text.of(
+            column=candidate.label, words=tuple(sorted(unnamed.unique())), count=len(unnamed), total=len(values)
         )
         assigner.say("gear_not_named", text, "info", candidate.label)
     return True
@@ -433,17 +393,13 @@ def _without_thousands(candidate: Candidate, values: np.ndarray, assigner: Assig
     whole = sample[sample == np.round(sample)]
     if len(small) < 3 or np.abs(small * 1000 - np.round(small * 1000)).max() > 1e-6:
         return True
-    if (
-        kind == "pressure" and np.abs(small * 10 - np.round(small * 10)).max() < 1e-6
-    ):  # such as 1.5 kPa of a pump at rest
+    # such as 1.5 kPa of a pump at rest
+    if kind == "pressure" and np.abs(small * 10 - np.round(small * 10)).max() < 1e-6:
         return True
     if len(whole) and np.median(whole) > 100 and len(small) + len(whole) + np.isnan(sample).sum() == len(sample):
         text = Sentence(
-            "{column!r} mixes numbers such as {small} and {whole}: the sign in it parts thousands; it is not used",
-            column=candidate.label,
-            small=f"{small[0]:.3f}",
-            whole=f"{whole[0]:.0f}",
+            "{column!r} mixes numbers such as {small} and {whole}: the sign in it parts thousands; it is not used"
         )
-        assigner.refuse(candidate, "column_refused", text)
+        assigner.refuse(candidate, "column_refused", text, small=f"{small[0]:.3f}", whole=f"{whole[0]:.0f}")
         return False
     return True

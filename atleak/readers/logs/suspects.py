@@ -58,12 +58,8 @@ def sentinel(series: pd.Series) -> pd.Series:
     >>> sentinel(pd.Series([800.0, 65535.0])).tolist()
     [False, True]
     """
-    values = series.to_numpy()
-    result = np.zeros(len(values), bool)
-    codes = np.isin(values, SENTINELS)
-    if len(values) and np.mean(codes) <= 0.5:  # else it is an ordinary value of this channel
-        result = codes
-    return pd.Series(result, series.index)
+    codes = pd.Series(np.isin(series, SENTINELS), series.index)
+    return codes & bool(codes.mean() <= 0.5)  # else it is an ordinary value of this channel
 
 
 def out_of_range(series: pd.Series, low: float, high: float) -> pd.Series:
@@ -139,13 +135,8 @@ def frozen(series: pd.Series, seconds: float, moving: Callable[[], np.ndarray | 
 
 def failed_sensor(series: pd.Series) -> pd.Series:
     """Mark temperatures [°C] at the end of a sensor's scale, −40 or 215, where others are ordinary."""
-    values = series.to_numpy()
-    result = np.zeros(len(values), bool)
-    ends = (np.abs(values + 40) < 0.06) | (np.abs(values - 215) < 0.06)
-    rest = values[~ends & np.isfinite(values)]
-    if len(rest) and np.median(rest) > ORDINARY:
-        result = ends
-    return pd.Series(result, series.index)
+    ends = ((series + 40).abs() < 0.06) | ((series - 215).abs() < 0.06)
+    return ends & bool(series[~ends & np.isfinite(series)].median() > ORDINARY)
 
 
 def suspect(

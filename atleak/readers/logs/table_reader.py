@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from atleak.common.errors import Place, RoadTestError
+from atleak.common.errors import RoadTestError
 from atleak.common.sentences import Sentence
 from atleak.common.units import kinds_of
 from atleak.measurements.road_test import QUANTITIES, Segment
@@ -23,8 +23,8 @@ from atleak.readers.logs.channels import say_strays
 from atleak.readers.logs.clock import Clock, Motion, numeric_clock
 from atleak.readers.logs.columns import Assigner, Candidate, OfferedColumn, find_candidates, map_columns
 from atleak.readers.logs.delimited import Cells, numbers
-from atleak.readers.logs.headings import Heading
-from atleak.readers.logs.log_cells import is_clock, kind_of_cells
+from atleak.readers.logs.headings import VALUE_HEADERS, Heading
+from atleak.readers.logs.log_cells import kind_of_cells
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.names import clean_unit, is_unit, match_name, split_unit
 from atleak.readers.logs.rows import (
@@ -32,6 +32,7 @@ from atleak.readers.logs.rows import (
     LogRows,
     check_clock_stated_again,
     columns_of_numbers,
+    holds_clocks,
     rows_of_log,
     with_units_stated_again,
 )
@@ -53,10 +54,6 @@ UNIT_HEADERS = frozenset({"unit", "units", "einheit", "jednostka", "unite", "uni
 _NAME_HEADERS = {
     "pid", "name", "signal", "channel", "parameter", "sensor", "kanal", "key", "item", "variable", "description",
     "signal name", "sensor name", "measurement", "parametr", "parameter name",
-}  # fmt: skip
-_VALUE_HEADERS = {
-    "value", "values", "wert", "messwert", "reading", "wartosc", "valeur", "valor", "значение", "data",
-    "physical value",
 }  # fmt: skip
 
 
@@ -89,7 +86,7 @@ def _of_units(heading: Heading, table: LogTable) -> bool:
     if not heading.names or words(heading.names[0]) not in UNIT_HEADERS:
         return False
     cells = list(filter(None, table.sampled(heading.index)))
-    return bool(cells) and sum(map(is_unit, cells)) > 0.8 * len(cells)
+    return sum(map(is_unit, cells)) > 0.8 * len(cells)
 
 
 def two_units(cells: pd.Series, kind: str | None) -> tuple[str | None, str | None]:
@@ -102,13 +99,8 @@ def two_units(cells: pd.Series, kind: str | None) -> tuple[str | None, str | Non
 
 def say_two_units(channel: Candidate, first: str | None, other: str, assigner: Assigner) -> None:
     """Say that a channel is not taken because its numbers are in several units."""
-    text = Sentence(
-        "{column!r} holds numbers in several units ({first}, {other}): it is not used",
-        column=channel.label,
-        first=str(first),
-        other=other,
-    )
-    assigner.refuse(channel, "column_refused", text)
+    text = Sentence("{column!r} holds numbers in several units ({first}, {other}): it is not used")
+    assigner.refuse(channel, "column_refused", text, first=str(first), other=other)
 
 
 @dataclass(frozen=True)
@@ -138,7 +130,7 @@ def long_shape(table: LogTable, candidates: list[Candidate], mapping: Mapping[st
     def called(names: Collection[str]) -> list[Heading]:
         return [heading for heading in headings if heading.names and words(heading.names[0]) in names]
 
-    value = next(iter(called(_VALUE_HEADERS)), None)
+    value = next(iter(called(VALUE_HEADERS)), None)
     named = [heading for heading in called(_NAME_HEADERS) if _wordy(table, heading)]
     # else the column of words among which are names of quantities
     named += [
@@ -161,7 +153,7 @@ def _names_headings(table: LogTable, mapping: Mapping[str, str]) -> bool:
 
 def _wordy(table: LogTable, heading: Heading) -> bool:
     cells = table.sampled(heading.index)
-    return bool(cells) and sum(kind_of_cells(cell, table.decimal) == "text" for cell in cells) > 0.8 * len(cells)
+    return sum(kind_of_cells(cell, table.decimal) == "text" for cell in cells) > 0.8 * len(cells)
 
 
 class _LongRows:
@@ -224,8 +216,8 @@ def read_long(table: LogTable, shape: _LongColumns, assigner: Assigner, mapping:
     left = LeftOutRow.of(rows.every, table)
     left.say(assigner)
     if nameless := len(rows.every) - len(rows.frame):
-        text = Sentence("{count} row(s) name no signal, or repeat the header, and are left out", count=nameless)
-        assigner.say("lines_left_out", text)
+        text = Sentence("{count} row(s) name no signal, or repeat the header, and are left out")
+        assigner.say("lines_left_out", text, count=nameless)
     clock = clock_of(shape.time, rows.frame, table, assigner, ())
     if clock is None or not runs_of_rows(clock.seconds):
         raise no_time(table, assigner)
@@ -278,11 +270,8 @@ def _on_base(base: np.ndarray, whole: Timeline) -> Timeline:
 def read_table(table: LogTable, assigner: Assigner, mapping: Mapping[str, str]) -> TableResult:
     """Read a table's time and quantities.
 
-    Raises
-    ------
-    RoadTestError
-        when no column tells the time, numbers are destroyed, another header begins in the middle, or the table has no
-        header and the user has not named columns.
+    A `RoadTestError` says that no column tells the time, numbers are destroyed, another header begins in the middle, or
+    the table has no header and the user has not named columns.
     """
     headings = table.headings
     if not table.has_header and not mapping:
@@ -299,15 +288,10 @@ def no_header(table: LogTable, assigner: Assigner) -> RoadTestError:
     expected = Sentence("names for the columns, such as engine_speed = 'column 2', and the interval between rows")
     if rising is not None:
         speed = "column 2" if rising != "column 2" else "column 1"
-        expected = Sentence(
-            "names for the columns, such as time = {time!r} and engine_speed = {speed!r}", time=rising, speed=speed
-        )
-    return RoadTestError(
-        Sentence("has no header: nothing tells what its columns are"),
-        place=Place(file=assigner.file),
-        value="; ".join(table.sample[0][:8]) if table.sample else None,
-        expected=expected,
-    )
+        expected = Sentence("names for the columns, such as time = {time!r} and engine_speed = {speed!r}")
+        expected = expected.of(time=rising, speed=speed)
+    first = "; ".join(table.sample[0][:8]) if table.sample else None
+    return assigner.error(Sentence("has no header: nothing tells what its columns are"), first, expected)
 
 
 # --- wide ---------------------------------------------------------------------------------------------------
@@ -350,15 +334,11 @@ def refuse_split_decimals(table: LogTable, assigner: Assigner) -> None:
     named = sum(1 for heading in table.headings if heading.names)
     filled = max((sum(1 for cell in row if cell) for row in table.sample), default=0)
     if table.has_header and named >= 2 and filled >= 2 * named - 1 and filled - named >= 2:
-        raise RoadTestError(
-            Sentence(
-                "its rows have about twice as many cells as there are names: the decimal comma was used as delimiter "
-                "too"
-            ),
-            place=Place(file=assigner.file),
-            value=",".join(table.sample[-1][:8]),
-            expected=Sentence("the log exported with ';' between cells or with a decimal point"),
+        problem = Sentence(
+            "its rows have about twice as many cells as there are names: the decimal comma was used as delimiter too"
         )
+        expected = Sentence("the log exported with ';' between cells or with a decimal point")
+        raise assigner.error(problem, ",".join(table.sample[-1][:8]), expected)
 
 
 def time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candidate]:
@@ -368,9 +348,7 @@ def time_candidates(table: LogTable, candidates: list[Candidate]) -> list[Candid
         # columns without a telling name that hold clock readings serve where no other does
         taken = {candidate.heading.index for candidate in candidates}
         headings = [heading for heading in table.headings[: table.width] if heading.index not in taken]
-        times += [
-            Candidate(heading, "time", 2, "unknown", None) for heading in headings if _shows_a_clock(table, heading)
-        ]
+        times += [Candidate(each, "time", 2, "unknown", None) for each in headings if holds_clocks(table, each, 0.8)]
     return sorted(times, key=lambda candidate: (not candidate.mapped, candidate.tier))
 
 
@@ -378,11 +356,6 @@ def _may_be_time(candidate: Candidate) -> bool:
     """Return whether the unit of a column is one of time: a column T in °C is none."""
     kinds = kinds_of(clean_unit(candidate.unit or ""))
     return candidate.mapped or not kinds or "time" in kinds or kinds == ["ratio"]
-
-
-def _shows_a_clock(table: LogTable, heading: Heading) -> bool:
-    cells = table.sampled(heading.index)
-    return bool(cells) and sum(map(is_clock, cells)) > 0.8 * len(cells)
 
 
 def _runs_in_sample(candidate: Candidate, table: LogTable) -> bool:
@@ -431,9 +404,10 @@ def _read_own_times(
     first = min(clocks_by_column)
     timelines = {index: build_timeline(clock.seconds) for index, clock in clocks_by_column.items()}
     base = timelines[first]
+    labels = {index: candidate.label for index, candidate in time_columns}
     for index, timeline in timelines.items():
         if index != first:  # what is to be said of the first is said of the log
-            say_strays(assigner, timeline, dict(time_columns)[index].label)
+            say_strays(assigner, timeline, labels[index])
     assigner.base = base.time if base.order is None else None
     offered: list[OfferedColumn] = []
     for candidate in channels:
@@ -442,11 +416,7 @@ def _read_own_times(
         if index == first:
             offered.append((candidate, values, None))
         elif index in timelines:
-            timeline = timelines[index]
-            values = values if timeline.order is None else values[timeline.order]
-            good = np.isfinite(values)
-            offered.append((candidate, values[good], timeline.time[good]))
+            offered.append((candidate, *timelines[index].samples(values)))
     assigner.decide_all(offered)
-    label = dict(time_columns)[first].label
-    clock = clocks_by_column[first]
+    label, clock = labels[first], clocks_by_column[first]
     return TableResult(rows.number, base, label, clock, used=(label,), left_out=rows.left_out)

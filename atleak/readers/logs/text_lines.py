@@ -14,6 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from atleak.readers.cells.sheet_file import stated_encoding
+
 _CYRILLIC_RUN = re.compile(rb"[\xc0-\xff]{3,}")
 _POLISH = re.compile(rb"(?<=[A-Za-z])[\xb3\xb9\xbf\x9c\x9f\xea\xe6](?=[A-Za-z])")
 _WESTERN = re.compile(rb"(?<=[A-Za-z])[\xe4\xf6\xfc\xdf\xe9\xe8\xe0\xe7](?=[A-Za-z])")
@@ -37,13 +39,11 @@ class LogText:
 
 def to_text(data: bytes) -> LogText:
     """Determine the encoding. Single-byte text stays as it is: numbers are plain ASCII in every such encoding."""
-    if data.startswith(b"\xef\xbb\xbf"):
-        return LogText(without_nul(data[3:]), "utf-8-sig", "utf-8")
-    wide = _utf16(data)
-    if wide:
-        body = data[2:] if data[:2] in (b"\xff\xfe", b"\xfe\xff") else data
-        text = body.decode(wide, errors="replace").replace("\x00", "")
-        return LogText(text.encode("utf-8"), "utf-16" if body is not data else wide, "utf-8")
+    stated = stated_encoding(data)
+    if stated == "utf-8-sig":
+        return LogText(without_nul(data[3:]), stated, "utf-8")
+    if stated is not None:
+        return LogText(data.decode(stated, errors="replace").replace("\x00", "").encode(), stated, "utf-8")
     body = without_nul(data)
     codec = _single_byte(body)
     return LogText(body, codec, codec)
@@ -52,20 +52,6 @@ def to_text(data: bytes) -> LogText:
 def without_nul(data: bytes) -> bytes:
     """Return a text without zero bytes."""
     return data.replace(b"\x00", b"") if b"\x00" in data else data
-
-
-def _utf16(data: bytes) -> str | None:
-    if data.startswith(b"\xff\xfe"):
-        return "utf-16-le"
-    if data.startswith(b"\xfe\xff"):
-        return "utf-16-be"
-    head = data[:4096]
-    if len(head) >= 64:
-        if head[1::2].count(0) > 0.8 * len(head[1::2]) and head[0::2].count(0) < 0.1 * len(head):
-            return "utf-16-le"
-        if head[0::2].count(0) > 0.8 * len(head[0::2]) and head[1::2].count(0) < 0.1 * len(head):
-            return "utf-16-be"
-    return None
 
 
 def _single_byte(data: bytes) -> str:
@@ -145,12 +131,7 @@ def mended(data: bytes, delimiter: str, width: int, pad: bool = False) -> Mended
     """Return rows that a fast reader reads line by line.
 
     A quotation mark that none closes on its own line is removed. A row with more numbers than the table has columns is
-    left out: which of them belongs to which column is not known.
-
-    Parameters
-    ----------
-    pad
-        whether rows with fewer cells get blank ones.
+    left out: which of them belongs to which column is not known. ``pad``: rows with fewer cells get blank ones.
     """
     sign, count, too_wide, short, changed = delimiter.encode(), 0, 0, 0, False
     rows, blank = io.BytesIO(), b" \r\f\v" if delimiter == "\t" else b" \t\r\f\v"

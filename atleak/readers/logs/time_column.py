@@ -9,14 +9,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from atleak.common.errors import Place, RoadTestError
-from atleak.common.sentences import Sentence
+from atleak.common.errors import RoadTestError
+from atleak.common.sentences import Sentence, in_a_row
 from atleak.readers.logs import clock as clocks
 from atleak.readers.logs.clock import Clock, Motion
 from atleak.readers.logs.columns import Assigner, Candidate
 from atleak.readers.logs.delimited import Cells, numbers
 from atleak.readers.logs.headings import nameless
-from atleak.readers.logs.log_cells import TEXT, cause, holds, is_clock, is_destroyed, to_float
+from atleak.readers.logs.log_cells import HOLDS, TEXT, cause, is_clock, is_destroyed, to_float
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.names import split_unit
 from atleak.readers.logs.rows import LogRows
@@ -57,10 +57,8 @@ def clock_of(
         if sum(map(reads, probe)) > 0.5 * len(probe):
             return clocks.text_clock(column)
         if (destroyed := next(filter(is_destroyed, probe), None)) is not None:
-            text = Sentence(
-                "{column!r}: a spreadsheet has destroyed its numbers ({found})", column=candidate.label, found=destroyed
-            )
-            assigner.say("column_refused", text, "warning", candidate.label)
+            text = Sentence("{column!r}: a spreadsheet has destroyed its numbers ({found})")
+            assigner.say("column_refused", text, "warning", candidate.label, found=destroyed)
             return None
     read = numbers(frame, candidate.heading.index, table.decimal)
     return _clock_of_numbers(candidate, read, table, assigner, motions)
@@ -75,24 +73,20 @@ def _clock_of_numbers(
         if len(words):  # say what is wrong with its numbers, where they are any
             what, example = cause(words, values[:: max(1, len(values) // 50_000)], table.decimal)
             if what != TEXT:
-                assigner.say("column_refused", holds(candidate.label, what, example), "warning", candidate.label)
+                assigner.say("column_refused", HOLDS, "warning", candidate.label, what=what, found=example)
         return None
     sampled = [cell for cell in table.sampled(candidate.heading.index) if cell]
     destroyed = list(filter(is_destroyed, sampled))
     if len(destroyed) > 0.3 * len(sampled):  # only three digits of a long number are left, such as 1,51E+12
-        text = Sentence(
-            "{column!r}: a spreadsheet has cut its numbers short ({found})", column=candidate.label, found=destroyed[0]
-        )
-        assigner.say("column_refused", text, "warning", candidate.label)
+        text = Sentence("{column!r}: a spreadsheet has cut its numbers short ({found})")
+        assigner.say("column_refused", text, "warning", candidate.label, found=destroyed[0])
         return None
     unit = assigner.units.get("time", candidate.unit)
     if "time" in assigner.units and (stated := given("time", assigner.units["time"]).unit) is not None:
         unit = stated.name
     clock = clocks.numeric_clock(values, unit, motions if whole else [], whole)
     if clock.form.startswith("epoch") and _rounded(clock.seconds):
-        text = Sentence(
-            "{column!r}: a spreadsheet has cut its numbers short: few stamps differ", column=candidate.label
-        )
+        text = Sentence("{column!r}: a spreadsheet has cut its numbers short: few stamps differ")
         assigner.say("column_refused", text, "warning", candidate.label)
         return None
     return clock
@@ -124,12 +118,12 @@ def best_clock(
             if candidate.mapped:
                 break
         elif clock is not None and _starts_again(clock.seconds):
-            text = Sentence("{column!r} starts again every few rows", column=candidate.label)
+            text = Sentence("{column!r} starts again every few rows")
             assigner.say("column_refused", text, "warning", candidate.label)
         elif candidate.mapped and len(assigner.messages) == before:
             cell = next(iter(table.sampled(candidate.heading.index)), "")
-            text = Sentence("{column!r} tells no time that runs on ({found})", column=candidate.label, found=cell)
-            assigner.say("column_refused", text, "warning", candidate.label)
+            text = Sentence("{column!r} tells no time that runs on ({found})")
+            assigner.say("column_refused", text, "warning", candidate.label, found=cell)
     if not readable:
         return "", _counted(table, assigner, rows)
     best = _best(readable)
@@ -164,12 +158,10 @@ def _counted(table: LogTable, assigner: Assigner, rows: LogRows) -> Clock:
     interval = _interval_in_preamble(table) if stated is None else stated
     if interval is None:
         raise no_time(table, assigner)
-    text = Sentence(
-        "no time column: time is counted from the interval in the file's head ({interval:g} s)", interval=interval
-    )
+    text = Sentence("no time column: time is counted from the interval in the file's head ({interval:g} s)")
     if stated is not None:
-        text = Sentence("no time column: time is counted from the stated interval ({interval:g} s)", interval=interval)
-    assigner.say("time_counted", text)
+        text = Sentence("no time column: time is counted from the stated interval ({interval:g} s)")
+    assigner.say("time_counted", text, interval=interval)
     return Clock(rows.places * interval, "s", False, "counted")
 
 
@@ -185,13 +177,11 @@ def _ask_where_it_cannot_be(candidate: Candidate, clock: Clock, table: LogTable,
     if clock.absolute or np.isfinite(part).sum() < _LEAST_ROWS or not (span < _BRIEF or (other and span < 10 * _BRIEF)):
         return
     problem = Sentence(
-        "by {column!r}, in {unit}, the whole log takes {span:g} s: that may be another time than the clock's",
-        column=candidate.label,
-        unit=clock.unit,
-        span=span,
+        "by {column!r}, in {unit}, the whole log takes {span:g} s: that may be another time than the clock's"
     )
+    problem = problem.of(column=candidate.label, unit=clock.unit, span=span)
     expected = Sentence("the column of the time, such as time = {column!r}", column=other or candidate.label)
-    raise RoadTestError(problem, place=Place(file=assigner.file, column=candidate.label), expected=expected)
+    raise assigner.error(problem, expected=expected, column=candidate.label)
 
 
 def rising_without_name(table: LogTable) -> str | None:
@@ -238,12 +228,9 @@ def _compare_clocks(best: tuple[Candidate, Clock], readable: list[tuple[Candidat
         other = _span(clock.seconds)
         if candidate is not best[0] and abs(other - span) > max(2.0, 0.02 * span):
             text = Sentence(
-                "the clocks {first!r} and {second!r} disagree ({span:.1f} s and {other:.1f} s): the first is used",
-                first=best[0].label,
-                second=candidate.label,
-                span=span,
-                other=other,
+                "the clocks {first!r} and {second!r} disagree ({span:.1f} s and {other:.1f} s): the first is used"
             )
+            text = text.of(first=best[0].label, second=candidate.label, span=span, other=other)
             assigner.say("clocks_disagree", text, "warning", best[0].label)
 
 
@@ -282,14 +269,9 @@ def no_time(table: LogTable, assigner: Assigner) -> RoadTestError:
     """Return the error that says why the table has no time."""
     refused = [message.text for message in assigner.messages if message.code == "column_refused"]
     problem = Sentence("no time column")
-    for number, why in enumerate(refused):
-        together = Sentence("{problem}; {why}", problem=problem, why=why)
-        problem = together if number else Sentence("{problem}: {why}", problem=problem, why=why)
-    return RoadTestError(
-        problem,
-        place=Place(file=assigner.file),
-        value=", ".join(heading.label for heading in table.headings[:12]),
-        expected=Sentence(
-            "a column such as 'Time (s)', the name of the one that tells the time, or the interval between rows"
-        ),
+    if refused:
+        problem = Sentence("{problem}: {why}", problem=problem, why=in_a_row(refused))
+    expected = Sentence(
+        "a column such as 'Time (s)', the name of the one that tells the time, or the interval between rows"
     )
+    return assigner.error(problem, ", ".join(heading.label for heading in table.headings[:12]), expected)

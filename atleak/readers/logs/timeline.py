@@ -28,6 +28,16 @@ class Timeline:
     restarts: int = 0
     gaps: tuple[float, ...] = ()
 
+    def in_order(self, values: np.ndarray) -> np.ndarray:
+        """Return the numbers of all rows in the order of its stamps."""
+        return values if self.order is None else values[self.order]
+
+    def samples(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return of the numbers of all rows those that are some, and their stamps."""
+        values = self.in_order(values)
+        good = np.isfinite(values)
+        return values[good], self.time[good]
+
 
 def running(seconds: np.ndarray, period: float | None = None) -> np.ndarray:
     """Return stamps counted from the first one; NaN where unreadable.
@@ -96,7 +106,7 @@ def build(seconds: np.ndarray) -> Timeline:
     breaks = restarts(stamps, np.flatnonzero(steps < 0), median)
     shifted, order, reordered = _in_order(stamps, breaks, median)
     time = np.maximum.accumulate(shifted[order])  # a stretch that was moved may begin a rounding error too early
-    return _finish(time, usable[order], unreadable=unreadable, stale=stale, reordered=reordered, breaks=breaks)
+    return _finish(time, usable[order], breaks, unreadable=unreadable, stale=stale, reordered=reordered)
 
 
 def strays_of(stamps: np.ndarray) -> np.ndarray:
@@ -171,14 +181,9 @@ def restarts(stamps: np.ndarray, falls: np.ndarray, median: float) -> list[int]:
 
 
 def _finish(
-    time: np.ndarray,
-    order: np.ndarray | None,
-    *,
-    unreadable: int = 0,
-    stale: int = 0,
+    time: np.ndarray, order: np.ndarray | None, breaks: Sequence[int] = (), unreadable: int = 0, stale: int = 0,
     reordered: int = 0,
-    breaks: Sequence[int] = (),
-) -> Timeline:
+) -> Timeline:  # fmt: skip
     if not len(time):
         return Timeline(time, order, (), 0.0, unreadable, stale)
     limit = gap_limit_of(time)

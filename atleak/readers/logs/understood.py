@@ -112,12 +112,8 @@ def finish(blank: Understood, assigner: Assigner, reading: TableResult, constant
         assigner.say("no_quantity", text, "warning")
     _ask_for_a_measured_pressure(assigner)
     for ambiguous in assigner.ambiguous:
-        text = Sentence(
-            "{quantity}: {why}: {columns}; choose one",
-            quantity=QUANTITIES[ambiguous.quantity].said,
-            why=ambiguous.why,
-            columns=tuple(map(repr, ambiguous.candidates)),
-        )
+        text, columns = Sentence("{quantity}: {why}: {columns}; choose one"), tuple(map(repr, ambiguous.candidates))
+        text = text.of(quantity=QUANTITIES[ambiguous.quantity].said, why=ambiguous.why, columns=columns)
         assigner.say("ambiguous", text, "warning")
         assigner.refused.setdefault(ambiguous.quantity, text)
     road_test = RoadTest(

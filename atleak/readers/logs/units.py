@@ -139,18 +139,13 @@ def _number(quantity: str, stated: str | None, good: np.ndarray, commanded: bool
     return Fit(None)
 
 
-def _inside(quantity: str, si: np.ndarray) -> float:
-    info = QUANTITIES[quantity]
-    return float(np.mean((si >= info.low) & (si <= info.high))) if len(si) else 1.0
-
-
 def _misfit(quantity: str, si: np.ndarray, stated: Unit) -> Sentence | None:
     if not len(si):
         return None
-    if _inside(quantity, si) < 0.5:
-        label = QUANTITIES[quantity].label
-        return Sentence("most of its values cannot be {quantity} in {unit}", quantity=label, unit=stated.name)
-    kind = QUANTITIES[quantity].unit_kind
+    info = QUANTITIES[quantity]
+    if np.mean((si >= info.low) & (si <= info.high)) < 0.5:
+        return Sentence("most of its values cannot be {quantity} in {unit}", quantity=info.label, unit=stated.name)
+    kind = info.unit_kind
     if kind == "temperature" and float(np.median(si)) > 165.0:
         return Sentence("its values are too high for {unit}: °F?", unit=stated.name)
     if kind == "rotational_speed" and stated.name == "rpm":
