@@ -51,11 +51,10 @@ def step(page: playwright_api.Page, name: str) -> playwright_api.Locator:
     return links.filter(has_text=re.compile(rf"^{re.escape(name)}( · |$)"))
 
 
-def to(page: playwright_api.Page, name: str, heading: str = "") -> None:
+def to(page: playwright_api.Page, name: str) -> None:
     """Go to a page by the navigation; it is there when its heading is, a diagnosis with its answer."""
     step(page, name).click()
-    heading = heading or {"Measure": "Readings", "Jobs": "Job book"}.get(name, name)
-    named = page.get_by_role("heading", name=heading, level=1)
+    named = page.get_by_role("heading", name=name, level=1)
     playwright_api.expect(page.locator(".st-key-answer") if name == "Diagnosis" else named).to_be_visible()
     page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()
 

@@ -58,7 +58,7 @@ def test_six_lands_are_measured_by_keyboard_alone(page: Page, visit: Callable[[s
     box.press("Enter")
     state = page.locator(".measuring .state")
     expect(state).to_have_text("0/48 · all in the job")
-    page.get_by_role("tab", name="Measure").focus()
+    page.get_by_role("tab", name="Type readings").focus()
     for _ in range(30):  # as far as Tab must go
         page.keyboard.press("Tab")
         if page.evaluate("document.activeElement.shadowRoot?.activeElement?.tagName") == "INPUT":
