@@ -43,10 +43,15 @@ def test_every_page_and_part_runs_with_the_sample_and_with_nothing(app: AppTest)
         assert not app.error, place
 
 
+def step(app: AppTest) -> str:
+    """What the navigation says of the diagnosis."""
+    (label,) = [each.proto.label for each in app.get("page_link") if each.proto.label.startswith("Diagnosis ·")]
+    return label
+
+
 def called_good(app: AppTest) -> bool:
     """Tell whether a page says that the unit is good: at its head, in its texts, or on the way to the diagnosis."""
-    (step,) = [each.proto.label for each in app.get("page_link") if each.proto.label.startswith("Diagnosis ·")]
-    return "green" in texts(app) or step.endswith("ok")
+    return "green" in texts(app) or step(app).endswith("ok")
 
 
 @pytest.mark.page("1_Job")
@@ -60,6 +65,7 @@ def test_a_unit_that_was_not_measured_is_nowhere_called_good(app: AppTest, sampl
         kept = 6 if job == "log" else 2
         uploader(app).upload("alone.csv", columns_of(sample_log, kept), "text/csv").run()
         assert app.session_state["atleak"].good.road_test is not None
+    assert ("ok so far" in step(app)) == (job in ("gauges", "log"))
     for place in walk(app, OF_A_JOB):
         assert not called_good(app), place
         assert not app.success or (place, job) == ("3_In_the_car", "gauges"), place  # of what the gauges show
