@@ -13,7 +13,7 @@ from atleak.catalogue.controller import Controller
 from atleak.common.style import look_of
 from atleak.common.units import UM
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import Wording
+from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.uncertainty import UnitUncertainty
@@ -118,7 +118,7 @@ def lands(diagnosis: Diagnosis) -> None:
         table(pair_table(diagnosis, diagnosis.flagged, say).without(*ON_PAPER), "flagged", pressable=True)
         show.what_is_shown(diagnosis)
     else:
-        st.write(say("diagnosis.none_flagged"))
+        st.write(say("diagnosis.none_flagged") if diagnosis.judged else begun(say("diagnosis.nothing_measured")))
     conditions.complaint(diagnosis)
     show.open_verdicts(advice(diagnosis, advised(diagnosis, say), say))
     st.subheader(say("diagnosis.matrix"))
