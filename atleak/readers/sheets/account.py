@@ -31,15 +31,7 @@ from atleak.readers.sheets.controller_names import (
 )
 from atleak.readers.sheets.rows import LABEL_OF, SheetRows, aside
 from atleak.readers.sheets.table import HeadedTable, which_columns
-from atleak.readers.sheets.words import (
-    Words,
-    is_blank,
-    letters,
-    number_of,
-    part_said,
-    plain,
-    text_of,
-)
+from atleak.readers.sheets.words import Words, is_blank, letters, number_of, part_said, plain, text_of
 
 _WHY: dict[Role, Sentence] = {
     "specification": Sentence("what the diameter should be or was, not what was measured"),
@@ -393,9 +385,7 @@ class Account:
         else:
             where = Sentence("rows {first} to {last}", first=rows[0], last=rows[-1])
         text = Sentence(
-            "{where}: not read, though of the size of a diameter: {shown}",
-            where=where,
-            shown=self._shown(sheet, cells),
+            "{where}: not read, though of the size of a diameter: {shown}", where=where, shown=self._shown(sheet, cells)
         )
         prose = all(isinstance(sheet.cell(*at), str) and number_of(sheet.cell(*at)) is None for at in cells)
         return Message("info" if prose else "warning", "not_read", text, sheet.place(cells[0][0], cells[0][1]))

@@ -32,15 +32,7 @@ from atleak.readers.sheets.table import (
     read_together,
     which_columns,
 )
-from atleak.readers.sheets.words import (
-    is_blank,
-    is_repeat_title,
-    letters,
-    number_of,
-    part_in,
-    plain,
-    summary_of,
-)
+from atleak.readers.sheets.words import is_blank, is_repeat_title, letters, number_of, part_in, plain, summary_of
 
 _TITLE_ROWS = 4
 

@@ -28,11 +28,7 @@ from atleak.readers.sheets.column_headings import (
     tokens_of,
     unit_of_heading,
 )
-from atleak.readers.sheets.controller_names import (
-    ControllerNames,
-    is_whole,
-    numbers_of,
-)
+from atleak.readers.sheets.controller_names import ControllerNames, is_whole, numbers_of
 from atleak.readers.sheets.table import (
     HeadedTable,
     best_header,
@@ -42,15 +38,7 @@ from atleak.readers.sheets.table import (
     split,
     with_sums,
 )
-from atleak.readers.sheets.words import (
-    direction_of,
-    is_blank,
-    number_of,
-    part_said,
-    plain,
-    repeat_of,
-    text_of,
-)
+from atleak.readers.sheets.words import direction_of, is_blank, number_of, part_said, plain, repeat_of, text_of
 
 ROLES: Mapping[str, Role] = {
     **{role: role for role in ("component", "plane", "land", "part", "direction", "repeat")},

@@ -16,12 +16,7 @@ from atleak.common.sentences import Option, Sentence
 from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.measurements.readings import Readings
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter
-from atleak.readers.sheets.column_headings import (
-    HeadedColumn,
-    besides_numbers,
-    tokens_of,
-    unit_of_heading,
-)
+from atleak.readers.sheets.column_headings import HeadedColumn, besides_numbers, tokens_of, unit_of_heading
 from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, is_whole, numbers_of, read_label
 from atleak.readers.sheets.layout import is_single, mapped_tables, turned
 from atleak.readers.sheets.mapping import ROLES, SheetMapping
