@@ -50,7 +50,7 @@ from atleak.readers.cells.sheet import Cell
 from atleak.readers.dates import DateOrder, day_number, likely_order, sure_date
 from atleak.readers.logs import default_path, head_of_parquet, understand
 from atleak.readers.sheets.head import written_mileage
-from atleak.readers.sheets.words import says_no, says_yes
+from atleak.readers.sheets.words import says
 from atleak.readers.unit_table import MEASURED, TableColumn, TableRow, UnitTable, nearest_heading, read_unit_table
 
 DATES = ("date", "measured_on")
@@ -146,9 +146,9 @@ class RowCells:
     def yes(self, meaning: str) -> bool | None:
         """Return whether a cell says yes; None where it says nothing."""
         text = self.text(meaning)
-        if text is None or says_yes(text):
+        if text is None or says(text, "yes", "counts_not"):
             return None if text is None else True
-        if not says_no(text):
+        if not says(text, "no", "counts_not"):
             self._fault(meaning, Sentence("says neither yes nor no"))
         return False
 

@@ -55,7 +55,6 @@ class FormTable:
 
 @cache
 def _headings(form: str) -> Mapping[str, str]:
-    """Return what each heading of a form says, in every language."""
     says = [wording(language) for language in languages()]
     return {text_of(say.sentence(said)): key for key, said in OWN_FORMS[form].headings.items() for say in says}
 
@@ -98,7 +97,6 @@ def form_doubts(sheets: Iterable[Sheet]) -> list[Message]:
 
 
 def _found(sheet: Sheet) -> tuple[OwnForm | None, tuple[FormTable, ...], Sentence | None]:
-    """Return the form that a sheet is, its tables, and why they cannot be read as such."""
     texts = [text_of(cell) for row in sheet.rows[:_SEARCHED] for cell in row if isinstance(cell, str) and cell]
     form = next((OWN_FORMS[text] for text in texts if text in OWN_FORMS), None)
     if form is None:
@@ -129,7 +127,6 @@ def _table(sheet: Sheet, form: OwnForm) -> FormTable | None:
 
 
 def _added(table: FormTable) -> list[int]:
-    """Return the columns that are none of the form's, and hold numbers."""
     others = set(range(table.sheet.width)) - set(table.columns.values())
     below = table.sheet.rows[table.row + 1 :]
     return sorted(

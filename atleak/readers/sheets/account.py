@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 from atleak.common.errors import Message, MessageLevel, Place, ReadingsError
 from atleak.common.sentences import Option, Sentence, any_of, counted
 from atleak.common.units import Unit, find_unit
-from atleak.measurements.clearances import REPEAT_TOLERANCE
 from atleak.measurements.own_forms import MEASUREMENTS
 from atleak.measurements.readings import CellKind, CellMeaning, SheetCells
 from atleak.readers.cells.sheet import Sheet, sheet_cells
@@ -44,9 +43,7 @@ _WHY: dict[Role, Sentence] = {
 _HEADING, _NEW, _HEAD, _LAND = map(CellMeaning, (CellKind.HEADING, CellKind.NEW, CellKind.HEAD, CellKind.LAND))
 _OTHER_COLUMN = Sentence("a column that is not read")
 _NOT_READ = aside(Sentence("not read, though of the size of a diameter"))
-_MEASURED = ("diameter", "coordinate", "actual", "now", "reading")
 _SHOWN = 2
-_ROUNDED = 1e-9  # [m]
 
 
 @dataclass
@@ -82,11 +79,7 @@ class Account:
         self._slipped(rows)
         others = [index for index in others if not self._is_quantity(rows, index)]
         rivals = [index for index in others if self._is_rival(rows, index)]
-        headed = all(letters(column.heading).any(*_MEASURED) for column in table.values)
-        repeats_sizes = len(rivals) == 1 and headed and _says_other(table, rivals[0])
-        if repeats_sizes and not self._differs(rows, rivals[0]):
-            self._leave_column(table, rivals[0], self._sizes_in(rows, rivals[0]), None)
-        elif table.mapped:  # a person said which one is the measurement
+        if table.mapped:  # a person said which one is the measurement
             for index in rivals:
                 self._leave_column(table, index, self._sizes_in(rows, index), None)
         elif rivals:
@@ -194,7 +187,6 @@ class Account:
     # --- one table ------------------------------------------------------------------------------------------------
 
     def _enter(self, table: HeadedTable, rows: range) -> dict[tuple[int, int], CellMeaning]:
-        """Note a table with its headings, and return the cells of its sheet that are accounted for."""
         sheet = table.sheet
         self._derived[sheet.name] |= sheet.derived
         self._tables[sheet.name].append((rows, table))
@@ -209,7 +201,10 @@ class Account:
     def _is_figure(self, rows: SheetRows, index: int) -> bool:
         """Return whether a column holds specifications, means or raw readings by its heading; it is left aside."""
         table, role = rows.table, rows.table.role(index)
-        if role not in ("specification", "mean", "raw") and not _is_of_gauge(table, index):
+        words = letters(unit_of_heading(table.heading(index))[0])
+        # "gauge" alone may be what was read from one
+        of_gauge = role == "gauge" and (len(words) > 1 or words.any("earlier"))
+        if role not in ("specification", "mean", "raw") and not of_gauge:
             return False
         if role == "specification" and self._is_of_controller(rows, index):
             self._mark(table, index, _NEW)
@@ -233,15 +228,15 @@ class Account:
 
     def _is_quantity(self, rows: SheetRows, index: int) -> bool:
         """Return whether a column holds another quantity; not one in mm that has the size of the diameters."""
-        table = rows.table
-        other = table.role(index) == "quantity" or _in_another_unit(table, index)
+        table, heading = rows.table, rows.table.heading(index)
+        bracketed = re.search(r"\[[^\]\d]+\]", heading)  # "RH [%]", "Mass [g]"
+        other = table.role(index) == "quantity" or (bracketed and unit_of_heading(heading)[1] is None)
         if not other or (_units(table, index) and self._is_diameter(rows, index)):
             return False
         self._leave_column(table, index, self._sizes_under(table, index), "quantity")
         return True
 
     def _sizes_in(self, rows: SheetRows, index: int) -> list[tuple[int, int]]:
-        """Return the cells of a column that have a diameter's size; whole numbers only where near their row's."""
         return sorted({*self._sizes_under(rows.table, index), *self._near(rows, index)})
 
     def _sizes_under(self, table: HeadedTable, index: int) -> list[tuple[int, int]]:
@@ -267,24 +262,10 @@ class Account:
         near = len(self._near(rows, index))
         return 2 * near > filled and (near > 1 or 2 * near > len(rows.of_row))
 
-    def _differs(self, rows: SheetRows, index: int) -> bool:
-        """Return whether a column is further from the diameters of most rows than readings of one place may be."""
-        read: dict[int, list[float]] = defaultdict(list)
-        for entry in rows.entries:
-            read[entry.row].append((entry.raw.unit or self._units[0]).to_si(entry.raw.size))
-        units = self._units_of(rows.table, index)
-        nearest = [
-            min(abs(unit.to_si(value) - size) for value in values for unit in units for size in sizes)
-            for row, sizes in read.items()
-            if (values := numbers_of(rows.table.sheet.cell(row, index)))
-        ]
-        return 2 * sum(apart > REPEAT_TOLERANCE + _ROUNDED for apart in nearest) > len(nearest)
-
     def _units_of(self, table: HeadedTable, index: int) -> tuple[Unit, ...]:
         return _units(table, index) or self._units
 
     def _near(self, rows: SheetRows, index: int) -> list[tuple[int, int]]:
-        """Return the cells of a column that come near the nominal diameter of their row."""
         units = self._units_of(rows.table, index)
         return [
             (row, index)
@@ -310,14 +291,14 @@ class Account:
             self.messages.append(Message(level, "column_aside", text, table.heading_place(index)))
 
     def _mark(self, table: HeadedTable, index: int, meaning: CellMeaning) -> None:
-        """Say of the cells of a column of which nothing was said before what they became."""
         for row in table.rows:
             self._done[table.sheet.name].setdefault((row, index), meaning)
 
     def _slipped(self, rows: SheetRows) -> None:
-        """Report a number of the size of a diameter in a row whose diameter is empty."""
         table, sheet = rows.table, rows.table.sheet
-        usual = {index for index in range(sheet.width) if self._is_usual(rows, index)}
+        # numbers of that size are usual in a column of another quantity: 18.2 °C, say
+        quantities = (index for index in range(sheet.width) if table.role(index) == "quantity")
+        usual = {index for index in quantities if any(self._is_size(sheet, row, index) for row in rows.of_row)}
         for row in table.rows:
             groups = ([sheet.cell(row, column.index) for column in of.values()] for of in rows.columns.groups)
             named = any(not is_blank(sheet.filled(row, key.index)) for key in rows.columns.keys)
@@ -331,13 +312,7 @@ class Account:
                     self.problems.append(_slip(table, row, index))
                     self._done[sheet.name][row, index] = _NOT_READ
 
-    def _is_usual(self, rows: SheetRows, index: int) -> bool:
-        """Return whether numbers of that size are usual in a column of another quantity: 18.2 °C, say."""
-        sheet = rows.table.sheet
-        return rows.table.role(index) == "quantity" and any(self._is_size(sheet, row, index) for row in rows.of_row)
-
     def _table_at(self, sheet: Sheet, row: int, column: int) -> HeadedTable | None:
-        """Return the table that a cell stands in, or else one beside it."""
         tables = [table for rows, table in self._tables[sheet.name] if row in rows]
         return next((table for table in tables if column in table.span), next(iter(tables), None))
 
@@ -369,7 +344,6 @@ class Account:
         return words.any("of_quantity") or is_whole(sheet.cell(row, column))
 
     def _looks_read(self, sheet: Sheet, row: int) -> bool:
-        """Return whether a row outside of every table says what a diameter is of."""
         done = self._done[sheet.name]
         cells = [cell for column, cell in enumerate(sheet.rows[row]) if (row, column) not in done]
         texts = [text_of(cell) for cell in cells if not is_blank(cell)]
@@ -405,24 +379,6 @@ def _units(table: HeadedTable, index: int) -> tuple[Unit, ...]:
     """Return the unit that a heading states; "Micrometer" alone is the instrument."""
     rest, unit = unit_of_heading(table.heading(index))
     return () if unit is None or not rest.strip() else (unit,)
-
-
-def _says_other(table: HeadedTable, index: int) -> bool:
-    """Return whether a heading says in a word what its column holds, and not that it is a reading."""
-    words = letters(unit_of_heading(table.heading(index))[0])
-    return any(len(word) > 2 for word in words.but("dimension")) and not words.any(*_MEASURED)
-
-
-def _is_of_gauge(table: HeadedTable, index: int) -> bool:
-    """Return whether a heading names a gauge of known diameter; "gauge" alone may be what was read from one."""
-    words = letters(unit_of_heading(table.heading(index))[0])
-    return table.role(index) == "gauge" and (len(words) > 1 or words.any("earlier"))
-
-
-def _in_another_unit(table: HeadedTable, index: int) -> bool:
-    """Return whether a heading states a unit that is none of length: "RH [%]", "Mass [g]"."""
-    heading = table.heading(index)
-    return re.search(r"\[[^\]\d]+\]", heading) is not None and unit_of_heading(heading)[1] is None
 
 
 def _name(table: HeadedTable, index: int) -> Sentence:

@@ -91,7 +91,6 @@ class _StatedNumbers:
     lands: dict[tuple[str, str], list[Reading]]
 
     def stated(self, index: int) -> Iterator[tuple[int, list[Reading], float, Unit | None]]:
-        """Yield each number of a column that stands beside readings: its row, the readings, itself and its unit."""
         _, unit = unit_of_heading(self.table.heading(index))
         for row, readings in self.rows.items():
             stated = stated_number(self.table.sheet.cell(row, index))
@@ -137,7 +136,6 @@ class _StatedNumbers:
             yield row, Sentence("{size:g} {unit}", size=value, unit=unit_name), computed
 
     def means(self, index: int) -> Iterator[Contradiction]:
-        """Yield the means that are not those of the diameters of their row, direction or plane."""
         parts = {part_of(word) for word in letters(self.table.heading(index)) if len(word) > 2} - {None}
         for row, readings, value, stated in self.stated(index):
             unit = stated or _UNITS[0]
@@ -149,7 +147,6 @@ class _StatedNumbers:
                 yield row, written, expected
 
     def _sets(self, reading: Reading, beside: Sequence[Reading]) -> Iterator[list[float]]:
-        """Yield the diameters that this mean may be of: of its row, direction, plane; the closest first."""
         same = [other for other in self.lands[reading.component, reading.plane] if other.part == reading.part]
         in_row = [other.diameter for other in beside if other.part == reading.part]
         if len(in_row) > 1:
@@ -207,7 +204,6 @@ def temperatures(table: HeadedTable, columns: Columns, rows: Collection[int]) ->
 
 
 def _differences(readings: Sequence[Reading]) -> list[float]:
-    """Return D − d [m] of the means, then of single readings; nothing where one part is missing."""
     spools, sleeves = (
         [reading.diameter for reading in readings if reading.part == part] for part in ("spool", "sleeve")
     )
@@ -393,7 +389,6 @@ def _by_titles(named: Sequence[_UnitName]) -> ReadingsError:
 
 
 def _by_column(read: Sequence[SheetRows]) -> ReadingsError | None:
-    """Return the error for a column of serial numbers or vehicles, where several stand beside the readings."""
     values: dict[str, dict[str, set[tuple[str, ...]]]] = defaultdict(lambda: defaultdict(set))
     places: dict[str, Place] = {}
     for rows in read:
@@ -448,7 +443,13 @@ def lines_that_change(sheet: Sheet, every: Sequence[SheetRows], said: SheetMappi
         problem = Sentence("this line may say that readings are not meant as they stand")
         if words.any("counts_not"):
             codes = {plain(code) for code in _CODE.findall(text)}
-            void = {at for rows in read for at in _coded(rows, codes)}
+            unread = [(rows, at) for rows in read for at in rows.table.span if at not in rows.columns.read]
+            void = {
+                line
+                for rows, at in unread
+                for line in rows.of_row
+                if plain(text_of(rows.table.sheet.filled(line, at))) in codes
+            }
             problem = Sentence("by this line some readings do not count")
         elif (_is_correction(words) and row > first) or words.any("changes_readings"):
             told = row < first and _is_correction(words)  # as one that was not applied
@@ -462,11 +463,3 @@ def lines_that_change(sheet: Sheet, every: Sequence[SheetRows], said: SheetMappi
                 option=Option("map", f'"{rows_role(sheet.name)}={others}"'),
             )
             yield ReadingsError(problem, place=sheet.place(row), value=text[:80], expected=expected)
-
-
-def _coded(rows: SheetRows, codes: Collection[str]) -> Iterator[int]:
-    """Yield the rows in which a column that is not read holds one of the codes."""
-    for index in rows.table.span:
-        if index not in rows.columns.read:
-            filled = rows.table.sheet.filled
-            yield from (row for row in rows.of_row if plain(text_of(filled(row, index))) in codes)

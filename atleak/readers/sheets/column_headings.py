@@ -147,7 +147,6 @@ def _direction(role: str, tokens: Sequence[str]) -> float | None:
 
 
 def _counted(tokens: Sequence[str]) -> tuple[int | None, list[int]]:
-    """Return the number behind a word for a repeat, and those beside a word for the diameter or a part."""
     repeat = None
     beside: list[int] = []
     for before, token, after in _numbered(tokens):
@@ -187,7 +186,6 @@ def is_angle(word: str) -> bool:
 
 
 def _around(tokens: Sequence[str]) -> Iterator[tuple[str, str, str]]:
-    """Yield every word with those before and behind it, "" where there is none."""
     return zip(("", *tokens), tokens, (*tokens[1:], ""), strict=False)
 
 
@@ -374,8 +372,6 @@ def _of_land(heading: _Heading) -> Role | None:
 
 @dataclass(frozen=True)
 class _Heading:
-    """A heading of which it is asked what its column is: its text without the unit, and that."""
-
     text: str
     unit: Unit | None
 
@@ -396,7 +392,6 @@ class _Heading:
 
     @property
     def sized(self) -> bool:
-        """Return whether a size stands under it: it names a diameter or a unit."""
         return self.says("diameter") or self.unit is not None
 
     @property
@@ -409,7 +404,6 @@ class _Heading:
 
     @property
     def is_letter(self) -> bool:
-        """Return whether it is a bare "d" or "D1"."""
         return LETTERED.fullmatch(self.text.strip()) is not None
 
     @property
@@ -427,7 +421,6 @@ class _Heading:
 
     @property
     def is_outcome(self) -> bool:
-        """Return whether it says a result without saying of what."""
         outcome = self.says("now") or (self.unit is None and self.says("actual", "corrected", "raw"))
         return outcome and not self.says("of_size")
 
@@ -440,7 +433,6 @@ class _Heading:
 
     @cached_property
     def role(self) -> Role | None:
-        """Return what its column is by the first of the rules that holds."""
         stated = next((role for role, holds in _RULES if holds(self)), None)
         return stated or ("component" if _rank(self.words) else None)
 

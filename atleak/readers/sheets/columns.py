@@ -102,7 +102,6 @@ def _component(table: HeadedTable, names: ControllerNames) -> HeadedColumn | Non
 
 
 def _plane(table: HeadedTable, names: ControllerNames) -> HeadedColumn | None:
-    """Return the column of planes; of several the one whose cells the controller knows."""
     planes = {column: sum(map(names.is_plane, table.cells(column.index).values())) for column in table.of("plane")}
     return max(planes, key=lambda column: planes[column], default=None)
 
@@ -121,7 +120,6 @@ def _same(table: HeadedTable, names: ControllerNames, component: HeadedColumn | 
 
 
 def _hidden(table: HeadedTable) -> tuple[tuple[HeadedColumn, ...], tuple[HeadedColumn, ...]]:
-    """Return the hidden columns of diameters that are left aside, and those that are read."""
     concealed = [column for column in table.values if column.index in table.sheet.marks.hidden_columns]
     visible = [column for column in table.values if column not in concealed and table.cells(column.index)]
     # hidden coordinates beside the diameter that they make belong to the same reading
@@ -168,7 +166,6 @@ def _alone(table: HeadedTable, groups: Iterable[Mapping[str, HeadedColumn]]) -> 
 
 
 def _two_states(table: HeadedTable, values: Sequence[HeadedColumn]) -> Iterator[ReadingsError]:
-    """Yield a problem for columns that number repeats and differ in other words: "diameter 1 before", "2 after"."""
     for column, other in pairwise(values):
         numbered = column.station == other.station and column.repeat != other.repeat
         if numbered and column.besides != other.besides:
@@ -231,7 +228,6 @@ def _missing(table: HeadedTable, names: ControllerNames, columns: Columns) -> It
 
 
 def _of_one_land(table: HeadedTable, names: ControllerNames, columns: Columns) -> bool:
-    """Return whether every component that the table names has one land, so that nothing need say which."""
     column = columns.component
     named = {table.component} if column is None else set(map(names.component, table.cells(column.index).values()))
     return bool(named) and all(len(lands) == 1 for lands in map(names.controller.lands_of, filter(None, named)))

@@ -263,7 +263,6 @@ def read_label(cell: Cell, names: ControllerNames, *, dotted: bool = False) -> L
 
 
 def _with_component(folded: str, names: ControllerNames, dotted: bool) -> Iterator[tuple[str, str]]:
-    """Yield each component that a text may name, the longest name first, with the rest of the text."""
     for name, component in names.by_length:
         if component not in names.with_lands:
             continue

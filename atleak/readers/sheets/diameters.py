@@ -7,7 +7,7 @@ where that cannot be what was meant.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from statistics import median
 
@@ -145,7 +145,6 @@ def _twice(reading: Reading, raw: RawValue, repeat: int, earlier: Reading) -> Re
 def _assumed_unit(
     unitless: Sequence[DiameterCell], controller: Controller, headings: Place, result: Converted
 ) -> Unit | None:
-    """Return the unit in which the diameters come near the nominal ones."""
     ratios = []
     for entry in unitless:
         land = controller.land_of_plane(entry.key.component, entry.key.plane)
@@ -201,7 +200,6 @@ class _Block:
         return True
 
     def _goes_on(self, row: int, index: int) -> bool:
-        """Return whether a label is the one that counts already."""
         at, label = self.labelled.get(index), self.sheet.filled
         return at is not None and plain(text_of(label(at, index))) == plain(text_of(label(row, index)))
 
@@ -212,7 +210,8 @@ def filled_down(table: HeadedTable, asked: bool) -> HeadedTable:
     ``asked`` is whether the user says that empty cells go on with the one above. Without it only the program's own form
     saved as text is filled, whose blocks are known. A label that changes ends what stands to the right of it.
     """
-    if not asked and not (table.sheet.is_text and is_own_form(table)):
+    own = any(said_by_form(MEASUREMENTS, table.heading(index)) == "nominal" for index in table.span)
+    if not asked and not (table.sheet.is_text and own):
         return table
     sheet = table.sheet
     keys = sorted({column.index for column in table.columns if column.role in _FILLED} - {*sheet.derived})
@@ -227,21 +226,18 @@ def filled_down(table: HeadedTable, asked: bool) -> HeadedTable:
                 filled[row, index] = sheet.merged.get((at, index), (at, index))
     if not filled:
         return table
-    return replace(
-        table,
-        sheet=replace(sheet, merged={**sheet.merged, **filled}),
-        messages=(*table.messages, _what_was_filled(table, filled)),
-        filled=frozenset(row for row, _ in filled),
-    )
-
-
-def _what_was_filled(table: HeadedTable, filled: Mapping[tuple[int, int], tuple[int, int]]) -> Message:
+    rows = sorted({row for row, _ in filled})
     text = Sentence(
         "empty cells under {headings} go on with the one above them ({rows})",
         headings=tuple(repr(table.heading(index)) for index in sorted({index for _, index in filled})),
-        rows=rows_named(table.sheet, sorted({row for row, _ in filled})),
+        rows=rows_named(sheet, rows),
     )
-    return Message("info", "filled_down", text, table.sheet.place(min(row for row, _ in filled)))
+    return replace(
+        table,
+        sheet=replace(sheet, merged={**sheet.merged, **filled}),
+        messages=(*table.messages, Message("info", "filled_down", text, sheet.place(min(rows)))),
+        filled=frozenset(rows),
+    )
 
 
 def broken_blocks(
@@ -288,8 +284,3 @@ def _broken(table: HeadedTable, entry: DiameterCell, why: Sentence) -> ReadingsE
         value=entry.raw.size,
         expected=Sentence("the label in the first row of every block"),
     )
-
-
-def is_own_form(table: HeadedTable) -> bool:
-    """Return whether a table has the heading of nominal diameters that the program's own form has."""
-    return any(said_by_form(MEASUREMENTS, table.heading(index)) == "nominal" for index in table.span)

@@ -26,15 +26,13 @@ from atleak.readers.sheets.words import (
     direction_of,
     is_blank,
     is_marked,
-    is_rejected,
     letters,
     number_of,
     part_said,
     plain,
     repeat_of,
-    says_no,
+    says,
     says_specification,
-    says_yes,
     stated_number,
     summary_of,
     text_of,
@@ -96,13 +94,10 @@ class Exclusions:
         self._keys = [column.index for column in columns.keys]
         self._others = [index for index in range(self.sheet.width) if index not in columns.read]
         self._cells = {index: table.cells(index) for index in (*self._keys, *self._others)}
-        self._counts, self._counts_not = map(self._asking, ("counts", "counts_not"))
+        asked = {at: words for at in self._others if len(words := letters(table.heading(at))) <= 4}
+        self._counts = [at for at, words in asked.items() if words.any("counts")]
+        self._counts_not = [at for at, words in asked.items() if words.any("counts_not")]
         self._machine = [index for index in self._others if self._says_characteristics(index)]
-
-    def _asking(self, meaning: str) -> list[int]:
-        """Return the columns whose heading asks whether a row counts, or does not."""
-        headings = {index: letters(self.table.heading(index)) for index in self._others}
-        return [index for index, words in headings.items() if len(words) <= 4 and words.any(meaning)]
 
     @cached_property
     def _ticked(self) -> list[int]:
@@ -111,7 +106,7 @@ class Exclusions:
             index
             for index in self._counts
             if (cells := self._cells[index].values())
-            and all(says_yes(cell) and text_of(cell).lower() in _MARKS for cell in cells)
+            and all(says(cell, "yes", "counts_not") and text_of(cell).lower() in _MARKS for cell in cells)
         ]
 
     @cached_property
@@ -147,14 +142,14 @@ class Exclusions:
         return None
 
     def _rejection(self, row: int) -> Sentence | None:
-        asked = [(index, says_no) for index in self._counts] + [(index, says_yes) for index in self._counts_not]
-        for index, rejects in asked:
+        for index, rejects in (*((at, "no") for at in self._counts), *((at, "yes") for at in self._counts_not)):
             heading, cell = self.table.heading(index), self._cells[index].get(row)
-            if cell is not None and rejects(cell):
+            if cell is not None and says(cell, rejects, "counts_not"):
                 return Sentence("column {heading!r} says {said!r}", heading=heading, said=text_of(cell))
             if cell is None and index in self._ticked:
                 return Sentence("column {heading!r} has no mark", heading=heading)
-        remark = next((cell for index in self._others if is_rejected(cell := self.sheet.cell(row, index))), None)
+        remarks = (self.sheet.cell(row, index) for index in self._others)
+        remark = next((cell for cell in remarks if isinstance(cell, str) and says(cell, "counts_not")), None)
         return None if remark is None else Sentence("a remark says {said!r}", said=text_of(remark))
 
     def _strike(self, row: int) -> str | None:
@@ -210,7 +205,6 @@ class Exclusions:
         return repr(text_of(label)) if near is None and number_of(label) is None and letters(label) else None
 
     def _specification(self, row: int) -> str | None:
-        """Return the word that calls the row's number a nominal or specified one, None where no word does."""
         for index, cell in enumerate(self.sheet.rows[row]):
             if isinstance(cell, str) and says_specification(cell) and self._is_label(index, cell):
                 return cell
@@ -264,7 +258,6 @@ class Exclusions:
         return [(row, _NAMES[kind][0]) for row, kind in alone]
 
     def _labels(self, row: int) -> Mapping[str, object]:
-        """Return what the row's labels say, as far as they are understood."""
         columns, names = self.columns, self.names
 
         def cell(column: HeadedColumn | None) -> Cell:
@@ -322,7 +315,6 @@ def _matches(entry: DiameterCell, labels: Mapping[str, object]) -> bool:
 
 
 def _agree(stated: float, computed: float) -> bool:
-    """Return whether two numbers are equal after rounding to the decimals of the stated one."""
     decimals = len(f"{stated:.6f}".rstrip("0").partition(".")[2])
     return abs(stated - computed) <= max(0.5 * 10.0**-decimals if decimals <= 3 else 0.0, _HALF_A_MICROMETRE) + 1e-9
 
@@ -351,7 +343,6 @@ def mark_messages(table: HeadedTable, rows: Collection[int], columns: Columns) -
 
 
 def _stars(table: HeadedTable, read: Sequence[Sequence[At]]) -> Iterator[Message]:
-    """Say which numbers have a star, dagger or brackets, which point to a note."""
     sheet, marked = table.sheet, [at for cells in read for at in cells if is_marked(table.sheet.cell(*at))]
     if marked:
         numbers = tuple(dict.fromkeys(text_of(sheet.cell(*at)) for at in marked))[:_QUOTED]
@@ -364,7 +355,6 @@ def _stars(table: HeadedTable, read: Sequence[Sequence[At]]) -> Iterator[Message
 
 
 def _comments(table: HeadedTable, rows: Collection[int]) -> Iterator[Message]:
-    """Quote the comments on readings, and on what else stands in their rows."""
     sheet = table.sheet
     comments = {at: words for at, words in sorted(sheet.marks.comments.items()) if at[0] in rows and words}
     if comments:
@@ -424,7 +414,6 @@ def _legend(table: HeadedTable, colours: Collection[str]) -> str | None:
 
 
 def _named(table: HeadedTable, at: At) -> str:
-    """Name a cell as a spreadsheet does."""
     row, column = (at[1], at[0]) if table.sheet.turned else at
     return f"{column_letter(column)}{row + 1}"
 

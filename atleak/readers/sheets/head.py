@@ -197,7 +197,6 @@ def several(stated: Sequence[tuple[str, Stated]], what: Sentence) -> Message:
 
 
 def _mileage(stated: Stated, messages: list[Message]) -> float | None:
-    """Return a mileage [km], None where it cannot be read; a message then says so."""
     read = written_mileage(text_of(stated.value), stated.label)
     if read.value is None:
         text = Sentence("the mileage in the head is not taken: {reason}", reason=read.reason)
@@ -330,7 +329,6 @@ def is_typed(sheet: Sheet) -> bool:
 def _value(
     stated: Sequence[Stated], quantity: _Quantity, messages: list[Message], problems: list[ReadingsError]
 ) -> float | None:
-    """Return the value of a quantity in the unit in which people are asked for it; of several that differ none."""
     values: dict[float, Stated] = {}
     for entry in stated:
         try:
@@ -362,7 +360,6 @@ def _without_the_word(heads: Sequence[tuple[Sheet, range]]) -> Iterator[Stated]:
 
 
 def _number(stated: Stated, quantity: _Quantity) -> float:
-    """Return a number in the unit in which people are asked for it; an error with its place where there is none."""
     number, unit, asked = stated.value, stated.unit or quantity.unit, quantity.asked
     if isinstance(number, str):
         match = _VALUE.fullmatch(re.sub(r"\s*\([^()]*\)$", "", number.strip()))
@@ -386,7 +383,6 @@ def _number(stated: Stated, quantity: _Quantity) -> float:
 
 
 def _read_date(stated: Sequence[Stated]) -> tuple[dt.date | None, list[Message]]:
-    """Return the date of measuring, and why none is taken of those that the heads state."""
     dates: dict[dt.date, Stated] = {}
     messages = []
     for entry in stated:

@@ -73,8 +73,6 @@ class LandValues:
 
 
 class _LandRows:
-    """The rows of one table, of which what lands themselves have is read."""
-
     def __init__(self, values: LandValues, table: HeadedTable, given_unit: Unit | None) -> None:
         self.values, self.table, self.sheet, self.given_unit = values, table, table.sheet, given_unit
         self.names, self.controller = values.names, values.names.controller
@@ -142,7 +140,6 @@ class _LandRows:
         return self.names.require_component(cell)
 
     def _place_cell(self, row: int) -> Cell:
-        """Return what says the land of a row; "" where nothing does."""
         cell = "" if self.place_column is None else self.sheet.filled(row, self.place_column.index)
         return "" if is_blank(cell) else cell
 
@@ -159,7 +156,6 @@ class _LandRows:
         return next(land for land in lands if plane in land.planes)
 
     def _check_contact_length(self, land: Land, metres: float, cell: Cell, place: Place) -> None:
-        """Refuse what is no contact length of that land: a diameter, or another unit by its size."""
         name, stated = named(land), land.contact_length
         ratio = metres / stated
         doubtful = not 1.0 / _DOUBTFUL < ratio < _DOUBTFUL
@@ -188,7 +184,6 @@ class _LandRows:
             self.values.messages.append(Message("warning", "contact_length_differs", text, place))
 
     def _take_repair(self, component: str, row: int, wanted: str, place: Place) -> None:
-        """Note a repair that is fitted; refuse one that the file does not have there, or that stands beside another."""
         options = {repair.id: repair for repair in self.controller.repairs_of(component)}
         if not options:
             problem = Sentence("the file of {controller} has no repairs of component {component}")
@@ -269,7 +264,6 @@ def _about_repairs(own: OwnLands, controller: Controller) -> Iterator[Message]:
 
 
 def _size(land: Land) -> Sentence:
-    """Say the nominal diameter and the clearance that a land has after its repair."""
     ends = [Quantity(end * UM, "clearance", 1) for end in land.mounting_ends]
     template = Sentence("land {land} {diameter:.6g} {diameter.unit} with a new clearance of {low:.4g} {low.unit}")
     if len(ends) > 1:

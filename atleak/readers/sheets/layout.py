@@ -80,12 +80,9 @@ def _strips(sheet: Sheet, names: ControllerNames) -> list[Sheet]:
         else:
             ranges.append([index, index + 1])
     views = [_only(sheet, left, right) for left, right in ranges]
-    headed = [view for view in views if any(map(_is_whole, find_headers(view, names.is_named)))]
-    return views if len(headed) > 1 else [sheet]
-
-
-def _is_whole(header: HeadedTable) -> bool:
-    return bool((header.values or header.of("specification")) and header.labels)
+    headers = [find_headers(view, names.is_named) for view in views]
+    headed = [any((one.values or one.of("specification")) and one.labels for one in found) for found in headers]
+    return views if sum(headed) > 1 else [sheet]
 
 
 def _only(sheet: Sheet, left: int, right: int, end: int | None = None) -> Sheet:
@@ -176,7 +173,6 @@ def _between(table: HeadedTable, begin: int, end: int) -> HeadedTable:
 
 
 def _titled(table: HeadedTable, names: ControllerNames, said: SheetMapping = NOTHING_SAID) -> HeadedTable:
-    """Return the table with what its title lines and its sheet's name say of it."""
     above = _title_rows(table.sheet, table.first, -1)
     texts = [" ".join(str(cell) for cell in table.sheet.rows[row] if not is_blank(cell)) for row in above]
     lines = [(Sentence("the title {said!r}", said=text), text) for text in texts]
@@ -312,8 +308,6 @@ def _exact(row: Sequence[Cell]) -> Iterator[float]:
 
 @dataclass(eq=False)
 class _SheetTables:
-    """A sheet as it was understood, and its tables."""
-
     sheet: Sheet
     tables: list[HeadedTable]
 
@@ -331,7 +325,6 @@ class _SheetTables:
 
     @property
     def is_of_lands(self) -> bool:
-        """Return whether it holds what lands themselves have, and no diameters."""
         return bool(self.of_lands) and not any(table.values for table in self.tables)
 
 
@@ -433,7 +426,6 @@ def choose_sheet(
 
 
 def _mapped(sheets: Sequence[Sheet], wanted: str | None, mapping: SheetMapping) -> list[Sheet]:
-    """Return the sheets whose columns a person named: the one asked for, or the visible ones that have them."""
     if not mapping:
         return []
     asked = [sheet for sheet in sheets if (not sheet.hidden if wanted is None else sheet.name in (wanted, None))]
@@ -460,7 +452,6 @@ def _quoted(names: Iterable[str | None]) -> tuple[str, ...]:
 
 
 def _wanted(every: Sequence[_SheetTables], file: str, wanted: str) -> _SheetTables:
-    """Return the sheet that is asked for; its name alone does not leave its tables aside."""
     by_name = {page.sheet.name: page for page in every if page.sheet.name is not None}
     if wanted not in by_name:
         raise unknown(
@@ -507,7 +498,6 @@ def _no_readings(every: Sequence[_SheetTables], file: str) -> ReadingsError:
 
 
 def _incomplete(table: HeadedTable) -> ReadingsError:
-    """Return why a table cannot be read whose headings are the best of the file, and what may be meant by them."""
     missing = [] if table.of("component") else [Sentence("component")]
     missing += [] if table.values else [Sentence("diameter, or coordinate x1 and coordinate x2")]
     problem = Sentence("this row holds headings and readings as well")

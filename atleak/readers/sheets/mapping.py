@@ -72,13 +72,7 @@ def is_role(name: str) -> bool:
 
 
 def require_known(names: Iterable[str]) -> None:
-    """Refuse a name that is neither a role of a sheet nor a quantity of a log.
-
-    Raises
-    ------
-    InputError
-        listing both.
-    """
+    """Refuse a name that is neither a role of a sheet nor a quantity of a log, with both listed."""
     for name in names:
         if not is_role(name) and name not in QUANTITIES:
             problem = Sentence("neither a role of a measuring sheet nor a quantity of a log")
@@ -86,21 +80,12 @@ def require_known(names: Iterable[str]) -> None:
 
 
 class SheetMapping:
-    """Which column of a sheet is what.
+    """Which column of a sheet is what: by role the heading of its column, its letter or number.
 
-    Parameters
-    ----------
-    chosen
-        by role the heading of its column, its letter or number; behind ``=`` what holds for all rows; `NOT_LOGGED`
-        where no column holds it. ``value spool 0°`` says of what its diameters are; ``deviation`` is added to ``new``,
-        each in its unit. ``header`` and ``rows`` count as the file's program does; ``rows`` may be several ranges, and
-        of one sheet: ``rows Spools``. ``missing`` is what stands for no reading, several with ``|`` between; ``spool``
-        and ``sleeve`` are the sheet's words for them.
-
-    Raises
-    ------
-    ReadingsError
-        a name that is no role, or something that it cannot be.
+    Behind ``=`` stands what holds for all rows; `NOT_LOGGED` says that no column holds it. ``value spool 0°`` says of
+    what its diameters are; ``deviation`` is added to ``new``, each in its unit. ``header`` and ``rows`` count as the
+    file's program does; ``rows`` may be several ranges, and of one sheet: ``rows Spools``. ``missing`` is what stands
+    for no reading, several with ``|`` between; ``spool`` and ``sleeve`` are the sheet's words for them.
     """
 
     def __init__(self, chosen: Mapping[str, str]) -> None:
@@ -121,7 +106,6 @@ class SheetMapping:
         return ((name, text) for name, text in self.chosen.items() if names_column(name))
 
     def _lines(self, name: str) -> list[tuple[int, int]]:
-        """Return the first and last row of each range that is stated; (0, 0) for none."""
         text = self.chosen.get(name, "")
         if not text or text == "none":
             return [(0, 0)] if text else []
@@ -151,7 +135,6 @@ class SheetMapping:
         return self.chosen.get("header", "")[:1].isupper()
 
     def _value(self, name: str) -> HeadedColumn:
-        """Return what a role says of a column of diameters."""
         said = f"diameter {_words(name)}".strip()
         read = read_heading(said)
         if read is None or read.role != "diameter" or not is_explained(spot_of_heading(tokens_of(said))[1]):
@@ -171,7 +154,6 @@ class SheetMapping:
         return {} if found is None else found[2]
 
     def _found(self, sheet: Sheet) -> tuple[range, tuple[str, ...], dict[str, int]] | None:
-        """Return the rows of headings, the headings, and the column of each role; None where one is not there."""
         for rows in self._headers(sheet):
             texts = tuple(headings(sheet, rows[0], rows[-1])) if rows else ("",) * sheet.width
             places = {name: _place(text, texts, sheet) for name, text in self._columns.items()}
@@ -225,13 +207,7 @@ class SheetMapping:
     # --- the table ----------------------------------------------------------------------------------------------------
 
     def table(self, sheet: Sheet, names: ControllerNames) -> HeadedTable:
-        """Return the table with the columns as they are named; what is not named is as the headings say.
-
-        Raises
-        ------
-        ReadingsError
-            a column that is not there, or a constant that its role cannot be.
-        """
+        """Return the table with the columns as they are named; what is not named is as the headings say."""
         found = self._found(sheet)
         if found is None:
             raise self.not_found([sheet])
@@ -261,22 +237,12 @@ class SheetMapping:
 
     def _all_columns(self, texts: Sequence[str], at: Mapping[str, int]) -> tuple[HeadedColumn, ...]:
         heading = dict(enumerate(texts))
-        values = [
-            replace(
-                said,
-                index=at[name],
-                heading=heading.get(at[name], ""),
-                unit=unit_of_heading(heading.get(at[name], ""))[1],
-            )
-            for name, said in self._values.items()
-        ]
-        keys = [
-            HeadedColumn(
-                index, heading.get(index, ""), ROLES[name], rank=9, unit=unit_of_heading(heading.get(index, ""))[1]
-            )
-            for name, index in at.items()
-            if name not in self._values
-        ]
+        named = []
+        for name, index in at.items():
+            role_of = self._values.get(name) or HeadedColumn(0, "", ROLES[name], rank=9)
+            text = heading.get(index, "")
+            named.append(replace(role_of, index=index, heading=text, unit=unit_of_heading(text)[1]))
+        values = [column for column in named if column.holds_value]
         read = [column for index, text in enumerate(texts) if (column := read_heading(text, index)) is not None]
         settled = self._settled(values)
         guessed = [
@@ -286,20 +252,18 @@ class SheetMapping:
         ]
         said = self._said_of_all()
         values += [column for column in guessed if column.holds_value]
-        others = [column for column in guessed if not column.holds_value]
+        others = [column for column in (*named, *guessed) if not column.holds_value]
         unsaid: dict[str, Any] = {role: None for role in at if role in ("part", "plane", "land", "direction", "repeat")}
         values = [replace(column, **{**unsaid, **said}) for column in values]
-        return tuple(sorted((*keys, *values, *others), key=lambda column: column.index))
+        return tuple(sorted((*others, *values), key=lambda column: column.index))
 
     def _settled(self, values: Iterable[HeadedColumn]) -> set[Role]:
-        """Return the roles of which a guess by the headings does not count."""
         settled = {_role(name) for name, _ in self._roles} - {"specification"}
         for role in ("part", "plane", "land", "direction", "repeat"):
             settled |= {role} if any(getattr(column, role) is not None for column in values) else set()
         return settled | ({*_PLACES} if settled.intersection(_PLACES) else set())
 
     def _said_of_all(self) -> dict[str, Any]:
-        """Return what constants say of every diameter."""
         read: dict[str, Callable[[str], Any]] = {
             "part": part_said,
             "direction": direction_of,
@@ -446,7 +410,6 @@ def _refused(problem: Sentence, value: str, expected: Sentence) -> ReadingsError
 
 
 def _place(text: str, texts: Sequence[str], sheet: Sheet) -> int | None:
-    """Return the column that a text names: by its heading, or else by letter or number."""
     headed = [index for index, heading in enumerate(texts) if heading and plain(heading) == plain(text)]
     if len(headed) > 1:
         letters = ", ".join(column_letter(index) for index in headed)
@@ -492,13 +455,7 @@ def fingerprint(texts: Iterable[str]) -> str:
 
 
 def remember_sheet(path: Path, readings: Readings, unit: str | None = None) -> None:
-    """Keep the columns that a sheet was read with for sheets with the same headings; not the rows of this one file.
-
-    Raises
-    ------
-    OutputError
-        where the sheet has no headings, or the file cannot be written.
-    """
+    """Keep the columns that a sheet was read with for sheets with the same headings; not the rows of this one file."""
     columns = {name: text for name, text in readings.columns if _NAME.sub(r"\1", name) not in ("header", "rows")}
     if not columns:
         return
@@ -512,7 +469,6 @@ def names_column(name: str) -> bool:
 
 
 def _is_word(name: str) -> bool:
-    """Tell whether a name is followed by the sheet's own word for one component, plane or land."""
     match = _NAME.fullmatch(name)
     return match is not None and match[1] in _NAMED and bool(match[2])
 

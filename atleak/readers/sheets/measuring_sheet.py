@@ -22,7 +22,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.words import PART_WORDS
@@ -57,41 +57,20 @@ from atleak.readers.sheets.suggestions import Guess, column_name, likely_table, 
 from atleak.readers.sheets.table import HeadedTable, best_header
 from atleak.readers.sheets.words import is_word, text_of
 
-_SHOWN = 10
 _OWN = 100.0  # score of a form of atleak's own, more than any headings have
 
 
 class ReadingsRefused(ReadingsError):
-    """A measuring sheet that cannot be used, with every reason.
+    """A measuring sheet that cannot be used: the first reason, and the others below it.
 
-    ``place``, ``value``, ``expected`` and ``nearest`` are those of the first problem; ``problems`` holds them all, in
-    the order of the sheet. The text lists the first ten. ``sheets`` are those of the file, as `Readings.sheets`.
+    ``problems`` holds them all, in the order of the sheet. ``sheets`` are those of the file, as `Readings.sheets`.
     """
 
     def __init__(self, problems: Sequence[ReadingsError], sheets: tuple[SheetCells, ...] = ()) -> None:
-        if not problems:
-            raise ValueError("at least one problem")
-        self.problems = tuple(problems)
+        first, *others = self.problems = tuple(problems)
         self.sheets = sheets
-        first = self.problems[0]
-        super().__init__(
-            first.problem, place=first.place, value=first.value, expected=first.expected, nearest=first.nearest
-        )
-
-    @property
-    def sentence(self) -> Sentence:
-        """Return the first ten problems, a line each."""
-        if len(self.problems) == 1:
-            return super().sentence
-        count, file = len(self.problems), self.place.file
-        text = Sentence("{count} problems in the readings:", count=count)
-        if file:
-            text = Sentence("{count} problems in {file}:", count=count, file=file)
-        for problem in self.problems[:_SHOWN]:
-            text = Sentence("{problem}\n  {other}", problem=text, other=problem.sentence)
-        if count > _SHOWN:
-            text = Sentence("{problem}\n  … and {count} more", problem=text, count=count - _SHOWN)
-        return text
+        given = {"place": first.place, "value": first.value, "expected": first.expected, "nearest": first.nearest}
+        super().__init__(first.problem, **given, others=others)  # type: ignore[arg-type]
 
 
 __all__ = ["ReadingsRefused", "SheetLook", "check", "forget_sheet", "look_at", "read_readings"]
@@ -242,7 +221,6 @@ class _Measurement:
         self.problems += [*self.converted.problems, *self.account.problems]
 
     def _rows(self, names: ControllerNames, where: Mapping[str, str] | None) -> list[SheetRows]:
-        """Return the rows of the tables, until there are so many faults that the file is something else."""
         read: list[SheetRows] = []
         for table in self.chosen.tables:
             if sum(len(rows.problems) for rows in read) > FAULTS:
@@ -251,7 +229,6 @@ class _Measurement:
         return [rows for rows in read if not rows.columns.problems or rows.table.count_values()]
 
     def _account(self, names: ControllerNames) -> Account:
-        """Return what became of every cell of the file."""
         chosen = self.chosen
         account = Account(names, [*self.converted.units, *([self.unit.name] if self.unit else [])])
         account.take(self.lands.cells, of_lands=True)
@@ -266,15 +243,13 @@ class _Measurement:
                 account.problems += read_rows(table, names, self.unit).problems
         for sheet in chosen.sheets_left_aside:
             account.leave_sheet(sheet)
-        around = self._around
-        cells = self.head.cells
-        account.take((name, column, row) if name in around else (name, row, column) for name, row, column in cells)
+        for name, row, column in self.head.cells:
+            account.take([(name, column, row) if name in self._around else (name, row, column)])
         account.close([page for page in chosen.sheets if not page.hidden])
         return account
 
     @property
     def _around(self) -> set[str | None]:
-        """Return the sheets that are read with rows and columns exchanged."""
         return {page.name for page in self.chosen.sheets if page.turned}
 
     def sheets(self, problems: Iterable[ReadingsError]) -> tuple[SheetCells, ...]:
@@ -282,6 +257,8 @@ class _Measurement:
 
     def readings(self, digest: str, pressures: PressureTable | None) -> Readings:
         converted, head, sheet = self.converted, self.head, self.first.sheet
+        by_coordinates = any(reading.coordinates is not None for reading in converted.readings)
+        several = any(len({value.group for value in rows.table.values}) > 1 for rows in self.rows)
         sheets = dict.fromkeys(str(rows.table.sheet.name) for rows in self.filled)
         return Readings(
             file=self.chosen.file,
@@ -289,7 +266,7 @@ class _Measurement:
             sheet=None if sheet.is_text else ", ".join(sheets),
             unit=", ".join(converted.units) or (self.unit.name if self.unit else "mm"),
             unit_assumed=converted.unit_assumed,
-            layout=self._layout(),
+            layout="table" if by_coordinates else "columns" if several else "tidy",
             readings=tuple(converted.readings),
             messages=(
                 *self.chosen.messages,
@@ -301,7 +278,7 @@ class _Measurement:
                 *self.account.messages,
                 *self.lands.messages,
                 *self._contradictions(),
-                *_at_unworn_ends(converted.unworn),
+                *([_at_unworn_ends(converted.unworn)] if converted.unworn else ()),
             ),
             temperature=head.temperature,
             date=head.date,
@@ -311,11 +288,6 @@ class _Measurement:
             own_lands=self.lands.own,
             unworn=tuple(converted.unworn),
         )
-
-    def _layout(self) -> Literal["table", "tidy", "columns"]:
-        if any(reading.coordinates is not None for reading in self.converted.readings):
-            return "table"
-        return "columns" if any(len({value.group for value in rows.table.values}) > 1 for rows in self.rows) else "tidy"
 
     def _contradictions(self) -> list[Message]:
         messages: list[Message] = []
@@ -344,9 +316,7 @@ class _Measurement:
             yield Message("info", "rows_not_measured", text, Place(sheet.file, sheet.name))
 
 
-def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:
-    if not unworn:
-        return []
+def _at_unworn_ends(unworn: Sequence[Reading]) -> Message:
     place = Sentence("{component}, plane {plane}")
     text = counted(
         len(unworn),
@@ -356,7 +326,7 @@ def _at_unworn_ends(unworn: Sequence[Reading]) -> list[Message]:
         "controller learn` makes mounting clearances of them",
         places=in_a_row(dict.fromkeys(place.of(component=end.component, plane=end.plane) for end in unworn)),
     )
-    return [Message("info", "unworn_ends", text, unworn[0].place)]
+    return Message("info", "unworn_ends", text, unworn[0].place)
 
 
 def _score(sheet: Sheet) -> float:
@@ -367,7 +337,6 @@ def _score(sheet: Sheet) -> float:
 
 
 def _none_left(result: Readings, table: HeadedTable) -> ReadingsError:
-    """Return the error where every reading was left aside, or none is filled in."""
     reasons = [message.text for message in result.messages if message.code in (*LEFT_ASIDE, "rows_left_out")]
     problem, place = Sentence("no readings are filled in: every diameter is empty"), table.sheet.place(table.last)
     if reasons:
@@ -401,12 +370,7 @@ def look_at(
 ) -> SheetLook:
     """Return how a sheet looks, and which column most likely is what.
 
-    Parameters are those of `read_readings`; without a ``mapping`` rows of headings and columns are found.
-
-    Raises
-    ------
-    ReadingsError
-        where the file cannot be read, or has no such rows or columns.
+    What is given is as for `read_readings`; without a ``mapping`` rows of headings and columns are found.
     """
     data, file = read_bytes(source, name)
     names, chosen = ControllerNames(controller), SheetMapping(mapping or {})
@@ -430,15 +394,7 @@ def look_at(
 
 
 def forget_sheet(source: str | Path | bytes, path: Path, name: str | None = None) -> None:
-    """Delete the columns that are remembered at a path for sheets with this one's headings.
-
-    Raises
-    ------
-    ReadingsError
-        where the file cannot be read.
-    OutputError
-        where what is remembered cannot be written.
-    """
+    """Delete the columns that are remembered at a path for sheets with this one's headings."""
     data, file = read_bytes(source, name)
     earlier = recalled(path, read_sheets(data, file, _score, is_word))
     if earlier is not None:
@@ -448,19 +404,9 @@ def forget_sheet(source: str | Path | bytes, path: Path, name: str | None = None
 def read_several(
     sources: Iterable[tuple[str, str | Path | bytes]], controller: Controller, **choices: Any
 ) -> list[Readings]:
-    """Return the readings of measuring sheets, in their order.
+    """Return the readings of measuring sheets, each a name with a path or bytes; a name that comes again is numbered.
 
-    Parameters
-    ----------
-    sources
-        name, and path or bytes, of each; a name that comes again is numbered.
-    choices
-        as of `read_readings`: which sheet, unit and rows.
-
-    Raises
-    ------
-    ReadingsError
-        the first fault of any sheet, with those of all the sheets in ``others``.
+    ``choices`` are those of `read_readings`. The error is the first fault of any sheet, with all others below it.
     """
     sheets: list[Readings] = []
     faults: list[ReadingsError] = []

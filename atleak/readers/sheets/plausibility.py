@@ -91,7 +91,6 @@ def _contradictions(
     gaps: Sequence[LandClearance],
     doubtful: Collection[LandKey],
 ) -> Iterator[tuple[Land, ReadingsError]]:
-    """Yield what contradicts itself, but of the lands that are doubtful already, with the land it is of."""
     apart = list(_repeats(readings, controller, doubtful))
     yield from apart
     exchanged = list(_exchanged(gaps, by_land, readings))
@@ -113,7 +112,6 @@ def _by_land(readings: Readings, controller: Controller) -> dict[LandKey, list[R
 
 
 def _factor(ratio: float) -> float | None:
-    """Return the known factor nearest to a ratio, above or below 1; None where none is near."""
     for factor in _FACTORS:
         for candidate in (factor, 1.0 / factor):
             if 1.0 / _FACTOR_TOLERANCE < ratio / candidate < _FACTOR_TOLERANCE:
@@ -122,7 +120,6 @@ def _factor(ratio: float) -> float | None:
 
 
 def _off(readings: Readings, controller: Controller) -> tuple[list[_Off], int]:
-    """Return the readings that are far from their nominal diameter, and how many there are whose land is known."""
     off: list[_Off] = []
     compared = 0
     for reading in readings.readings:

@@ -31,8 +31,6 @@ _ONE_STATE = Sentence(
 
 StationKey = tuple[str, Part, str, float | None, bool, int | None]
 Splits = Mapping[StationKey, Mapping[str, list[int]]]  # values of a column, and in which rows each stands
-
-
 Break = tuple[int, str]  # a row between readings, and the title in it
 
 
@@ -61,7 +59,6 @@ def states_question(
 
 
 def _several(entries: Sequence[DiameterCell], *, numbered: bool = True) -> dict[StationKey, list[int]]:
-    """Return the stations that stand in more than one row, and these rows; on demand whatever repeat they are."""
     rows: dict[StationKey, dict[int, None]] = defaultdict(dict)
     for entry in entries:
         station = _station(entry)
@@ -115,7 +112,9 @@ def _splitting(
     for index in range(table.sheet.width) if several else ():
         heading = table.heading(index)
         words = letters(heading)
-        if index in columns.read or words.any("person") or (has_length(heading) and not words.any("state")):
+        bracketed = re.search(r"[\[\(]([^\[\]\(\)]+)[\]\)]", heading)
+        length = bracketed and find_unit(bracketed[1], "length") is not None and "km" not in bracketed[1]
+        if index in columns.read or words.any("person") or (length and not words.any("state")):
             continue
         cells = table.cells(index)
         splits: dict[StationKey, dict[str, list[int]]] = {}
@@ -166,7 +165,6 @@ def _same_everywhere(splits: Splits, heading: str) -> bool:
 
 
 def _blocks(entries: Sequence[DiameterCell], breaks: Sequence[Break], sheet: Sheet) -> ReadingsError | None:
-    """Return an error where stations return under another title."""
     last: dict[StationKey, int] = {}
     waiting = list(breaks)
     title, first = "", -1  # of the block that the entry stands in
@@ -276,14 +274,12 @@ def _returning(entries: Sequence[DiameterCell], sheet: Sheet, controller: Contro
 
 
 def _spread(entries: Sequence[DiameterCell], station: StationKey, controller: Controller) -> float:
-    """Return how far the diameters of a station are apart [m], by the nominal one: the unit may not be known yet."""
     sizes = [entry.raw.unit.to_si(entry.raw.size) if entry.raw.unit else entry.raw.size for entry in entries]
     land = controller.land_of_plane(station[0], station[2])
     return 0.0 if land is None else (max(sizes) / min(sizes) - 1.0) * land.nominal_diameter
 
 
 def _remarks(several: Mapping[StationKey, Sequence[int]], table: HeadedTable) -> Iterator[Message]:
-    """Yield a warning where remarks differ between rows of one station that nothing calls repeats."""
     for column in table.of("remark"):
         for station, rows in several.items():
             cells = [cell for row in rows if isinstance(cell := table.sheet.filled(row, column.index), str)]
@@ -341,9 +337,3 @@ def _matches(cell: Cell, wanted: str) -> bool:
         spellings |= {f"{cell:%d.%m.%Y}", f"{cell:%d/%m/%Y}", f"{cell:%m/%d/%Y}", str(cell)}
     wanted = plain(str(wanted))
     return wanted in spellings or wanted.replace(",", ".") in spellings
-
-
-def has_length(heading: str) -> bool:
-    """Return whether a heading names a unit of length that a diameter or a clearance may stand in."""
-    bracketed = re.search(r"[\[\(]([^\[\]\(\)]+)[\]\)]", heading)
-    return bracketed is not None and find_unit(bracketed[1], "length") is not None and "km" not in bracketed[1]

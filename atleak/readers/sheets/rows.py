@@ -25,6 +25,7 @@ from atleak.readers.sheets.repeats import Break, repeat_messages, rows_left_out,
 from atleak.readers.sheets.table import COLUMNS, HeadedTable
 from atleak.readers.sheets.words import (
     A_DIAMETER,
+    PART_SPELLINGS,
     at,
     diameter,
     direction_of,
@@ -33,7 +34,6 @@ from atleak.readers.sheets.words import (
     number,
     part_of,
     part_said,
-    part_words,
     plain,
     repeat_of,
     says_unworn,
@@ -156,9 +156,9 @@ class _Reader:
         rows.messages += repeat_messages(rows.entries, table, columns, self.names.controller)
 
     def _read_all_rows(self, unwanted: Mapping[int, Sentence]) -> tuple[list[int], list[Break]]:
-        """Read all rows but those that are left out or aside; return which were left out, and the titles between."""
         left_out: list[int] = []
         breaks: list[Break] = []
+        columns = self.columns
         values = [column.index for group in self.columns.groups for column in group.values()]
         faulty_rows = {row for row, _ in self.sheet.faults}
         for row in self.table.rows:
@@ -176,11 +176,12 @@ class _Reader:
                 if title := self._title(row):
                     breaks.append((row, title))
                 else:
-                    self.rows.rows_without_reading += self._is_named(row)
+                    named = columns.component or columns.part or columns.plane or columns.land
+                    empty = named is None or is_blank(self.sheet.filled(row, named.index))
+                    self.rows.rows_without_reading += not empty
         return left_out, breaks
 
     def _read_row(self, row: int) -> bool:
-        """Read a row's diameters; return whether there are any, readable or not."""
         values, rows = list(self._raw_values(row)), self.rows
         if values:
             self._report_overlong(row)
@@ -194,13 +195,7 @@ class _Reader:
                 rows.cells |= dict.fromkeys(((row, column.index) for column in group.values()), _DIAMETER_OF[key.part])
         return bool(values) or row in self.exclusions.struck
 
-    def _is_named(self, row: int) -> bool:
-        columns = self.columns
-        named = columns.component or columns.part or columns.plane or columns.land
-        return named is not None and not is_blank(self.sheet.filled(row, named.index))
-
     def _title(self, row: int) -> str:
-        """Return what a row without numbers says, unless it is one that was not measured."""
         column = self.columns.component
         if column is None or self.names.component(self.sheet.filled(row, column.index)) is not None:
             return ""
@@ -208,7 +203,6 @@ class _Reader:
         return "" if is_page_title(title) else title[:80]
 
     def _read_means_alone(self) -> None:
-        """Read means as readings where their single readings are not on the sheet."""
         for row, what in self.exclusions.take_back_means(tuple(self.rows.entries)):
             self.rows.cells = {at: meaning for at, meaning in self.rows.cells.items() if at[0] != row}
             self._read_row(row)
@@ -349,7 +343,9 @@ class _Reader:
             complete = complete and (repeat is not None or not explicit)
         if component is None or part is None or plane is None or not complete:
             return None
-        return PlaceKey(component, part, plane, direction, repeat, explicit, self._is_unworn(row))
+        others = (self.sheet.filled(row, index) for index in range(self.sheet.width) if index not in columns.read)
+        unworn = any(isinstance(cell, str) and says_unworn(cell) for cell in others)
+        return PlaceKey(component, part, plane, direction, repeat, explicit, unworn)
 
     def _read_key(self, row: int, column: HeadedColumn, name: str) -> Any:
         """Return what the cell of a key says; None where it is empty or not understood, which is a problem."""
@@ -365,7 +361,7 @@ class _Reader:
             error = ReadingsError(problem, value=text_of(cell), expected=expected)
             if name == "part":
                 named = next((part for word in plain(text_of(cell)).split() if (part := part_of(word))), None)
-                meant = named or part_said(nearest_name(plain(text_of(cell)), part_words()) or "")
+                meant = named or part_said(nearest_name(plain(text_of(cell)), PART_SPELLINGS) or "")
                 error.nearest = PART_WORDS[meant] if meant else None
             elif name == "unit":
                 error = unknown(problem, text_of(cell), unit_names("length"), kind=ReadingsError)
@@ -383,11 +379,6 @@ class _Reader:
             settled = Sentence("{expected}; or say which one the sheet means: {option}")
             error.expected = settled.of(expected=error.expected or "", option=own)
         return error
-
-    def _is_unworn(self, row: int) -> bool:
-        """Return whether a cell of its own says that the row's diameter was taken at an unworn end."""
-        cells = (self.sheet.filled(row, index) for index in range(self.sheet.width) if index not in self.columns.read)
-        return any(isinstance(cell, str) and says_unworn(cell) for cell in cells)
 
     def _required(self, row: int, column: HeadedColumn) -> Cell | None:
         cell = self.sheet.filled(row, column.index)
@@ -413,7 +404,6 @@ class _Reader:
             return None
 
     def _same_component(self, component: str, cell: Cell) -> None:
-        """Refuse a row whose number and name contradict each other."""
         named = None if is_blank(cell) else self.names.component(cell)
         if named is not None and named != component:
             name = Name(self.names.controller.components[component])
@@ -519,7 +509,6 @@ class _Reader:
         self.rows.problems.append(ReadingsError(problem, place=place, value=value, expected=expected))
 
     def _once(self, row: int, column: HeadedColumn, problem: ReadingsError) -> None:
-        """Add a problem of the row once, not for each of its values."""
         place = self.table.place(row, column)
         if place not in {earlier.place for earlier in self.rows.problems[-8:]}:
             self.rows.problems.append(at(place, problem))

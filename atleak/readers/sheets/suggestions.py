@@ -157,7 +157,8 @@ class Guess:
         unheaded = [index for index in every if not headed or self.table.role(index) != "diameter"]
         deviations, new = self._deviations, self.table.of("specification")
         if deviations and new and set(every) <= {*deviations}:
-            headed_parts = [self._part_headed(index) for index in deviations]
+            words = [letters(self.table.heading(index)) for index in deviations]
+            headed_parts = [next(filter(None, map(part_of, headed_by)), None) for headed_by in words]
             if len(deviations) == 2 and (None in headed_parts or len(set(headed_parts)) == 2):
                 in_order = headed_parts == ["spool", "sleeve"] or self._smaller(deviations[:1], deviations[1:])
                 spool, sleeve = deviations if in_order else reversed(deviations)
@@ -177,9 +178,6 @@ class Guess:
         elif len(every) == 1 and not headed:
             yield {"value": every[0]}
         yield from self._numbered(every if not parts else [])
-
-    def _part_headed(self, index: int) -> str | None:
-        return next(filter(None, map(part_of, letters(self.table.heading(index)))), None)
 
     def _numbered(self, every: list[int]) -> Iterator[dict[str, int]]:
         """Yield columns whose headings differ in a number alone, as planes or repeats: of one part, or half of each."""
@@ -209,7 +207,6 @@ class Guess:
             yield found
 
     def _smaller(self, one: Sequence[int], other: Sequence[int]) -> bool:
-        """Return whether columns hold smaller numbers than others, each beside each."""
         pairs = zip(one, other, strict=True)
         return sum(a - b for left, right in pairs for a, b in self._beside(left, right)) < 0.0
 
@@ -274,22 +271,14 @@ class Guess:
         if len(tables) == 2:
             names = [table.sheet.name or "" for table in tables]
             words = names if len(set(names)) > 1 else [unit_of_heading(table.title)[0].strip() for table in tables]
-            sums = [sum(numbers_of(cell)[0] for cell in _values(table) if numbers_of(cell)) for table in tables]
+            columns = [(table.cells(column.index).values() for column in table.values) for table in tables]
+            sums = [sum(numbers_of(cell)[0] for cells in of for cell in cells if numbers_of(cell)) for of in columns]
             spool, sleeve = (word for _, word in sorted(zip(sums, words, strict=True)))
             if all(words) and len(set(words)) > 1:
                 yield {**mapping, "spool": spool, "sleeve": sleeve}
 
 
-def _has_digit(cell: Cell) -> bool:
-    return any(map(str.isdigit, str(cell)))
-
-
-def _values(table: HeadedTable) -> list[Cell]:
-    return [cell for column in table.values for cell in table.cells(column.index).values()]
-
-
 def _said(column: HeadedColumn) -> str:
-    """Return the role of a column of diameters, as its heading says it."""
     place = f"land {column.land}" if column.land else f"plane {column.plane}" if column.plane else ""
     angle = "" if column.direction is None else f"{column.direction:g}°"
     repeat = f"repeat {column.repeat}" if column.repeat else ""

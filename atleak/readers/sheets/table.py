@@ -190,18 +190,16 @@ class HeadedTable:
     @cached_property
     def title(self) -> str:
         """Return the line of text above the headings, but no count of pages; "" where there is none."""
-        lines = [cells for row in self.sheet.rows[: max(self.first, 0)] if (cells := self._filled(row))]
+        above = ([cell for cell in row if not is_blank(cell)] for row in self.sheet.rows[: max(self.first, 0)])
+        lines = [cells for cells in above if cells]
         alone = lines and len(lines[-1]) == 1 and isinstance(lines[-1][0], str)
         return str(lines[-1][0]) if alone and not is_page_title(lines[-1][0]) else ""
-
-    def _filled(self, row: Iterable[Cell]) -> list[Cell]:
-        return [cell for cell in row if not is_blank(cell)]
 
     @cached_property
     def where(self) -> Sentence:
         """Return the rows from the headings to the last one, as a person counts them."""
         first = self.sheet.row_number(max(self.first, 0))
-        rows = [row for row in self.block if self._filled(self.sheet.rows[row])]
+        rows = [row for row in self.block if not all(map(is_blank, self.sheet.rows[row]))]
         last = self.sheet.row_number(rows[-1]) if rows else first
         if self.sheet.name is None:
             return Sentence("rows {first} to {last}", first=first, last=last)
@@ -297,18 +295,18 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
 
 
 def _likely_headers(sheet: Sheet, first: int, is_component: Callable[[str], bool]) -> Iterator[HeadedTable]:
-    """Yield what can only be headings, one row of them or several, that begin in a row."""
     if not _may_hold_headings(sheet, first) or _names_component(sheet, first, is_component):
         return
     decimals = _holds_decimals(sheet, first)
-    if decimals and not _holds_headings_too(sheet.rows[first]):
+    texts = [cell for cell in sheet.rows[first] if isinstance(cell, str) and not _has_decimals(cell)]
+    if decimals and sum(read_heading(text) is not None for text in texts) < 3:
         return
     for header in _headers_at(sheet, first):
         last = header.last
         if last > first and (decimals or _names_component(sheet, last, is_component) or _holds_decimals(sheet, last)):
             return
-        # a row that holds a number is taken only where its headings leave no doubt
-        if _starts_table(header) and (not decimals or (header.complete and len(header.roles) > 2)):
+        sure = header.complete and len(header.roles) > 2
+        if _starts_table(header) and (sure or not decimals):
             yield header
 
 
@@ -321,12 +319,6 @@ def _holds_decimals(sheet: Sheet, row: int) -> bool:
         _has_decimals(cell) if isinstance(cell, str) else isinstance(cell, float) and not cell.is_integer()
         for cell in sheet.rows[row]
     )
-
-
-def _holds_headings_too(row: Sequence[object]) -> bool:
-    """Return whether three cells of a row that holds decimals say what their columns hold."""
-    texts = [cell for cell in row if isinstance(cell, str) and not _has_decimals(cell)]
-    return len(texts) > 2 and sum(read_heading(text) is not None for text in texts) > 2
 
 
 @lru_cache(maxsize=16384)

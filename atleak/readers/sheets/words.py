@@ -135,9 +135,7 @@ _DASHES = re.compile(r"[-‐–—−_.…/\s]+")
 
 def is_blank(cell: Cell) -> bool:
     """Return whether nothing was measured here: an empty cell, dashes, "n/a", "nicht gem."."""
-    if isinstance(cell, str):
-        return not cell or _says_absent(cell)
-    return cell is None
+    return cell is None or (isinstance(cell, str) and (not cell or _says_absent(cell)))
 
 
 @lru_cache(maxsize=16384)
@@ -165,7 +163,10 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
             value=str(cell),
             expected=Sentence("a diameter such as 9.939: format the cell as number or text and type it again"),
         )
-    text, unit = _split_unit(_undressed(str(cell)))
+    text, unit = _undressed(str(cell)), None
+    match = _NUMBER_AND_UNIT.fullmatch(text)
+    if match is not None and (unit := find_unit(match[2], "length")):
+        text = match[1]
     value = decimal_number(text)
     if value is not None:
         return value, unit
@@ -209,14 +210,6 @@ def is_marked(cell: Cell) -> bool:
     return cell.rstrip()[-1:] in {"*", "†", "‡"} or _IN_BRACKETS.match(cell.strip()) is not None
 
 
-def _split_unit(text: str) -> tuple[str, Unit | None]:
-    match = _NUMBER_AND_UNIT.fullmatch(text)
-    if match is None:
-        return text, None
-    written = find_unit(match[2], "length")
-    return (match[1], written) if written else (text, None)
-
-
 _PARTS: tuple[Part, ...] = ("spool", "sleeve")
 _PART_WORDS: dict[str, Part] = {
     word if len(word) <= _SINGLE_LETTERS else plain(word): part
@@ -236,9 +229,7 @@ _SIDES: tuple[tuple[Part, str, re.Pattern[str]], ...] = (
 _OF_SIDES = {"o", "i", "d", "od", "id"}  # of "OD", "I.D."
 
 
-def part_words() -> list[str]:
-    """Return the words a sheet may use for a part."""
-    return [word for word in _PART_WORDS if len(word) > _SINGLE_LETTERS]
+PART_SPELLINGS = tuple(word for word in _PART_WORDS if len(word) > _SINGLE_LETTERS)
 
 
 @lru_cache(maxsize=4096)
@@ -457,31 +448,15 @@ def _summary(text: str, key: bool) -> Summary | None:
     return kinds[0] if key or not others else None
 
 
-def says_no(cell: Cell) -> bool:
-    """Return whether a cell says no, or that its row does not count.
+def says(cell: Cell, *meanings: str) -> bool:
+    """Return whether a cell is nothing but a word of one of these meanings.
 
-    >>> says_no("Nein"), says_no(False), says_no(0.0), says_no("ok")
-    (True, True, True, False)
-    """
-    return plain(text_of(cell)).strip(" .!") in sheet_vocabulary("no", "counts_not")
-
-
-def says_yes(cell: Cell) -> bool:
-    """Return whether a cell says yes, or that its row does not count.
-
-    >>> says_yes("tak"), says_yes("x"), says_yes("rejected"), says_yes("")
-    (True, True, True, False)
-    """
-    return plain(text_of(cell)).strip(" .!") in sheet_vocabulary("yes", "counts_not")
-
-
-def is_rejected(cell: Cell) -> bool:
-    """Return whether a remark strikes its row out: it is nothing but a word for it.
-
-    >>> is_rejected("Ausreißer"), is_rejected("do not use!"), is_rejected("no outlier")
+    >>> says("Nein", "no"), says(False, "no"), says(0.0, "no"), says("x", "yes"), says("", "yes")
+    (True, True, True, True, False)
+    >>> says("Ausreißer", "counts_not"), says("do not use!", "counts_not"), says("no outlier", "counts_not")
     (True, True, False)
     """
-    return isinstance(cell, str) and plain(cell).strip(" .!()") in sheet_vocabulary("counts_not")
+    return plain(text_of(cell)).strip(" .!()") in sheet_vocabulary(*meanings)
 
 
 @lru_cache(maxsize=4096)

@@ -12,7 +12,7 @@ import xlsxwriter
 
 from atleak.common.errors import InputError, ReadingsError
 from atleak.measurements.clearances import clearances
-from atleak.readers.sheets.measuring_sheet import ReadingsRefused, read_readings
+from atleak.readers.sheets.measuring_sheet import read_readings
 
 PLACED = ("component", "part", "plane", "x1 [mm]", "x2 [mm]")
 OF_ONE = ("component", "part", "plane", "diameter_mm")
@@ -321,7 +321,6 @@ def test_all_problems_are_told_at_once_in_the_order_of_the_sheet(refused, make_w
         (6, "C"),
         (7, "F"),
     ]
-    assert str(error).startswith("4 problems in sheet.xlsx:")
     for problem in error.problems:
         assert str(problem) in str(error)
     assert (error.place, error.value) == (error.problems[0].place, error.problems[0].value)
@@ -332,12 +331,7 @@ def test_the_text_of_many_problems_is_cut_but_none_is_lost(refused, make_workboo
     error = refused(make_workbook(rows))
     assert len(error.problems) == 16
     assert "… and 6 more" in str(error)
-    assert len(str(error).splitlines()) == 12
-
-
-def test_a_refusal_needs_a_problem():
-    with pytest.raises(ValueError, match="at least one"):
-        ReadingsRefused([])
+    assert len(str(error).splitlines()) == 11
 
 
 # --- the file as a whole ------------------------------------------------------------------------------------------

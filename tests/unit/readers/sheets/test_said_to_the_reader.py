@@ -60,10 +60,7 @@ def _swapped(rows: list[Row]) -> list[Row]:
     [
         (_in_inches, "eine falsche Einheit (Zoll?)"),
         (_without_parts, "keine Spalte nennt das Teil (Schieber oder Hülse)"),
-        (
-            _with_text,
-            "2 Fehler in blatt.csv:\n  blatt.csv, Zeile 2, Spalte Diameter [mm]: keine Zahl (gefunden: 'zwölf')",
-        ),
+        (_with_text, "blatt.csv, Zeile 2, Spalte Diameter [mm]: keine Zahl (gefunden: 'zwölf')"),
         (_swapped, "Schieber und Hülse im ganzen Messblatt vertauscht?"),
     ],
 )
