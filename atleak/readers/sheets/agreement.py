@@ -84,8 +84,6 @@ Contradiction = tuple[int, Sentence, Sentence]  # row, what is stated, what foll
 
 @dataclass(frozen=True)
 class _StatedNumbers:
-    """The numbers beside the readings of a table, which are given by row, and by component and plane."""
-
     table: HeadedTable
     rows: dict[int, list[Reading]]
     lands: dict[tuple[str, str], list[Reading]]

@@ -186,7 +186,6 @@ def _two_states(table: HeadedTable, values: Sequence[HeadedColumn]) -> Iterator[
 
 
 def _sheet_unit(table: HeadedTable) -> Unit | None:
-    """Return the unit where a heading names none: that of the other headings, or the one stated above the table."""
     headed = {column.unit for column in table.values if column.unit is not None}
     if len(headed) == 1:
         return headed.pop()
@@ -234,7 +233,6 @@ def _of_one_land(table: HeadedTable, names: ControllerNames, columns: Columns) -
 
 
 def _dated(table: HeadedTable, columns: Columns) -> ReadingsError | None:
-    """Return an error where a spreadsheet program has made dates of "8-1" in a column that says what rows are of."""
     for column in filter(None, (columns.component, columns.plane, columns.land)):
         for row, cell in table.cells(column.index).items():
             if says_date(cell):

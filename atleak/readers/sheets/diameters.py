@@ -97,7 +97,9 @@ def convert(entries: Sequence[DiameterCell], controller: Controller, headings: P
             continue
         if unit.name not in result.units:
             result.units.append(unit.name)
-        reading = _reading(key, raw, unit)
+        ends, size = raw.coordinates, unit.to_si(raw.size)
+        coordinates = None if ends is None else (unit.to_si(ends[0]), unit.to_si(ends[1]))
+        reading = Reading(key.component, key.part, key.plane, key.direction, 0, size, raw.place, coordinates)
         station, repeat = (reading.station, key.unworn), key.repeat
         if key.explicit and repeat is not None and (station, repeat) in taken:
             result.problems.append(_twice(reading, raw, repeat, taken[station, repeat]))
@@ -120,13 +122,6 @@ def _agrees(raw: RawValue, unit: Unit, problems: list[ReadingsError]) -> bool:
     expected = Sentence("a diameter equal to |x1 − x2|, or one of the two left empty")
     problems.append(ReadingsError(problem, place=raw.place, value=raw.diameter, expected=expected))
     return False
-
-
-def _reading(key: PlaceKey, raw: RawValue, unit: Unit) -> Reading:
-    ends = raw.coordinates
-    coordinates = None if ends is None else (unit.to_si(ends[0]), unit.to_si(ends[1]))
-    size = unit.to_si(raw.size)
-    return Reading(key.component, key.part, key.plane, key.direction, 0, size, raw.place, coordinates)
 
 
 def _twice(reading: Reading, raw: RawValue, repeat: int, earlier: Reading) -> ReadingsError:

@@ -111,7 +111,6 @@ class Exclusions:
 
     @cached_property
     def _beside_component(self) -> list[int]:
-        """Return the columns that say something of a diameter beside that of its component."""
         component = self.columns.component
         return [index for index in self._keys if component and index != component.index and self._cells[index]]
 
@@ -184,7 +183,6 @@ class Exclusions:
         return kind
 
     def _other_characteristic(self, row: int) -> str | None:
-        """Return what a measuring machine's row is of, None where it is of a diameter or no column says."""
         cells = [text_of(self._cells[index][row]) for index in self._machine if row in self._cells[index]]
         return cells[0] if cells and not any(map(_says_diameter, cells)) else None
 

@@ -76,7 +76,10 @@ def stated_values(
             if match is None or sheet.is_struck(row, column) or not means(match["label"], meaning, beside):
                 continue
             in_cell = (match["value"] or match["number"] or "").strip()
-            stated = Stated(sheet, row, column, in_cell, _unit_in(match["label"], kind), match["label"])
+            label = match["label"]
+            written = [*(inner[1] for inner in BRACKETS.finditer(label)), *label.split()[-1:]]
+            unit = next((unit for text in written if (unit := _unit(text.strip(), kind))), None)
+            stated = Stated(sheet, row, column, in_cell, unit, label)
             field = stated if in_cell else _beside(stated, row + 1 in rows, kind)
             if field is not None and not sheet.is_struck(field.row, field.column):
                 yield field
@@ -86,11 +89,6 @@ def means(label: str, meaning: Sequence[str], beside: Sequence[str]) -> bool:
     """Tell whether a label has a word of each meaning, and no words but these and those that may stand beside."""
     words = letters(label)
     return words.only(*meaning, *beside) and all(map(words.any, meaning))
-
-
-def _unit_in(label: str, kind: str | None) -> Unit | None:
-    written = [*(match[1] for match in BRACKETS.finditer(label)), *label.split()[-1:]]
-    return next((unit for text in written if (unit := _unit(text.strip(), kind))), None)
 
 
 def _unit(text: str, kind: str | None) -> Unit | None:
@@ -235,8 +233,6 @@ _VALUE = re.compile(
 
 @dataclass(frozen=True)
 class _Quantity:
-    """A number that a head may state: by which words its label is known, and in which units it is read."""
-
     words: tuple[str, ...]  # a label has one of each of these meanings
     beside: tuple[str, ...]  # and no other words but of these
     unit: Unit  # where none is written, and for people

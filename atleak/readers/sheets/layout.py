@@ -103,7 +103,6 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[HeadedTable]:
 
 
 def _cut(sheet: Sheet, headers: Sequence[HeadedTable]) -> Iterator[HeadedTable]:
-    """Yield every table of a sheet with its own rows: down to the headings of the next, or the titles over these."""
     for header, following in zip_longest(headers, headers[1:]):
         end = len(sheet.rows)
         if following is not None:

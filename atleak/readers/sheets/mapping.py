@@ -289,7 +289,6 @@ class SheetMapping:
         return found.pop() if len(found) == 1 else None
 
     def _own_words(self) -> dict[str, dict[str, str]]:
-        """Return what each of the sheet's own words means, by the role of the column in which it stands."""
         words: dict[str, dict[str, str]] = {"part": {}, "component": {}, "plane": {}}
         for name, text in self.chosen.items():
             if not text or not (name in PART_WORDS or _is_word(name)):

@@ -243,7 +243,6 @@ def _pasted_twice(entries: Sequence[DiameterCell], sheet: Sheet, *, numbered: bo
 
 
 def _returning(entries: Sequence[DiameterCell], sheet: Sheet, controller: Controller) -> Iterator[Message]:
-    """Yield a message where stations come again after others, and nothing on the sheet calls them repeats."""
     last: dict[StationKey, int] = {}
     order = {row: at for at, row in enumerate(dict.fromkeys(entry.row for entry in entries))}
     back = []

@@ -130,7 +130,6 @@ class Guess:
 
     @cached_property
     def _deviations(self) -> list[int]:
-        """Return the columns of deviations: small, in a unit that is stated, and some of them below nothing."""
         found = []
         for index, cells in self._cells.items():
             numbers = [value for cell in cells for value in numbers_of(cell)]

@@ -382,7 +382,6 @@ def _is_under_another(text: str) -> bool:
 
 
 def _is_data(header: HeadedTable) -> bool:
-    """Return whether the last row taken for headings is a reading: it names a component of its own."""
     cell = header.sheet.cell
     return any(
         not is_blank(cell(header.last, column.index))
