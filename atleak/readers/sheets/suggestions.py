@@ -164,6 +164,8 @@ class Guess:
                 yield {"new": new[0].index, "deviation spool": spool, "deviation sleeve": sleeve}
             yield {"new": new[0].index, "deviation": deviations[0]}
             return
+        if deviations and not new and unheaded:
+            return  # of sizes beside deviations only a person knows whether they are new ones or measured
         if len(headed) > 1 or (headed and not unheaded):
             yield headed
         if len(every) == 2 and unheaded and "part" not in self.labels:

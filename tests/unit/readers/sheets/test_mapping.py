@@ -133,6 +133,15 @@ def test_the_options_of_a_refusal_were_tried_on_the_sheet_and_settle_it(example,
     assert caught.value.offer == printed(caught.value)["mapping"]
 
 
+def test_sizes_beside_deviations_are_not_offered_as_readings(example):
+    """A heading that nobody here knows may say that they are those of a new unit."""
+    rows = "accumulator;1;spool;18,000;-3\naccumulator;1;bore;18,041;+12\ntcc_regulator;1;spool;11,000;-2"
+    with pytest.raises(ReadingsError) as caught:
+        read(f"Klep;Vlak;Onderdeel;Nominaal [mm];Afwijking [µm]\n{rows}", example)
+    assert not caught.value.offer
+    assert "value=" not in str(caught.value)
+
+
 def test_a_component_in_a_line_of_its_own_is_named_in_the_words_of_the_sheet():
     controller = load_controller("four_speed_2023")
     sheet = "Plano;Q;R\nVálvula 14;;\n1;9.987;10.014\nVálvula 17;;\n1;11.993;12.031"
