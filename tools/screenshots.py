@@ -206,7 +206,7 @@ def diagnosis_land(page: Page) -> Part:
 
 
 def diagnosis_narrow(page: Page) -> Part:
-    return Part(page.get_by_text("valves are tight").first)
+    return Part(page.get_by_text("valves are within their limits").first)
 
 
 def what_if(page: Page) -> Part:

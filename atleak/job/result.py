@@ -157,7 +157,7 @@ def job_steps(diagnosis: Diagnosis, job: Job, say: Wording) -> tuple[Step, ...]:
     in_the_car = {name: getattr(diagnosis, name) for name in ("pressures", "log", "flows", "vacuum")}
     found = [say(f"steps.measured_{name}") for name, each in in_the_car.items() if each]
     verdict = say.signed(diagnosis.verdict)
-    if measured < lands and diagnosis.verdict is Verdict.OK:
+    if diagnosis.verdict is Verdict.OK and (measured < lands or diagnosis.in_doubt):
         verdict = say("steps.so_far", verdict=verdict)
     return (
         Step("job", bool(named), named or say("steps.no_number")),

@@ -100,7 +100,7 @@ def undecided(diagnosis: Diagnosis, *, closing: bool) -> None:
     say = reader.say()
     said = " ".join(open_words(diagnosis, job(), say, closing=closing))
     if said:
-        st.warning(plain(say("repair_plan.estimate_place", said=said)))
+        st.warning(plain(say("repair_plan.estimate_place", said=said) if closing else said))
 
 
 def _options(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> None:

@@ -113,6 +113,8 @@ def lands(diagnosis: Diagnosis) -> None:
     """Show the lands: flagged ones, each at every condition, all of them, and how sure their numbers are."""
     say = reader.say()
     choice(diagnosis, say)
+    if diagnosis.without_sheet:  # where no picture is drawn above
+        opened_pair(diagnosis, say)
     st.subheader(say("diagnosis.flagged_pairs"))
     if diagnosis.flagged:
         table(pair_table(diagnosis, diagnosis.flagged, say).without(*ON_PAPER), "flagged", pressable=True)

@@ -70,15 +70,16 @@ def draw_switches(diagnosis: Diagnosis) -> None:
     on, words = _on(repairs, estimated), EstimateWords(estimated, say)
     costs = {line.key: words.amount(line) for line in estimated.lines}
     _pump(diagnosis, say)
-    if not repairs.called_for:
-        if diagnosis.judged:
-            st.write(say(f"repair_plan.nothing_{'called_for' if repairs.all else 'offered'}"))
+    offers = [each for each in repairs.all if each.called_for or each.key in on]
+    if not offers:
+        if diagnosis.passed:
+            st.write(say("repair_plan.nothing_called_for"))
         return
     with st.container(gap=None, key="switches"):
-        _switches(repairs, on, repairs.called_for[:_FIRST], say, costs, short=True)
+        _switches(repairs, offers[:_FIRST], say, costs, short=True)
     effect = repairs.effect(on)
     st.caption(show.plain(" ".join(effect_sentences(repairs, on, effect, say))))
-    more = len(repairs.called_for) - _FIRST
+    more = len(offers) - _FIRST
     label = say("repair_plan.more", count=more) if more > 0 else say("repair_plan.priced")
     st.page_link(places.page("Plan"), label=label, width="content")
 
@@ -116,7 +117,7 @@ def draw(diagnosis: Diagnosis) -> Estimate:
         fold = fields.fold(say("repair_plan.of_limits", count=len(others)), key=f"within-limits-{session().generation}")
         if fold.open:
             with fold:
-                _switches(repairs, on, others, say, {})
+                _switches(repairs, others, say, {})
     st.subheader(say("estimate_page.sums"))
     _sums(words)
     st.subheader(say("estimate_page.leaves"))
@@ -164,13 +165,13 @@ def _choose_best(repairs: OfferedRepairs, fewest: bool, say: Wording) -> None:
 
 def _switches(
     repairs: OfferedRepairs,
-    on: frozenset[MoveKey],
     offers: Iterable[OfferedRepair],
     say: Wording,
     costs: dict[str, str],
     *,
     short: bool = False,
 ) -> None:
+    on = _on(repairs, made(repairs.diagnosis))
     for each in offers:
         name = each.move.key if isinstance(each.move.key, str) else f"{each.move.key[0]}/{each.move.key[1]}"
         own = f"repair-{name}-{session().generation}-{job_generation()}"
@@ -178,11 +179,12 @@ def _switches(
         cost = costs.get(name, "–")
         words = offered_words(repairs.diagnosis, each, say, short=short) + (f" · {cost}" if cost != "–" else "")
         st.toggle(
-            show.plain(words), key=own, width="stretch", wrap=True, on_change=_switch, args=(repairs, on, each.key, own)
+            show.plain(words), key=own, width="stretch", wrap=True, on_change=_switch, args=(repairs, each.key, own)
         )
 
 
-def _switch(repairs: OfferedRepairs, on: frozenset[MoveKey], repair: MoveKey, own: str) -> None:
+def _switch(repairs: OfferedRepairs, repair: MoveKey, own: str) -> None:
+    on = _on(repairs, made(repairs.diagnosis))  # by now: another switch may have been turned since this was drawn
     _decide(repairs, ticked(repairs, on, repair, bool(st.session_state[own])))
 
 
@@ -236,7 +238,7 @@ def _line(words: EstimateWords, line: Line, record: Job) -> Job:
         st.toggle(
             f"**{show.plain(words.pair(line))}** · {verdicts}: {show.plain(words.work(line) + part)}{needed}",
             wrap=True,
-            **_carried_out(line, own),
+            **_carried_out(words.estimate.diagnosis, line, own),
         )
         places = st.columns([2, 2, 2, 4])
         currency = words.estimate.currency
@@ -270,7 +272,7 @@ def _line(words: EstimateWords, line: Line, record: Job) -> Job:
     return changed
 
 
-def _carried_out(line: Line, own: str) -> dict[str, Any]:
+def _carried_out(diagnosis: Diagnosis, line: Line, own: str) -> dict[str, Any]:
     """Return what makes a line's switch follow its state, and propose the line or leave it open."""
     switch = f"{own}-on"
     st.session_state[switch] = line.carried_out
@@ -278,9 +280,10 @@ def _carried_out(line: Line, own: str) -> dict[str, Any]:
     def turn() -> None:
         state = "proposed" if st.session_state[switch] else None
         remember(lambda say: say("done.repairs"))
-        changed = with_line(job(), line, decision=state)
+        now = next((each for each in made(diagnosis).lines if each.key == line.key), line)  # turned twice before drawn
+        changed = with_line(job(), now, decision=state)
         # the fields beside it stay, with what is typed in them just now
-        _seen()[line.key] = (_generation(line), changed.repair_decisions[-1 if line.place is None else line.place])
+        _seen()[now.key] = (_generation(now), changed.repair_decisions[-1 if now.place is None else now.place])
         st.session_state[RECORD] = changed
         st.session_state[f"{own}-state"] = st.session_state["typed"][f"{own}-state"] = state or ""
 

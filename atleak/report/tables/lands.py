@@ -311,8 +311,9 @@ class OpenedLand:
 
 
 def component_verdict(diagnosis: Diagnosis, component: str) -> Verdict:
-    """Return the worst verdict of a component's lands; one that is open before one that is ok."""
-    levels = [land.verdict for land in diagnosis.lands if land.key[0] == component]
+    """Return the worst verdict of a component's lands; one that is open, or in doubt, before one that is ok."""
+    lands = [land for land in diagnosis.lands if land.key[0] == component]
+    levels = [Verdict.NOT_MEASURED if land.in_doubt and not land.verdict.flagged else land.verdict for land in lands]
     flagged = [level for level in levels if level.flagged]
     if flagged or all(level == Verdict.OK for level in levels):
         return worst(levels)
