@@ -4,13 +4,9 @@ import streamlit as st
 
 from atleak.catalogue.entries import own_folder
 from atleak.report.charts.condition_figures import viscosity_curve
-from atleak.report.charts.gauge_study_figures import by_part_and_operator
 from atleak.report.tables import catalogue as rows
-from atleak.report.tables.gauge_study import study_sections
 from pages.shared import (
-    entry_tables,
     fields,
-    font_form,
     gauge_study_form,
     panel,
     reader,
@@ -83,47 +79,11 @@ def describe() -> None:
     transmission.draw_saving(editing, checked)
 
 
-def edit() -> None:
-    """Edit limits, instruments and fluids in forms and tables, and save them as the user's own."""
-    st.write(say("workshop_data.what"))
-    desk = workshop_data.choose_kind(say)
-    editing = desk.current()
-    workshop_data.draw_undo(desk, say)
-    if editing is None:
-        workshop_data.choose_start(desk, say)
-        font_form.draw(say)
-        return
-    checked = checked_now(editing)
-    workshop_data.draw_head(desk, editing, checked, say)
-    step = workshop_data.choose_step(editing, checked, say)
-    draw_faults(editing, checked, say)
-    entry_tables.draw(editing, [step], checked)
-    workshop_data.draw_curve(checked, say)
-    st.subheader(say("workshop_data.keep"))
-    workshop_data.draw_saving(desk, editing, checked, say)
-
-
-def gauge_study() -> None:
-    """Tell how well a gauge measures in the workshop's own hands, and take the result as an instrument."""
-    st.write(say("gauge_study.what"))
-    gauge_study_form.draw_blank_form(say)
-    study = gauge_study_form.asked_study(say)
-    if study is None:
-        return
-    sections = study_sections(study, say)
-    show.section(sections["title"], "gauge-study")
-    show.messages(study.messages, say("gauge_study.about"))
-    st.subheader(sections["components"].title)
-    show.section(sections["components"], "gauge-study")
-    st.subheader(say("gauge_study.readings"))
-    show.chart(by_part_and_operator(study, say), "gauge-study-readings")
-    st.caption(say("gauge_study.readings_help"))
-    with st.expander(sections["anova"].title):
-        show.section(sections["anova"], "gauge-study")
-    st.subheader(say("gauge_study.take"))
-    gauge_study_form.draw_taking(study, say)
-
-
-PARTS = {"catalogue": catalogue, "transmission": describe, "workshop_data": edit, "gauge_study": gauge_study}
+PARTS = {
+    "catalogue": catalogue,
+    "transmission": describe,
+    "workshop_data": lambda: workshop_data.draw(say),
+    "gauge_study": lambda: gauge_study_form.draw(say),
+}
 st.title(say("pages.Library"))
 PARTS[fields.part("library", {name: say(f"parts.{name}") for name in PARTS})]()

@@ -56,19 +56,13 @@ if pending is not None:
     log_form.draw(*pending, case)
     log_view.in_full(diagnosis, *pending)
 
-with guide.step("jug") as opened:
-    if opened:
-        st.caption(say("in_the_car.jug_what"))
-        typed_form.FlowForm(diagnosis.controller).draw()
-        panel.drop("jug", say("in_the_car.drop"))
-guide.closed(diagnosis, "flows")
-
-with guide.step("vacuum") as opened:
-    if opened:
-        st.caption(say("in_the_car.vacuum_what"))
-        typed_form.VacuumForm(diagnosis.controller).draw()
-        panel.drop("vacuum", say("in_the_car.drop"))
-guide.closed(diagnosis, "vacuum")
+for name, form, slot in (("jug", typed_form.FlowForm, "flows"), ("vacuum", typed_form.VacuumForm, "vacuum")):
+    with guide.step(name) as opened:
+        if opened:
+            st.caption(say(f"in_the_car.{name}_what"))
+            form(diagnosis.controller).draw()
+            panel.drop(name, say("in_the_car.drop"))
+    guide.closed(diagnosis, slot)
 
 with guide.step("open") as opened:
     if opened:

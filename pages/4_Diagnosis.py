@@ -2,7 +2,6 @@
 
 import streamlit as st
 
-from atleak.report.json.diagnosis import diagnosis_record
 from pages.shared import answer, fields, pairs, panel, plan, pressures, reader, road, show
 
 case, diagnosis = panel.shown()
@@ -24,7 +23,7 @@ parts = {
     "pressures": lambda: pressures.section(diagnosis, plan.ends(diagnosis)),
     "lands": lambda: pairs.lands(diagnosis),
     "log": lambda: road.section(diagnosis),
-    "remarks": lambda: show.basis(diagnosis, diagnosis_record(diagnosis)),
+    "remarks": lambda: show.basis(diagnosis),
 }
 labels = {name: say(f"parts.{name}") for name in parts}
 labels["remarks"] += f" ({sum(map(len, show.remarks(diagnosis).values()))})"

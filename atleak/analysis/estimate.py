@@ -16,7 +16,7 @@ from atleak.analysis.record_doubts import covered, is_of_pump
 from atleak.analysis.repair.choice import Choice, Gain, OfferedRepairs, choose, gain_of
 from atleak.analysis.repair.options import Move, MoveKey, Option, Prices, StatedPrice, amount, product, pump_option
 from atleak.analysis.repair.plan import in_order
-from atleak.analysis.repair.totals import RepairableUnit, Total
+from atleak.analysis.repair.totals import RepairableUnit, RepairedAt, Total
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.repairs import PUMP, Goal, LandKey
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -176,6 +176,12 @@ class Estimate:
     def ends(self) -> tuple[Total, ...]:
         """Return the totals with all lines that are carried out, the stated condition first."""
         return self._computed[0]
+
+    @cached_property
+    def effect(self) -> tuple[RepairedAt, ...]:
+        """Return every condition as measured and with all lines that are carried out, the stated one first."""
+        (now,) = self._totals([[]])
+        return tuple(RepairedAt(before, after) for before, after in zip(now, self.ends, strict=True))
 
     def gain_of(self, line: Line) -> Gain | None:
         """Return what the unit lacks most without a line; of one that is not carried out, what it lacks by that."""

@@ -49,7 +49,11 @@ def draw(diagnosis: Diagnosis) -> None:
 
 def draw_reason(diagnosis: Diagnosis) -> None:
     """Say in one sentence what decides, what the unit leaks, and what was not measured or is in doubt."""
-    st.caption(show.plain(first_sentence(diagnosis, reader.say())))
+    say = reader.say()
+    said = [first_sentence(diagnosis, say)]
+    if any("mounting_clearance_um" in land.state.land.representative for land in diagnosis.flagged):
+        said.append(say("diagnosis.new_assumed"))
+    st.caption(show.plain(" ".join(said)))
 
 
 def missing(diagnosis: Diagnosis) -> None:

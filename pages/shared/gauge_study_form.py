@@ -18,7 +18,9 @@ from atleak.common.units import UM
 from atleak.common.wording import Wording
 from atleak.job.case import SLOTS, SourceFile
 from atleak.readers.gauges.gauge_study import read_study
+from atleak.report.charts.gauge_study_figures import by_part_and_operator
 from atleak.report.sheets.gauge_study_form import write_study_form
+from atleak.report.tables.gauge_study import study_sections
 from pages.shared import fields, show
 from pages.shared.cases import catalogue_list, shown_name
 from pages.shared.state import pick, session
@@ -31,7 +33,28 @@ TOLERANCE = AskedNumber(Sentence("tolerance"), "µm", 20.5, (1e-3, 1e6), (1.0, 1
 RESOLUTION = AskedNumber(Sentence("resolution"), "µm", 0.5, (1e-4, 1e4), (0.05, 10.0), "clearance")
 
 
-def draw_blank_form(say: Wording) -> None:
+def draw(say: Wording) -> None:
+    """Tell how well a gauge measures in the workshop's own hands, and take the result as an instrument."""
+    st.write(say("gauge_study.what"))
+    _draw_blank_form(say)
+    study = _asked_study(say)
+    if study is None:
+        return
+    sections = study_sections(study, say)
+    show.section(sections["title"], "gauge-study")
+    show.messages(study.messages, say("gauge_study.about"))
+    st.subheader(sections["components"].title)
+    show.section(sections["components"], "gauge-study")
+    st.subheader(say("gauge_study.readings"))
+    show.chart(by_part_and_operator(study, say), "gauge-study-readings")
+    st.caption(say("gauge_study.readings_help"))
+    with st.expander(sections["anova"].title):
+        show.section(sections["anova"], "gauge-study")
+    st.subheader(say("gauge_study.take"))
+    _draw_taking(study, say)
+
+
+def _draw_blank_form(say: Wording) -> None:
     """Offer a workbook to fill in."""
     with fields.fold(say("gauge_study.form"), key="gauge-study-form"):
         places = st.columns(4, vertical_alignment="bottom")
@@ -49,7 +72,7 @@ def draw_blank_form(say: Wording) -> None:
         )
 
 
-def asked_study(say: Wording) -> GaugeStudy | None:
+def _asked_study(say: Wording) -> GaugeStudy | None:
     """Return the study of the file that was given, as it is to be judged; None where there is none that can be used."""
     st.file_uploader(
         say("gauge_study.upload"), ["xlsx", "xls", "ods", "csv", "txt"], help=say("gauge_study.upload_help"),
@@ -101,7 +124,7 @@ def _study(
     return analysed(readings, tolerance=None if tolerance is None else tolerance / UM, alpha=alpha)
 
 
-def draw_taking(study: GaugeStudy, say: Wording) -> None:
+def _draw_taking(study: GaugeStudy, say: Wording) -> None:
     """Offer to save the study's result as an instrument of the user's own, and to measure with it."""
     st.write(say("gauge_study.take_what"))
     known = catalogue_list("spool_instrument").entries

@@ -45,10 +45,8 @@ _HTML = st.components.v2.component(
 )
 
 
-@st.fragment
-@show.faults()
 def draw(diagnosis: Diagnosis) -> None:
-    """Show the picture and the opened pair; opening one computes nothing else of the page again."""
+    """Show the picture and the opened pair."""
     say = reader.say()
     picture(diagnosis, say)
     opened_pair(diagnosis, say)

@@ -24,7 +24,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import EstimateTerms, Job, RepairDecision, RepairState, clean_text
 from atleak.report.charts import land_figures as figures
 from atleak.report.tables.estimate import EstimateWords
-from atleak.report.tables.repairs import effect_sentences, effect_table, offered_words
+from atleak.report.tables.repairs import effect_table, offered_words
 from pages.shared import fields, pairs, places, reader, show
 from pages.shared.cases import result_key
 from pages.shared.job_form import key
@@ -77,8 +77,7 @@ def draw_switches(diagnosis: Diagnosis) -> None:
         return
     with st.container(gap=None, key="switches"):
         _switches(repairs, offers[:_FIRST], say, costs, short=True)
-    effect = repairs.effect(on)
-    st.caption(show.plain(" ".join(effect_sentences(repairs, on, effect, say))))
+    st.caption(show.plain(" ".join(words.ends())))
     more = len(offers) - _FIRST
     label = say("repair_plan.more", count=more) if more > 0 else say("repair_plan.priced")
     st.page_link(places.page("Plan"), label=label, width="content")
@@ -121,8 +120,7 @@ def draw(diagnosis: Diagnosis) -> Estimate:
     st.subheader(say("estimate_page.sums"))
     _sums(words)
     st.subheader(say("estimate_page.leaves"))
-    effect = repairs.effect(on)
-    pairs.table(effect_table(effect, say), "repair-effect")
+    pairs.table(effect_table(estimated.effect, say), "repair-effect")
     for sentence in words.ends():
         st.write(show.plain(sentence))
     return estimated

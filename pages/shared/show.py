@@ -348,7 +348,7 @@ def remarks(diagnosis: Diagnosis) -> dict[str, list[Message]]:
     return by_subject
 
 
-def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
+def basis(diagnosis: Diagnosis) -> None:
     """Show what the result rests on: what is assumed and what that does to the verdict, remarks, and the sources."""
     say = reader.say()
     for sentence in caveats(diagnosis, say):
@@ -357,11 +357,11 @@ def basis(diagnosis: Diagnosis, record: dict[str, Any]) -> None:
     for about, notes in remarks(diagnosis).items():
         messages(notes, say(f"about.{about}"), opened=True)
     lines = [
-        f"- {say(f'slots.{name}')}: **{plain(say.name(called))}** — {with_links(say.name(record[name]['source']))}"
+        f"- {say(f'slots.{name}')}: **{plain(called)}** — {with_links(say.name(getattr(diagnosis, name).source))}"
         for name, called in (
-            ("controller", record["controller"]["name"]),
+            ("controller", say.name(diagnosis.controller.name)),
             ("fluid", fluid_in_state(diagnosis, say)),
-            ("limits", record["limits"]["name"]),
+            ("limits", say.name(diagnosis.limits.name)),
         )
     ]
     lines.append(f"- {say('facts.profile')}: **{plain(profile_words(diagnosis.profile, say))}**")

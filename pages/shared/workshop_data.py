@@ -19,9 +19,9 @@ from atleak.common.errors import AtleakError, CatalogueError, OutputError, text_
 from atleak.common.wording import Wording
 from atleak.job.case import SLOTS, Slot, SourceFile
 from atleak.report.charts.condition_figures import viscosity_curve
-from pages.shared import show
+from pages.shared import entry_tables, font_form, show
 from pages.shared.cases import catalogue_list, shown_name
-from pages.shared.editing import Desk, Editing, ask_step, ask_unit
+from pages.shared.editing import Desk, Editing, ask_step, ask_unit, checked_now, draw_faults
 from pages.shared.state import pick, session
 
 _UNITS = {"limits": ("length", "pressure"), "instruments": ("length",), "fluids": ()}
@@ -39,7 +39,27 @@ class Done:
     now: str = ""  # its id after it was renamed
 
 
-def choose_kind(say: Wording) -> Desk:
+def draw(say: Wording) -> None:
+    """Edit limits, instruments and fluids in forms and tables, and save them as the user's own."""
+    st.write(say("workshop_data.what"))
+    desk = _choose_kind(say)
+    editing = desk.current()
+    draw_undo(desk, say)
+    if editing is None:
+        choose_start(desk, say)
+        font_form.draw(say)
+        return
+    checked = checked_now(editing)
+    draw_head(desk, editing, checked, say)
+    step = _choose_step(editing, checked, say)
+    draw_faults(editing, checked, say)
+    entry_tables.draw(editing, [step], checked)
+    _draw_curve(checked, say)
+    st.subheader(say("workshop_data.keep"))
+    draw_saving(desk, editing, checked, say)
+
+
+def _choose_kind(say: Wording) -> Desk:
     """Ask what to edit; it stays chosen over other pages, and in the address."""
     first = st.session_state.get(_KIND) or st.query_params.get("kind")
     kinds = list(DESKS)
@@ -231,14 +251,14 @@ def draw_head(desk: Desk, editing: Editing, found: Checked, say: Wording, counts
     last.button(say("typed_entries.another"), on_click=desk.close, help=say("typed_entries.another_help"))
 
 
-def choose_step(editing: Editing, found: Checked, say: Wording) -> str:
+def _choose_step(editing: Editing, found: Checked, say: Wording) -> str:
     """Ask which form or table to show, each with a sign where something is wrong or in doubt in it."""
     signs = {doubt.spot.sheet: " ?" for doubt in found.doubts} | {fault.spot.sheet: " ✗" for fault in found.faults}
     steps = [sheet.name for sheet in editing.draft.subject.sheets]
     return ask_step(editing, steps, lambda step: editing.translated(step, say) + signs.get(step, ""), say)
 
 
-def draw_curve(found: Checked, say: Wording) -> None:
+def _draw_curve(found: Checked, say: Wording) -> None:
     """Draw the viscosity of a fluid that is described well enough."""
     if isinstance(found.entry, Fluid):
         st.subheader(say("workshop_data.curve"))

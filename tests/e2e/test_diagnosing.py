@@ -46,10 +46,10 @@ def test_a_pair_is_opened_by_the_picture_a_row_and_the_list(page: Page) -> None:
 
 def test_repairs_are_switched_priced_and_the_record_holds_what_was_decided(page: Page) -> None:
     idle(page)
-    said = page.get_by_test_id("stMain").get_by_text("With 5 repairs every total and pressure is within its limits.")
+    said = page.get_by_test_id("stMain").get_by_text("totals and pressures are green at every condition.")
     expect(said).to_be_visible()
     switch(page, "25/1 main pressure valve").click()
-    expect(page.get_by_text("Flagged lands without a repair: 25/1.")).to_be_visible()
+    expect(page.get_by_text("Flagged, and brought within its limits by no line")).to_be_visible()
     prices = page.get_by_role("link", name="Prices and estimate")
     prices.evaluate(AT_REST)  # what is said above it grew
     prices.click()

@@ -308,19 +308,10 @@ class OfferedRepairs:
         """Return the repairs of some keys that go together; keys that nothing here has are left out."""
         return together(move for move in self.moves.all if move.key in keys)
 
-    def totals(self, keys: Collection[MoveKey]) -> tuple[Total, ...]:
-        """Return the totals and pressures with some repairs made, at every condition, the stated one first."""
-        return self.unit.totals([self.moves.choice(self.chosen(keys))])[0]
-
     @cached_property
     def _one_by_one(self) -> list[tuple[Total, ...]]:
         """Return the totals as measured, then with each repair alone."""
         return self.unit.totals([{}, *(self.moves.choice([move]) for move in self.moves.all)])
-
-    def effect(self, keys: Collection[MoveKey]) -> tuple[RepairedAt, ...]:
-        """Return what some repairs bring together at every condition, the stated one first."""
-        after = self.totals(keys)
-        return tuple(RepairedAt(one, other) for one, other in zip(self._one_by_one[0], after, strict=True))
 
     def excluded_by(self, key: MoveKey) -> frozenset[MoveKey]:
         """Return the other repairs that do not go together with one."""

@@ -7,13 +7,13 @@ and after.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from atleak.analysis.repair.choice import Basis, OfferedRepair, OfferedRepairs
-from atleak.analysis.repair.options import Cost, MoveKey, Option
+from atleak.analysis.repair.choice import Basis, OfferedRepair
+from atleak.analysis.repair.options import Cost, Option
 from atleak.analysis.repair.plan import PumpStep, Remainder, RepairPlan, RepairStep
 from atleak.analysis.repair.totals import RepairedAt, Total
 from atleak.catalogue.controller import Controller
@@ -28,7 +28,7 @@ from atleak.engine.operation import LINE
 from atleak.report.json.conditions import OF_REPAIR, kit_components, named_record, of_land
 from atleak.report.tables.lands import CONDITION_WIDTH
 from atleak.report.tables.names import components_words, land_number
-from atleak.report.tables.sentences import consequence_words, land_in_words, replace_at, rule_reached
+from atleak.report.tables.sentences import consequence_words, land_in_words, replace_at
 from atleak.report.tables.table import VERDICT, Column, Judged, Table, span
 
 
@@ -409,26 +409,6 @@ def _circuit(at: RepairedAt, say: Wording) -> str:
     name = next(each.circuit.name for each in at.before.projection.circuits if each.circuit.id == worst)
     before, after = (say.quantity(total.pressures[worst] * KPA, "pressure") for total in (at.before, at.after))
     return say("repair_plan.circuit_holds", circuit=isolated(say.name(name)), before=before, after=after)
-
-
-def effect_sentences(
-    repairs: OfferedRepairs,
-    keys: Collection[MoveKey],
-    effect: Sequence[RepairedAt],
-    say: Wording,
-) -> Iterator[str]:
-    """Say whether everything is within its limits then, what stays past one, and which flagged lands are left."""
-    past = [rule for at in effect for rule in at.after.past]
-    chosen = repairs.chosen(keys)
-    if past:
-        yield say("repair_plan.stays", rules="; ".join(rule_reached(rule, say) for rule in past))
-    else:
-        yield say("repair_plan.all_within", count=len(chosen))
-    mended = {key for move in chosen for key in move.lands}
-    controller = repairs.diagnosis.controller
-    left = [land_number(controller, land.key, say) for land in repairs.diagnosis.flagged if land.key not in mended]
-    if left:
-        yield say("repair_plan.flagged_left", lands=", ".join(left))
 
 
 def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording, *, short: bool = False) -> str:

@@ -324,6 +324,8 @@ def test_an_estimate_lists_the_pump_first_and_without_it_the_pump_stays_worn(
     assert [(each.of_pump, each.own) for each in without.lines] == [(True, True)]
     assert {rule.id for rule in without.past} >= {rule.id for rule in diagnosis.pump.lacking}
     assert made.stays_past(line) == without.past
+    assert [at.after.share for at in without.effect] == [at.before.share for at in made.effect]
+    assert all(at.before.share > at.after.share for at in made.effect), "a worn pump delivers less"
     assert EstimateWords(without, wording("de")).pair(without.lines[0]) == "Pumpe"
     assert list(open_words(diagnosis, declined, wording("en"), closing=True)) == []
     assert list(decision_faults(declined, unit)) == []

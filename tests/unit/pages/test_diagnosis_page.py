@@ -39,13 +39,13 @@ def drawings(app: AppTest) -> str:
 
 def test_a_switch_changes_decisions_star_and_sums_and_undo_takes_it_back(app: AppTest) -> None:
     assert switches(app) == [True] * 5
-    assert "With 5 repairs every total and pressure is within its limits." in texts(app)
+    assert "totals and pressures are green at every condition." in texts(app)
     assert decisions(app) == {}, "nobody touched a line"
     all_on = starred(app)
     app.main.toggle[0].set_value(False).run()
     assert not app.exception
     assert switches(app) == [False, *[True] * 4]
-    assert "Flagged lands without a repair: 25/1." in texts(app)
+    assert "Flagged, and brought within its limits by no line that is proposed, approved or done: 25/1." in texts(app)
     assert all(less < more for less, more in zip(all_on, starred(app), strict=True))
     off = {"25/1": None, **dict.fromkeys(("26/2", "17/2", "20/1", "14/1"), "proposed")}
     assert decisions(app) == off

@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from atleak.analysis.estimate import estimate, with_repairs
 from atleak.analysis.repair.choice import OfferedRepairs
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.style import LOOKS
@@ -15,7 +16,9 @@ from atleak.common.units import PERCENT, UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.measurements.job_card import Job
 from atleak.report.charts.drawing import component_svgs
+from atleak.report.tables.estimate import EstimateWords
 from atleak.report.tables.lands import (
     ON_PAPER,
     clearance,
@@ -24,7 +27,7 @@ from atleak.report.tables.lands import (
     opened_lands,
     pair_table,
 )
-from atleak.report.tables.repairs import effect_sentences, effect_table, offered_words
+from atleak.report.tables.repairs import effect_table, offered_words
 
 EN = wording("en")
 SVG = "{http://www.w3.org/2000/svg}"
@@ -119,22 +122,16 @@ def test_every_component_is_drawn_by_itself_in_the_shade_of_its_lands():
 def test_what_ticked_repairs_bring_is_said_at_every_condition(worn: Diagnosis, language: str) -> None:
     say, repairs = wording(language), OfferedRepairs(worn)
     keys = {each.key for each in repairs.all if each.called_for}
-    effect = repairs.effect(keys)
-    table = effect_table(effect, say)
-    for at in effect:
+    none, made = (estimate(worn, with_repairs(repairs, Job(), each)) for each in ((), keys))
+    table = effect_table(made.effect, say)
+    for at in made.effect:
         condition, before, after, *_ = table.texts(at)
         assert condition == say.condition(at.condition)
         assert before == f"{say.percent(at.before.share)} {say.signed(at.before.band)}"
         assert after == f"{say.percent(at.after.share)} {say.signed(at.after.band)}"
-    assert not any("{" in sentence for sentence in effect_sentences(repairs, keys, effect, say))
-    left = list(effect_sentences(repairs, set(), repairs.effect(set()), say))
+    assert not any("{" in sentence for sentence in EstimateWords(made, say).ends())
+    left = list(EstimateWords(none, say).ends())
     assert all(f"{land.key[0]}/{land.key[1]}" in left[-1] for land in worn.flagged)
-
-
-@pytest.mark.parametrize(("language", "said"), [("en", "With 1 repair "), ("de", "Mit 1 Reparatur "), ("pl", "Po 1 ")])
-def test_one_repair_is_not_counted_as_several(worn: Diagnosis, language: str, said: str) -> None:
-    repairs = OfferedRepairs(worn)
-    assert next(effect_sentences(repairs, {repairs.all[0].key}, (), wording(language))).startswith(said)
 
 
 def test_an_offered_repair_says_its_land_and_what_it_brings_alone(worn: Diagnosis) -> None:
