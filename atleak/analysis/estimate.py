@@ -250,7 +250,7 @@ def estimate(diagnosis: Diagnosis, job: Job, chooser: Chooser = choose) -> Estim
 
 def with_line(job: Job, line: Line, **changes: Any) -> Job:
     """Return the record with a line as the workshop changed it: from now on it is the workshop's own."""
-    decision = RepairDecision.model_validate(line.decision.model_dump() | changes)
+    decision = line.decision.changed(**changes)
     decisions = list(job.repair_decisions)
     if line.place is None:
         decisions.append(decision)
@@ -389,7 +389,7 @@ def with_repairs(repairs: OfferedRepairs, job: Job, keys: Collection[MoveKey]) -
         about = [move for move in repairs.moves.all if _is_about(each, move, controller)]
         wanted = any(move is other for move in about for other in chosen)
         if about and wanted != (each.decision in CARRIED_OUT):
-            each = each.model_copy(update={"decision": "proposed" if wanted else None})
+            each = each.changed(decision="proposed" if wanted else None)
         decisions.append(each)
     carried_out = [each for each in decisions if each.decision in CARRIED_OUT]
     missing = [move for move in chosen if not any(_is_about(each, move, controller) for each in carried_out)]

@@ -246,8 +246,9 @@ def _settled(job: Job, *, closing: bool) -> Iterator[RepairDecision]:
 
 
 def without_reason(job: Job) -> tuple[RepairDecision, ...]:
-    """Return the repairs that were declined without a reason being written down."""
-    return tuple(each for each in job.repair_decisions if each.decision == "declined" and not each.reason)
+    """Return the repairs that the workshop noted as declined without writing down why."""
+    declined = (each for each in job.repair_decisions if each.decision == "declined")
+    return tuple(each for each in declined if not each.reason and not each.decided_by)
 
 
 _WORD = re.compile(r"[^\W\d_]{3,}")  # neither a size nor a serial number tells instruments apart

@@ -207,6 +207,11 @@ class Wording:
         day, month, year = f"{value.day:02d}", f"{value.month:02d}", f"{value.year:04d}"
         return self.table("language")["date"].format(day=day, month=month, year=year)
 
+    def moment(self, value: dt.datetime) -> str:
+        """Write a moment as this machine's clock shows it, to the minute."""
+        here = value.astimezone()
+        return f"{self.date(here.date())} {here:%H:%M}"
+
     def unit(self, kind: str) -> str:
         """Return the unit in which the reader has a kind of quantity: ``µm``."""
         return self.get("units", self.system[kind].name)

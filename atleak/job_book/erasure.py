@@ -26,7 +26,7 @@ from atleak.job_book.database import in_words, kept_before
 from atleak.job_book.merges import lead, root_of
 from atleak.job_book.plain_files import PlainLog, plain_flows, plain_gauges, plain_log, plain_sheet, plain_vacuum
 from atleak.job_book.search import Query
-from atleak.job_book.tables import job_files, jobs, key_of_row, metadata, results, units, visits
+from atleak.job_book.tables import customer_links, job_files, jobs, key_of_row, metadata, results, units, visits
 from atleak.job_book.units import drop_empty, rows_of_unit, unit_key, unit_of_job
 from atleak.measurements.gauge_readings import PressureTable
 from atleak.measurements.job_card import Job
@@ -318,6 +318,7 @@ def _erase(book: Book, connection: sa.Connection, id: str, version: int, parts: 
     before = connection.execute(sa.select(jobs).where(jobs.c.id == id)).one()
     saved = book.save_in(connection, parts, id, version, sample, judged=False)
     keep_log_table(connection, id, parts)
+    connection.execute(customer_links.delete().where(customer_links.c.job == id))
     stored = connection.execute(sa.select(results).where(results.c.job == id).order_by(results.c.made_at)).all()
     for row in stored:
         values = _result(book, row, parts, last=row is stored[-1])

@@ -43,7 +43,7 @@ class Moment(TypeDecorator[dt.datetime]):
         return value.replace(tzinfo=dt.UTC) if value.tzinfo is None else value.astimezone(dt.UTC)
 
 
-REVISION = "0003"
+REVISION = "0004"
 """The revision of these tables: the newest of the folder ``migrations``."""
 
 metadata = MetaData(
@@ -214,6 +214,22 @@ decisions = Table(
     Column("decision", String(40), nullable=False),
     Column("reason", Text, nullable=False),
     Column("date", Date),
+    Index(None, "job"),
+)
+
+customer_links = Table(
+    "customer_links",
+    metadata,
+    _id(),
+    _job(),
+    Column("token", String(40), nullable=False, unique=True),
+    Column("made_at", Moment, nullable=False),
+    Column("until", Moment, nullable=False),
+    Column("closed_at", Moment),  # by the workshop
+    Column("screen", LargeBinary, nullable=False),  # what it shows, as JSON, compressed
+    Column("name", String(80), nullable=False),  # of who answered
+    Column("answered_at", Moment),
+    Column("agreed", Text, nullable=False),  # JSON: yes or no, by the key of the estimate's line
     Index(None, "job"),
 )
 

@@ -15,7 +15,16 @@ from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, GroupedMetadata, Le
-from pydantic import AfterValidator, AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
+from pydantic import (
+    AfterValidator,
+    AllowInfNan,
+    AwareDatetime,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+)
 
 from atleak.catalogue.pump import PumpClearances
 from atleak.catalogue.repairs import Goal, currency_code
@@ -215,11 +224,19 @@ class RepairDecision(Record):
     decision: RepairState | None = None  # what became of it
     reason: CleanText = ""  # for that
     date: dt.date | None = None  # of the decision
+    decided_by: CleanText = ""  # the customer who said so on his screen
+    decided_at: AwareDatetime | None = None  # when he said yes or no there last
 
     @property
     def pair(self) -> str:
         """Name what it is about by component and land, or by the component alone."""
         return self.component if self.land is None else f"{self.component}/{self.land}"
+
+    def changed(self, **changes: Any) -> RepairDecision:
+        """Return it as the workshop changes it: another decision is no longer the customer's."""
+        if changes.get("decision", self.decision) != self.decision:
+            changes = {"decided_by": "", **changes}
+        return RepairDecision.model_validate(self.model_dump() | changes)
 
 
 class LogFormula(Record):

@@ -103,7 +103,7 @@ class CustomerPage(PrintedPart):
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in _LENGTHS]},
             "found": {"title": say("customer.found"), "texts": [found[: each.sentences] for each in _LENGTHS]},
             "valves": self._valves(),
-            "drawing": self._drawing(),
+            "drawing": self.drawing(),
             "do": {"title": say("customer.do"), "texts": [" ".join(do[: each.sentences]) for each in _LENGTHS]},
             "cost": self._cost(),
             "signatures": self._signatures() if self.signed else None,
@@ -235,10 +235,10 @@ class CustomerPage(PrintedPart):
             yield self._measured()
         if finding is not None:
             yield finding
-        yield from self._lost()
+        yield from self.lost()
         if not self._not_the_valves:
             yield from self._explained()
-        yield from self._held()
+        yield from self.held()
         for said in may_parts(diagnosis, say):
             yield f"{begun(said)}."
         half = sum(land.state.measured for land in diagnosis.unmeasured)
@@ -267,7 +267,8 @@ class CustomerPage(PrintedPart):
         said += [self.say("customer.later", count=later, mileage=self._service)] if later else []
         return " ".join(said)
 
-    def _lost(self) -> Iterator[str]:
+    def lost(self) -> Iterator[str]:
+        """Say how much of the oil that the pump delivers is lost, where that is worst."""
         say, at = self.say, self.diagnosis.worst
         condition, band = self.say.condition(at.condition), self.diagnosis.band(at)
         new = say.percent(self.diagnosis.new_at(at).share)
@@ -291,7 +292,7 @@ class CustomerPage(PrintedPart):
         decided, word = self.diagnosis.decided(rule), self.say.level(Band(rule.level))
         return self.say("customer.just", band=word) if decided is not None and decided.conditional else word
 
-    def _held(self) -> Iterator[str]:
+    def held(self) -> Iterator[str]:
         """Say which pressures are past a limit where they are judged worst, the worst first, two at the most."""
         at = pressures_at(self.diagnosis, lowest_first(self.diagnosis)[0])
         ranked = [(each.verdict.rank, each) for each in at.applied if each.verdict is not None and each.verdict.flagged]
@@ -353,7 +354,7 @@ class CustomerPage(PrintedPart):
         named, more = joined(names[:_NAMED]), len(names) - _NAMED
         return named if more <= 0 else self.say("diagnosis.and_more", named=named, count=more)
 
-    def _of(self, decision: RepairDecision) -> str:
+    def about(self, decision: RepairDecision) -> str:
         """Name the valve that a decision is about, or those that a kit mends."""
         controller = self.diagnosis.controller
         components = components_of(decision, controller)
@@ -426,15 +427,15 @@ class CustomerPage(PrintedPart):
         values = {"before": before, "after": after, "circuit": self._pressure(held), "condition": condition}
         return Judged(say("customer.alone_pressure", **values), rule.verdict)
 
-    def _drawing(self) -> Block | None:
-        """Return the drawing of the valves that have reached a limit; None where none has."""
+    def drawing(self, abreast: int = _ROW) -> Block | None:
+        """Return the drawing of the valves that have reached a limit, so many in a row; None where none has."""
         if not self.valves:
             return None
         drawn = [each.component for each in self.valves[:_ROW]]
         svg = controller_svg(
             self.diagnosis.controller,
             {land.key: self.diagnosis.urgency_of(land) for each in self.valves for land in each.lands},
-            columns=max(len(drawn), _ABREAST),
+            columns=min(max(len(drawn), _ABREAST), abreast),
             only=drawn,
             named=self.say.name,
             letters=_LETTERS,
@@ -536,13 +537,15 @@ class CustomerPage(PrintedPart):
         if words is None:
             return None
         columns = (
-            Column("customer.valve", width=250, of=lambda line: self._of(line.decision)),
+            Column("customer.valve", width=250, of=lambda line: self.about(line.decision)),
             Column("work", width=250, of=words.work),
             Column("", digits=2, words=f"{say('printed.amount')}\n{words.estimate.currency}".strip(), of=words.amount),
             Column("agreed", width=200, of=words.agreed),
         )
-        lines = sorted(filter(_shown, words.estimate.lines), key=lambda line: line.part is None and line.work is None)
-        unpriced = [line for line in words.estimate.lines if not _shown(line)]
+        lines = sorted(
+            filter(can_be_agreed_to, words.estimate.lines), key=lambda line: line.part is None and line.work is None
+        )
+        unpriced = [line for line in words.estimate.lines if not can_be_agreed_to(line)]
         tables = [listed(say, lines[: each.lines], *columns) for each in _LENGTHS]
         more = [max(len(lines) - each.lines, 0) for each in _LENGTHS]
         due = words.estimate.total
@@ -551,10 +554,10 @@ class CustomerPage(PrintedPart):
             sums = say("customer.sum", **values)
         elif due.gross is not None:
             sums = say("customer.sum_with_tax", tax=words.money(due.tax), **values)
-        named = self._first(self._of(line.decision) for line in unpriced)
+        named = self._first(self.about(line.decision) for line in unpriced)
         notes = [say("customer.unpriced", valves=named)] if unpriced else []
         notes += [say("customer.at_least")] if sums and not due.complete else []
-        needless = self._first(map(self._of, needless_work(self.job, self.diagnosis)))
+        needless = self._first(map(self.about, needless_work(self.job, self.diagnosis)))
         notes[:0] = [say("customer.needless", valves=needless)] if needless else []
         return {
             "title": say("customer.cost"),
@@ -571,7 +574,7 @@ class CustomerPage(PrintedPart):
         return signatures(signing, self.say)
 
 
-def _shown(line: Line) -> bool:
+def can_be_agreed_to(line: Line) -> bool:
     """Tell whether a line of the estimate can be agreed to, or was: it has a price, or was decided."""
     priced = line.part is not None or line.work is not None
     return priced or line.decision.decision not in (None, "proposed")

@@ -52,9 +52,12 @@ class EstimateWords:
         return named or self.say("estimate.as_new")
 
     def state(self, line: Line) -> str:
-        """Say what was decided."""
-        decision = line.decision.decision
-        return self.say("estimate.open") if decision is None else self.say.get("job_decisions", decision)
+        """Say what was decided, and where the customer said so on his screen, who and when."""
+        decision, say = line.decision, self.say
+        state = say("estimate.open") if decision.decision is None else say.get("job_decisions", decision.decision)
+        if not decision.decided_by or decision.decided_at is None:
+            return state
+        return f"{state} ({isolated(decision.decided_by)}, {say.moment(decision.decided_at)})"
 
     def agreed(self, line: Line) -> dict[str, list[str]] | str:
         """Return the boxes in which to agree to a line or not, as a cell holds them; else what was decided."""

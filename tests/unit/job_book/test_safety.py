@@ -287,6 +287,7 @@ INSERT INTO vehicles (key, vin, plate) VALUES ('vin:V1', 'V1', 'P1');
 ALTER TABLE visits ADD COLUMN vehicle INTEGER REFERENCES vehicles (id);
 UPDATE visits SET vehicle = 1;
 ALTER TABLE decisions ALTER COLUMN component TYPE VARCHAR(80);
+DROP TABLE customer_links;
 ALTER TABLE jobs DROP COLUMN made_on;
 ALTER TABLE jobs DROP COLUMN erased;
 ALTER TABLE units DROP COLUMN merged_with;

@@ -202,7 +202,7 @@ def test_a_band_that_is_not_sure_is_just_reached_on_the_first_page(worn, languag
         uncertainty = SimpleNamespace(on=lambda _, decided=decided: decided)
         sure = replace(worn, uncertainty=uncertainty, log=None, pressures=None)
         page.diagnosis = sure
-        said = " ".join(page._lost())
+        said = " ".join(page.lost())
         band = say.level(Band(rule.level))
         assert (f"({say('customer.just', band=band)})" in said) == just
         assert (f"({band})" in said) != just

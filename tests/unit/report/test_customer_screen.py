@@ -1,0 +1,110 @@
+"""The customer's screen: what it says and asks, what it keeps to itself, and that nobody's text becomes its code."""
+
+from __future__ import annotations
+
+import datetime as dt
+import json
+import re
+
+import pytest
+
+from atleak.common.translations import languages
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.diagnosis.examination import diagnose
+from atleak.measurements.job_card import Customer, EstimateTerms, Job, RepairDecision, Vehicle, Workshop
+from atleak.report.customer_screen import Answer, asked_for, closed, customer_screen, shows_the_same, written
+
+LINES = (
+    RepairDecision(component="25", price=120.0, hours=1.5, decision="proposed"),
+    RepairDecision(component="26", price=80.0, hours=1.0, decision="declined", reason="too dear"),
+    RepairDecision(component="20", price=8.0, hours=0.5, decision="done"),
+)
+JOB = Job(
+    number="K-7",
+    complaint="Ana Lima says it slips",
+    workshop=Workshop(name="Gears & Sons"),
+    customer=Customer(name="Lima, Ana", phone="555 1234", address="Main Street 1"),
+    vehicle=Vehicle(make="Volvo", model="S60", registration="PO 1234", vin="WVWZZZ1JZXW000001"),
+    estimate=EstimateTerms(currency="EUR", labour_rate=60.0, tax_percent=19.0),
+    repair_decisions=LINES,
+)
+
+
+@pytest.fixture(scope="module")
+def unit(sample_diagnoses: dict[str, Diagnosis]) -> Diagnosis:
+    return sample_diagnoses["workshop"]
+
+
+def test_it_says_what_is_wrong_what_it_costs_and_asks_about_what_is_not_done(unit: Diagnosis) -> None:
+    screen = customer_screen(unit, JOB)
+    cost = screen["cost"]
+    assert screen["headline"] == "The valve body needs repair."
+    assert [line["amount"] for line in cost["lines"]][:3] == ["210.00", "140.00", "38.00"]
+    assert asked_for(screen)[:2] == ("25", "26")
+    assert "20" not in asked_for(screen)  # it is done
+    assert [line["agreed"] for line in cost["lines"]][:2] == [None, False]
+    widths = {bar["name"]: bar["width"] for bar in screen["bars"]}
+    assert widths["now"] > widths["with these repairs"] > 0.0
+    assert json.loads(json.dumps(screen)) == screen  # as the job book keeps it
+
+
+def test_of_personal_data_it_holds_plate_and_first_name(unit: Diagnosis) -> None:
+    page = written(customer_screen(unit, JOB), asks=True)
+    assert "Ana" in page
+    assert "PO 1234" in page
+    for kept_back in ("Lima", "555", "Main Street", "WVW", "slips", "K-7"):
+        assert kept_back not in page, kept_back
+
+
+def test_only_an_address_takes_an_answer_and_no_page_needs_anything_else(unit: Diagnosis) -> None:
+    screen = customer_screen(unit, JOB)
+    file, page = written(screen), written(screen, asks=True)
+    assert "<input" not in file
+    assert page.count('value="yes"') == page.count('value="no"') == len(asked_for(screen))
+    for html in (file, page, closed("en")):
+        assert "default-src 'none'" in html
+        assert not re.search(r"(?:src|href)=[\"'](?!#|data:)", html)
+
+
+def test_text_of_the_job_is_never_code_of_the_page(unit: Diagnosis) -> None:
+    evil = '<script>alert("1")</script>'
+    lines = (LINES[0].model_copy(update={"work": evil}),)
+    job = JOB.model_copy(update={"workshop": Workshop(name=evil), "repair_decisions": lines})
+    screen = customer_screen(unit, job)
+    answer = Answer(f'">{evil}', dt.datetime.now(dt.UTC), dict.fromkeys(asked_for(screen), True))
+    page = written(screen, asks=True, answer=answer)
+    assert page.count("<script>") == 1  # the page's own
+    assert "&lt;script&gt;alert" in page
+
+
+def test_an_answer_is_shown_and_what_was_not_whole_is_said(unit: Diagnosis) -> None:
+    screen = customer_screen(unit, JOB)
+    answer = Answer("Ana", dt.datetime(2026, 11, 29, 10, 12, tzinfo=dt.UTC), {"25": True, "26": False})
+    page = written(screen, asks=True, answer=answer)
+    assert "Thank you, Ana." in page
+    assert re.search(r'name="25" value="yes" checked', page)
+    assert re.search(r'name="26" value="no" checked', page)
+    assert "Not sent" in written(screen, asks=True, fault=True)
+
+
+def test_a_screen_is_another_one_once_a_price_has_changed_but_not_once_it_was_answered(unit: Diagnosis) -> None:
+    screen = customer_screen(unit, JOB)
+    agreed = JOB.model_copy(update={"repair_decisions": (LINES[0].changed(decision="approved"), *LINES[1:])})
+    dearer = JOB.model_copy(update={"repair_decisions": (LINES[0].changed(price=130.0), *LINES[1:])})
+    assert shows_the_same(screen, customer_screen(unit, agreed))
+    assert not shows_the_same(screen, customer_screen(unit, dearer))
+
+
+@pytest.mark.parametrize("language", languages())
+def test_every_language_has_a_whole_page(unit: Diagnosis, language: str) -> None:
+    screen = customer_screen(unit, JOB, language=language)
+    assert f'<html lang="{language}">' in written(screen, asks=True)
+    assert f'<html lang="{language}">' in closed(language)
+
+
+def test_a_unit_that_needs_nothing_asks_nothing(unit: Diagnosis) -> None:
+    nobody_measured = diagnose(unit.controller, unit.fluid, unit.limits)
+    screen = customer_screen(nobody_measured, Job())
+    assert screen["cost"] is None
+    assert screen["bars"] == []
+    assert "<form" not in written(screen, asks=True)
