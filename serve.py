@@ -13,6 +13,7 @@ from starlette.responses import RedirectResponse
 from starlette.routing import Route
 
 from atleak.common.printable import printable_log
+from pages.shared import customer
 from pages.shared.entrance import may_send_files
 from pages.shared.left_sessions import let_go_in_time
 from pages.shared.requests_let_in import bracketed, guards
@@ -40,6 +41,9 @@ async def served(_: st.App) -> AsyncIterator[None]:
 app = st.App(
     Path(__file__).with_name("app.py"),
     lifespan=served,
-    routes=[Route(f"/{old}", moved) for old in MOVED],
+    routes=[
+        *(Route(f"/{old}", moved) for old in MOVED),
+        Route(f"{customer.PATH}/{{token}}", customer.screen, methods=["GET", "POST"]),
+    ],
     middleware=guards(st.get_option("server.allowedHosts"), may_send_files),
 )

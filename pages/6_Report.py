@@ -11,7 +11,7 @@ from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import PDF_SECTIONS
 from atleak.report.xlsx import write_workbook
-from pages.shared import conditions, font_form, panel, reader, show
+from pages.shared import conditions, customer, font_form, panel, reader, show
 from pages.shared.cases import case_with_columns
 from pages.shared.state import job
 
@@ -54,3 +54,5 @@ with st.container(horizontal=True):
             on_click="ignore",
             help=say(f"take_along.{what}_help"),
         )
+st.subheader(say("customer_link.title"))
+customer.section(diagnosis, name, language)

@@ -257,8 +257,10 @@ def _line(words: EstimateWords, line: Line, record: Job) -> Job:
         reason = places[3].text_input(say("estimate_page.reason"), **fields.kept(f"{own}-reason", shown["reason"]))
         typed = {"price": price, "hours": hours, "decision": state or None, "reason": clean_text(reason).strip()}
         asked = st.container()
-        if typed["decision"] == "declined" and not typed["reason"]:
+        if typed["decision"] == "declined" and not typed["reason"] and not line.decision.decided_by:
             asked.warning(say("estimate_page.why_declined"))
+        if line.decision.decided_by:
+            st.caption(show.plain(words.state(line)))
         st.caption(show.plain(_without(words, line)))
     changes = {name: value for name, value in typed.items() if value != shown[name]}
     if not changes:

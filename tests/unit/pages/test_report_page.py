@@ -28,7 +28,7 @@ def test_opens_without_a_word_and_offers_everything(app: AppTest) -> None:
     assert not app.exception
     assert not app.error
     labels = {widget.proto.label for widget in app.get("download_button")}
-    assert labels == {"PDF", "Excel workbook", "JSON", "Job record", "Job file"}
+    assert labels == {"PDF", "Excel workbook", "JSON", "Job record", "Job file", "Page as a file"}
 
 
 def test_what_was_typed_is_still_there_after_another_page(app: AppTest) -> None:
