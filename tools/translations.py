@@ -72,6 +72,7 @@ def _sources_and_notes() -> Iterator[str]:
             yield from (table[key] for key in ("source", "note") if isinstance(table.get(key), str))
 
 
+@cache
 def shipped_names() -> set[str]:
     """Return the names, sources and notes in the shipped files that have words of a language, no brands and no keys."""
     controllers = [load_controller(name) for name in shipped_files("controllers")]

@@ -87,19 +87,18 @@ class Assumptions:
             for field in fields(self)
         }
 
-    @property
+    @cached_property
     def quantities(self) -> dict[str, Quantity]:
         """Return every assumption under the same names, as a quantity that each reader has in units of their own."""
         kinds = (field.metadata["kind"] for field in fields(self))
         return {name: Quantity(value, kind) for (name, value), kind in zip(self.settings.items(), kinds, strict=True)}
 
-    @property
+    @cached_property
     def priors(self) -> dict[str, Quantity]:
         """Return those of them that say what a unit may be like before anything was read of it."""
         first = {f"{name}_{_UNITS[name][0]}" for name in ("viscosity", "slip_coefficient", "mounting_clearance")}
-        names = [*self.quantities]
-        rest = names.index("worn_lands_percent")
-        return {name: self.quantities[name] for at, name in enumerate(names) if at >= rest or name in first}
+        rest = [*self.quantities].index("worn_lands_percent")
+        return {name: each for at, (name, each) in enumerate(self.quantities.items()) if at >= rest or name in first}
 
     def with_settings(self, settings: Mapping[str, Any]) -> Assumptions:
         """Return these assumptions with some changed, by the names of `settings`: ``{"viscosity_percent": 3}``.

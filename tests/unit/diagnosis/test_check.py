@@ -478,7 +478,6 @@ def test_every_pattern_has_its_sentence_in_every_language(unit, judged) -> None:
 # --- a line for which nothing is permitted
 
 
-@pytest.mark.usefixtures("all_draws")
 @pytest.mark.parametrize("name", first_of(["zf_6hp26", "chrysler_41te", "aisin_aw55_50sn"]))
 def test_a_line_without_a_permissible_pressure_is_judged_by_what_a_new_unit_holds(judged, capsys, name: str) -> None:
     unit, readings = replace(load_controller(name), permissible=()), {}
@@ -543,6 +542,6 @@ def test_a_reading_that_others_contradict_is_not_called_higher_than_can_be(judge
 def test_a_gauge_reading_has_the_decimals_that_were_typed(unit: str, typed: Sequence[str], shown: list[str]) -> None:
     rows = [f"{place};slow idle;line;{each}" for place, each in zip("PR", typed, strict=True)]
     table = "\n".join([f"range;state;tap;pressure [{unit}]", *rows]).encode()
-    check = Case(controller="five_speed_2005", pressures=SourceFile("typed.csv", table)).diagnose().pressures
+    check = Case(controller="four_speed_2023", pressures=SourceFile("typed.csv", table)).diagnose().pressures
     column = next(each for each in gauge_table(check, wording("en")).columns if each.key == "gauge")
     assert [column.text(each, wording("en")) for each in check.readings] == shown

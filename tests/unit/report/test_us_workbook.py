@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterator
-from functools import reduce
+from collections.abc import Callable, Iterator
+from functools import cache, reduce
 from typing import Any
 
 import openpyxl
@@ -33,8 +33,14 @@ def units(worn, minimal, readings_of, hipol, limits) -> list[Diagnosis]:
     return [worn, diagnose(minimal, hipol, limits, readings=readings_of(minimal, worn_half))]
 
 
-def read(diagnosis: Diagnosis, units: str, **kind: Any) -> openpyxl.Workbook:
-    return openpyxl.load_workbook(io.BytesIO(write_workbook(diagnosis, units=units)), **kind)
+@pytest.fixture(scope="module")
+def written(units) -> Callable[[int, str], bytes]:
+    """The workbook of one of them in a system of units, written once."""
+    return cache(lambda place, system: write_workbook(units[place], units=system))
+
+
+def read(content: bytes, **kind: Any) -> openpyxl.Workbook:
+    return openpyxl.load_workbook(io.BytesIO(content), **kind)
 
 
 def numbers(sheet: Any) -> Iterator[tuple[Any, list[str]]]:
@@ -52,9 +58,9 @@ def numbers(sheet: Any) -> Iterator[tuple[Any, list[str]]]:
         headings |= {cell.column: cell.value for cell in row if isinstance(cell.value, str)}
 
 
-def test_every_number_is_the_metric_one_in_the_unit_that_its_heading_names(units):
-    for diagnosis in units:
-        metric, us = (read(diagnosis, each, data_only=True) for each in ("metric", "us"))
+def test_every_number_is_the_metric_one_in_the_unit_that_its_heading_names(written):
+    for place in range(2):
+        metric, us = (read(written(place, each), data_only=True) for each in ("metric", "us"))
         converted = 0
         for name in metric.sheetnames:
             for (cell, in_metric), (other, in_us) in zip(numbers(metric[name]), numbers(us[name]), strict=True):
@@ -73,8 +79,8 @@ def test_every_number_is_the_metric_one_in_the_unit_that_its_heading_names(units
         assert converted > 300
 
 
-def test_a_metric_unit_stands_only_where_a_source_is_quoted(units):
-    for diagnosis in units:
+def test_a_metric_unit_stands_only_where_a_source_is_quoted(units, written):
+    for place, diagnosis in enumerate(units):
         points, instruments = diagnosis.controller.operating_points, diagnosis.uncertainty.instruments
         quoted = [
             diagnosis.fluid.source,
@@ -83,7 +89,7 @@ def test_a_metric_unit_stands_only_where_a_source_is_quoted(units):
             *(message.text for message in diagnosis.messages),
         ]
         quoted.sort(key=len, reverse=True)
-        for sheet in read(diagnosis, "us"):
+        for sheet in read(written(place, "us"), read_only=True):
             for cell in (cell for row in sheet.iter_rows() for cell in row):
                 if isinstance(cell.value, str) and not cell.value.startswith("="):
                     said = reduce(lambda text, source: text.replace(source, ""), quoted, cell.value)
@@ -91,13 +97,13 @@ def test_a_metric_unit_stands_only_where_a_source_is_quoted(units):
 
 
 @pytest.mark.parametrize("units_of", ["us", "metric_bar"])
-def test_every_formula_gives_its_cached_value(units, calculator, units_of):
-    for diagnosis in units:
-        assert calculator(write_workbook(diagnosis, units=units_of)).wrong() == []
+def test_every_formula_gives_its_cached_value(written, calculator, units_of):
+    for place in range(2):
+        assert calculator(written(place, units_of)).wrong() == []
 
 
-def test_a_change_in_us_units_gives_what_the_same_change_gives_in_metric_ones(worn, calculator):
-    metric, us = (calculator(write_workbook(worn, units=each)) for each in ("metric", "us"))
+def test_a_change_in_us_units_gives_what_the_same_change_gives_in_metric_ones(written, calculator):
+    metric, us = (calculator(written(0, each)) for each in ("metric", "us"))
     for sheets, temperature, share in ((metric, 95.0, 3.0), (us, 203.0, 3.0)):
         for name, value in (("stated_T", temperature), ("limit_pair_share_watch", share)):
             sheet, address = sheets.book.defined_names[name].attr_text.split("!")
@@ -108,15 +114,13 @@ def test_a_change_in_us_units_gives_what_the_same_change_gives_in_metric_ones(wo
 
 
 @pytest.mark.slow
-def test_libreoffice_computes_the_workbook_in_us_units(units, recalculated, referee):
-    content = write_workbook(units[0], units="us")
-    cached = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
-    formulas = openpyxl.load_workbook(io.BytesIO(content))
+def test_libreoffice_computes_the_workbook_in_us_units(written, recalculated, referee):
+    cached, formulas = (read(written(0, "us"), data_only=each) for each in (True, False))
     assert referee.differing(formulas, recalculated(formulas), cached) == []
 
 
-def test_a_limit_has_the_digits_of_its_source(units):
-    sheet = read(units[1], "us")["Limits"]
+def test_a_limit_has_the_digits_of_its_source(written):
+    sheet = read(written(1, "us"))["Limits"]
     shown = {
         f"{cell.value:.{len(cell.number_format.partition('.')[2])}f} psi"
         for row in sheet.iter_rows()
