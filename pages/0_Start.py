@@ -17,6 +17,6 @@ with st.container(horizontal=True):
     if st.button(say("start.new")):
         new_job()
         st.switch_page(places.page("Job"))
-    if st.button(say("start.book")):
+    if st.button(say("pages.Jobs")):
         st.switch_page(places.page("Jobs"))
 st.caption(show.plain(say("start.open")))

@@ -398,6 +398,28 @@ def with_repairs(repairs: OfferedRepairs, job: Job, keys: Collection[MoveKey]) -
     return _nothing_besides(repairs.diagnosis, changed)
 
 
+def with_repair(made: Estimate, repairs: OfferedRepairs, job: Job, key: MoveKey, *, on: bool) -> Job:
+    """Return the record with one offered repair taken in or out; what does not go with it is taken out too.
+
+    Lines about anything else follow the verdict as before, as long as nobody touches them.
+    """
+    controller = repairs.diagnosis.controller
+
+    def lines(keys: Collection[MoveKey]) -> list[Line]:
+        moves = [move for move in repairs.moves.all if move.key in keys]
+        return [line for line in made.lines if any(_is_about(line.decision, move, controller) for move in moves)]
+
+    for line in lines(repairs.excluded_by(key) if on else {key}):
+        if line.carried_out:
+            job = with_line(job, line, decision=None)
+    if not on:
+        return job
+    if mine := lines({key}):
+        return job if any(line.carried_out for line in mine) else with_line(job, mine[0], decision="proposed")
+    decisions = *job.repair_decisions, *(decision_on(move) for move in repairs.chosen({key}))
+    return job.model_copy(update={"repair_decisions": decisions})
+
+
 def _nothing_besides(diagnosis: Diagnosis, job: Job) -> Job:
     """Return the record with what its estimate proposes by itself left open, until it proposes nothing more.
 

@@ -12,11 +12,11 @@ from atleak.engine.projection import Projection
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.estimate import open_words
 from atleak.report.tables.lands import leaking_worst_first, matrix_table
-from atleak.report.tables.repairs import option_table, order_table, plan_ends, repair_name, totals_table
+from atleak.report.tables.repairs import option_table, order_table, plan_ends, totals_table
 from atleak.report.tables.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
 from pages.shared import fields, reader, show
 from pages.shared.show import plain
-from pages.shared.state import choose, job, session
+from pages.shared.state import job, session
 
 MEASURE_FIRST = 8  # lands named for a complaint; the others are in a fold
 
@@ -87,7 +87,9 @@ def _order(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> None:
     if plan.order:
         show.table(order_table(diagnosis, plan, say))
         st.caption(say(f"repair_plan.order_caption_{'cost' if plan.cost else 'new'}"))
-        _options(diagnosis, plan, say)
+        if (options := option_table(plan, say)).rows:
+            show.table(options)
+            st.caption(say("repair_plan.planned"))
     st.markdown("  \n".join(map(plain, plan_ends(plan, say))))
     if plan.order and len(diagnosis.projections) > 1:
         st.markdown(f"**{say('repair_plan.every_step')}**")
@@ -101,23 +103,3 @@ def undecided(diagnosis: Diagnosis, *, closing: bool) -> None:
     said = " ".join(open_words(diagnosis, job(), say, closing=closing))
     if said:
         st.warning(plain(say("repair_plan.estimate_place", said=said) if closing else said))
-
-
-def _options(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> None:
-    """Show the repairs that the valve body's file names for the plan's lands."""
-    options = option_table(plan, say)
-    if not options.rows:
-        return
-    show.table(options)
-    st.caption(say("repair_plan.planned"))
-    names = {repair.id: repair_name(repair, say) for repair in diagnosis.controller.repairs}
-    key = f"planned-repairs-{diagnosis.controller.sha256}-{session().generation}"
-    st.multiselect(
-        say("repair_plan.plan_with"),
-        list(names),
-        default=[repair.id for repair in diagnosis.repairs],
-        key=key,
-        format_func=names.__getitem__,
-        on_change=lambda: choose(repairs=tuple(st.session_state[key])),
-        help=say("repair_plan.plan_with_help"),
-    )

@@ -12,9 +12,18 @@ from typing import Any, get_args
 
 import streamlit as st
 
-from atleak.analysis.estimate import Estimate, Line, decided_repairs, estimate, prices_of, with_line, with_repairs
+from atleak.analysis.estimate import (
+    Estimate,
+    Line,
+    decided_repairs,
+    estimate,
+    prices_of,
+    with_line,
+    with_repair,
+    with_repairs,
+)
 from atleak.analysis.record_doubts import decision_faults
-from atleak.analysis.repair.choice import Basis, Choice, OfferedRepair, OfferedRepairs, choose, ticked
+from atleak.analysis.repair.choice import Basis, Choice, OfferedRepair, OfferedRepairs, choose
 from atleak.analysis.repair.options import MoveKey, Prices
 from atleak.analysis.repair.totals import Total
 from atleak.catalogue.repairs import Goal
@@ -154,7 +163,7 @@ def _buttons(repairs: OfferedRepairs, on: frozenset[MoveKey], say: Wording) -> N
 
 def _choose_best(repairs: OfferedRepairs, fewest: bool, say: Wording) -> None:
     record, diagnosis = job(), repairs.diagnosis
-    best = choose(diagnosis, Goal.EVERY_LIMIT, prices_of(record, diagnosis.controller), fewest=fewest)
+    best = choose(diagnosis, record.estimate.goal, prices_of(record, diagnosis.controller), fewest=fewest)
     _decide(repairs, frozenset(move.key for move in best.chosen))
     said = [say("repair_plan.not_priced")] if not fewest and best.basis is Basis.FEWEST else []
     said += [] if best.reached else [say("repair_plan.not_reached")]
@@ -182,8 +191,9 @@ def _switches(
 
 
 def _switch(repairs: OfferedRepairs, repair: MoveKey, own: str) -> None:
-    on = _on(repairs, made(repairs.diagnosis))  # by now: another switch may have been turned since this was drawn
-    _decide(repairs, ticked(repairs, on, repair, bool(st.session_state[own])))
+    remember(lambda say: say("done.repairs"))
+    by_now = made(repairs.diagnosis)  # another switch may have been turned since this was drawn
+    put_job(with_repair(by_now, repairs, job(), repair, on=bool(st.session_state[own])))
 
 
 def _decide(repairs: OfferedRepairs, keys: frozenset[MoveKey]) -> None:

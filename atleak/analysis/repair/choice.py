@@ -318,10 +318,3 @@ class OfferedRepairs:
         mine = next((move for move in self.moves.all if move.key == key), None)
         others = () if mine is None else (each for each in self.moves.all if not each.goes_with(mine))
         return frozenset(each.key for each in others if each is not mine)
-
-
-def ticked(repairs: OfferedRepairs, keys: Collection[MoveKey], key: MoveKey, on: bool) -> frozenset[MoveKey]:
-    """Return a set of repairs after one was taken in or out: what does not go with it is taken out."""
-    if not on:
-        return frozenset(keys) - {key}
-    return (frozenset(keys) | {key}) - repairs.excluded_by(key)

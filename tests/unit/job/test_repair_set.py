@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from atleak.analysis.estimate import decided_repairs, estimate, prices_of, with_repairs
-from atleak.analysis.repair.choice import Basis, OfferedRepairs, choose, ticked
+from atleak.analysis.estimate import decided_repairs, estimate, prices_of, with_repair, with_repairs
+from atleak.analysis.repair.choice import Basis, OfferedRepairs, choose
+from atleak.analysis.repair.options import MoveKey
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
@@ -46,6 +47,10 @@ def states_of(repairs: OfferedRepairs) -> dict[object, str | None]:
     return {line.key: line.decision.decision for line in made.lines}
 
 
+def turned(repairs: OfferedRepairs, job: Job, key: MoveKey, *, on: bool) -> Job:
+    return with_repair(estimate(repairs.diagnosis, job), repairs, job, key, on=on)
+
+
 def test_what_flagged_lands_call_for_is_offered_first_and_all_ways_of_it(repairs: OfferedRepairs) -> None:
     called_for = [each.key for each in repairs.all if each.called_for]
     assert set(called_for) == {"sleeve", "oversize_spool", (PR, 2), (ACC, 1)}
@@ -72,9 +77,21 @@ def test_a_set_of_repairs_is_what_the_engine_computes_of_the_unit_with_those_lan
 def test_two_ways_to_mend_one_land_exclude_each_other(repairs: OfferedRepairs) -> None:
     assert repairs.excluded_by("sleeve") == {"oversize_spool"}
     assert repairs.excluded_by((ACC, 1)) == frozenset()
-    one = ticked(repairs, {(ACC, 1)}, "sleeve", on=True)
-    assert ticked(repairs, one, "oversize_spool", on=True) == {"oversize_spool", (ACC, 1)}
-    assert ticked(repairs, one, (ACC, 1), on=False) == {"sleeve"}
+    sleeved = turned(repairs, with_repairs(repairs, Job(), {(ACC, 1)}), "sleeve", on=True)
+    assert decided_repairs(repairs, sleeved) == {"sleeve", (ACC, 1)}
+    oversize = turned(repairs, sleeved, "oversize_spool", on=True)
+    assert decided_repairs(repairs, oversize) == {"oversize_spool", (ACC, 1)}
+    assert decided_repairs(repairs, turned(repairs, sleeved, (ACC, 1), on=False)) == {"sleeve"}
+
+
+def test_a_repair_that_is_taken_out_leaves_every_other_line_to_the_verdict(repairs: OfferedRepairs) -> None:
+    job = turned(repairs, Job(), (ACC, 1), on=False)
+    assert [(each.pair, each.decision) for each in job.repair_decisions] == [(f"{ACC}/1", None)]
+    back = turned(repairs, job, (ACC, 1), on=True)
+    assert [(each.pair, each.decision) for each in back.repair_decisions] == [(f"{ACC}/1", "proposed")]
+    worn_little = turned(repairs, Job(), (TCC, 1), on=True)
+    assert [(each.pair, each.decision) for each in worn_little.repair_decisions] == [(f"{TCC}/1", "proposed")]
+    assert turned(repairs, worn_little, (TCC, 1), on=True) == worn_little
 
 
 def test_the_estimate_carries_out_what_was_ticked_and_nothing_else(repairs: OfferedRepairs) -> None:

@@ -21,7 +21,7 @@ def planned(app: AppTest) -> dict[str, str]:
 
 
 @pytest.mark.page("5_Plan")
-def test_repairs_of_the_file_are_shown_and_another_one_can_be_chosen(app: AppTest) -> None:
+def test_repairs_of_the_file_are_shown_and_which_of_them_is_planned(app: AppTest) -> None:
     choice(app, "Valve body").select("five_speed_2005").run()
     uploader(app, "Measuring sheet").upload("worn.csv", SHEET.encode(), "text/csv").run()
     unfold(app, "order-of-repair")
@@ -30,9 +30,6 @@ def test_repairs_of_the_file_are_shown_and_another_one_can_be_chosen(app: AppTes
     assert "37947-03K" in first
     assert planned(app) == {first: "planned", second: ""}
     assert "neither price nor hours" in texts(app)
-    app.multiselect[0].select("boost_kit_a4ld").run()
-    assert not app.exception
-    assert planned(app) == {second: "planned", first: ""}
     choice(app, "Valve body").select("minimal_example").run()
     assert not app.exception
 

@@ -14,9 +14,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from atleak.analysis.estimate import Estimate, decided_repairs, estimate, with_repairs
+from atleak.analysis.estimate import Estimate, decided_repairs, estimate, with_repair, with_repairs
 from atleak.analysis.record_doubts import record_doubts
-from atleak.analysis.repair.choice import Basis, Choice, OfferedRepairs, choose, ticked
+from atleak.analysis.repair.choice import Basis, Choice, OfferedRepairs, choose
 from atleak.analysis.repair.options import Move, Moves, Options, Prices, StatedPrice, together
 from atleak.analysis.repair.plan import plan_repairs
 from atleak.catalogue.controller import Controller
@@ -359,8 +359,9 @@ def test_what_was_decided_for_one_component_of_a_kit_is_decided_for_all_and_cost
 
 def test_a_body_that_is_ticked_takes_the_single_repairs_out(body_and_sleeves: Callable[..., Diagnosis]) -> None:
     repairs = OfferedRepairs(body_and_sleeves(2, 90.0))
-    one = ticked(repairs, {"option_1"}, "option_0", on=True)
-    assert ticked(repairs, one, "body", on=True) == {"body"}
+    sleeved = with_repairs(repairs, Job(), {"option_0", "option_1"})
+    whole = with_repair(estimate(repairs.diagnosis, sleeved), repairs, sleeved, "body", on=True)
+    assert decided_repairs(repairs, whole) == {"body"}
     job = with_repairs(repairs, Job(), {"body"})
     assert [(each.repair, each.land, each.decision) for each in job.repair_decisions] == [("body", None, "proposed")]
     assert decided_repairs(repairs, job) == {"body"}
