@@ -9,11 +9,12 @@ alike in all that it shows but for a tenth of its variance (`--gauges two`: anot
 reading errs by itself); lands are not measured. Counted is what `evidence_of` says:
 
 - land: the one that costs most is among the first three; in brackets where no other costs `FAULT`;
-- group: it, or one that no gauge can tell from it, is first;
+- group: it, or one that no gauge can tell from it, is first, and among the first three that are told apart;
 - circuit: the one that has lost most is first;
 - found, false: circuits that have truly lost the first limit or more, and those that have not, whose probability of it
   is `LIKELY` or more;
-- calibration: of what is said with a probability in one tenth, how much is true, where that is said `CASES` times;
+- calibration: of what is said with a probability in one tenth, how much is true, where that is said `CASES` times.
+  That is counted of as many units as they are drawn: one that was chosen for its fault is worse than its gauges tell;
 - CPU time of a job, diagnosis included.
 
 Beside it the same is counted of what can be known: of the first `--brute` units, by brute force, where that comes to
@@ -24,6 +25,7 @@ is not met.
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 import time
 from collections import Counter
@@ -111,9 +113,10 @@ class Counts:
     def __str__(self) -> str:
         land, circuit, found = self.rates
         alone = f"{self.percent('land alone', 'alone'):.1f} % of {self.numbers['alone']}"
+        groups = " and ".join(f"{self.percent(name):.1f}" for name in ("group", "of groups"))
         return (
-            f"land {land:.1f} % ({alone}), group {self.percent('group'):.1f} %, circuit {circuit:.1f} % of "
-            f"{self.numbers['units']}; found {found:.1f} % of {self.numbers['lost']}, "
+            f"land {land:.1f} % ({alone}), group {groups} %, circuit {circuit:.1f} % of {self.numbers['units']}; "
+            f"found {found:.1f} % of {self.numbers['lost']}, "
             f"false {self.percent('alarms', 'sound'):.2f} % of {self.numbers['sound']}"
         )
 
@@ -186,6 +189,12 @@ def units_of(body: str, count: int) -> tuple[Prior, list[Unit]]:
 
 
 @cache
+def any_units_of(body: str, count: int) -> list[Unit]:
+    """Return so many units of a valve body as they are drawn, the same each time."""
+    return faulty(Prior(*file_of(body), DEFAULTS), -math.inf, count)
+
+
+@cache
 def bank_of(body: str, count: int) -> Bank:
     return Bank(Prior(*file_of(body), DEFAULTS), count)
 
@@ -200,26 +209,31 @@ def counted(
         unit, rng = faults[number], np.random.default_rng((20261128, number))
         showed = gauges.read(rng, prior.taps, unit.held)
         began = time.process_time()
-        diagnosis = diagnose(
-            *file_of(body),
-            LIMITS,
-            pressures=gauges.table(prior, showed),
-            assumptions=replace(DEFAULTS, main_pressure=gauges.relative),
-        )
-        evidence = evidence_of(diagnosis)
+        said, groups = said_by_gauges(body, prior, gauges, showed)
         spent = Counter({"cpu ms": round(1000.0 * (time.process_time() - began))})
-        said = Said(
-            {each.land.key: each.probability for each in evidence.lands},
-            {each.circuit.id: each.probability for each in evidence.circuits},
-        )
-        groups = {each.land.key: each.group or each.land.key for each in evidence.lands}
         found = judged(prior, unit, said, groups)
-        ours += replace(found, numbers=found.numbers + spent)
+        ours += Counts(found.numbers + spent)
+        any_unit = any_units_of(body, units)[number]
+        there = said_by_gauges(body, prior, gauges, gauges.read(rng, prior.taps, any_unit.held))
+        ours += Counts(said=judged(prior, any_unit, *there).said)
         if number < brute:
             by_force = bank_of(body, bank).known(rng, gauges, showed, draws=DRAWS, most=min(MOST, bank))
             if by_force.effective >= FEW:
                 same, known = same + found, known + judged(prior, unit, said_of(prior, by_force), groups)
     return ours, same, known
+
+
+def said_by_gauges(
+    body: str, prior: Prior, gauges: Gauges, showed: np.ndarray
+) -> tuple[Said, Mapping[LandKey, object]]:
+    """Return what atleak says of a unit by its gauges alone, and which lands it cannot tell apart."""
+    table, assumptions = gauges.table(prior, showed), replace(DEFAULTS, main_pressure=gauges.relative)
+    evidence = evidence_of(diagnose(*file_of(body), LIMITS, pressures=table, assumptions=assumptions))
+    said = Said(
+        {each.land.key: each.probability for each in evidence.lands},
+        {each.circuit.id: each.probability for each in evidence.circuits},
+    )
+    return said, {each.land.key: each.group or each.land.key for each in evidence.lands}
 
 
 def judged(prior: Prior, unit: Unit, said: Said, groups: Mapping[LandKey, object]) -> Counts:
@@ -234,7 +248,9 @@ def judged(prior: Prior, unit: Unit, said: Said, groups: Mapping[LandKey, object
     if sum(cost >= FAULT for cost in unit.costs.values()) == 1:
         numbers["alone"] += 1
         numbers["land alone"] += unit.worst in lands[:FIRST]
-    numbers["group"] += groups[lands[0]] == groups[unit.worst]
+    apart = [*dict.fromkeys(groups[key] for key in lands)]
+    numbers["group"] += apart[0] == groups[unit.worst]
+    numbers["of groups"] += groups[unit.worst] in apart[:FIRST]
     numbers["circuit"] += next(each for each in circuits if each in lost) == max(lost, key=lambda each: lost[each])
     for tap, loss in lost.items():
         numbers["lost" if loss >= LIMIT else "sound"] += 1

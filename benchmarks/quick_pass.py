@@ -4,7 +4,8 @@
 
 Used units of shipped valve bodies (`simulated/gauged.py`: one land in five worn, pumps and seals too) are gauged at
 line and clutches, with 1 % of error. Then `LANDS` lands are measured once and in one direction: those that atleak names
-by the value of their readings, as many at random, and those that leak most when new. Counted for each way: how often
+by the value of their readings, asked anew after every `TOGETHER`; as many at random, and those that leak most when new.
+Counted for each way: how often
 the cause is the one that the whole sheet tells with the same gauges, where a pressure is missing by that and where none
 is; and how often the land whose wear truly costs most is among those measured: by pressure of line or circuits where
 that costs `COSTS` or more, else by flow at hot idle. Exits with 1 where a stated rate is not met.
@@ -16,7 +17,7 @@ import argparse
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -39,7 +40,7 @@ from atleak.measurements.readings import Readings
 OPTIONS = options(__doc__)
 OPTIONS.add_argument("--units", type=int, default=20, help="units of each valve body")
 OPTIONS.add_argument("--valve-body", action="append", help="only this one, or several")
-LANDS = 10
+LANDS, TOGETHER = 10, 2
 SAME, AMONG, BETTER = 90.0, 85.0, 10.0  # [%] at least, [percentage points] at least than the other ways
 COSTS = 1e3  # [Pa] from which on a land's wear counts by pressure
 WITHOUT_CIRCUITS = "four_speed_2023"
@@ -112,7 +113,7 @@ def counted(body: str, number: int) -> Counter[str]:
     keys = [land.key for land in controller.lands if not land.seal]
     leaks = {land.key: land.leakage for land in gauged.lands}
     chosen: Mapping[str, list[LandKey]] = {
-        "value": [each.land.key for each in readings_by_value(gauged, LANDS)],
+        "value": by_value(gauged, lambda lands: by(quick(sheet, controller, lands))),
         "random": [keys[each] for each in rng.choice(len(keys), min(LANDS, len(keys)), replace=False)],
         "leakiest": sorted(keys, key=lambda key: -leaks[key])[:LANDS],
     }
@@ -123,6 +124,15 @@ def counted(body: str, number: int) -> Counter[str]:
         counts[f"same {told_by} {way}"] += same
         counts[f"among {by_what} {way}"] += costliest in lands
     return counts
+
+
+def by_value(diagnosis: Diagnosis, measured: Callable[[list[LandKey]], Diagnosis]) -> list[LandKey]:
+    """Return the lands that are measured one after the other, each chosen by what those before it have shown."""
+    lands = list[LandKey]()
+    while len(lands) < LANDS and (following := readings_by_value(diagnosis, min(TOGETHER, LANDS - len(lands)))):
+        lands += [each.land.key for each in following]
+        diagnosis = measured(lands)
+    return lands
 
 
 def quick(sheet: Readings, controller: Controller, lands: Iterable[LandKey]) -> Readings:
