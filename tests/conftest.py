@@ -34,7 +34,7 @@ ROOT = Path(__file__).resolve().parents[1]
 # same examples everywhere, so that it fails for what was changed; continuous integration (the thorough profile) tries
 # more of them. --hypothesis-profile=search looks for new ones at every run; what it finds becomes an @example.
 settings.register_profile("quick", deadline=None, max_examples=20, derandomize=True)
-settings.register_profile("thorough", deadline=None, max_examples=80, derandomize=True)
+settings.register_profile("thorough", deadline=None, max_examples=40, derandomize=True)
 settings.register_profile("few", deadline=None, max_examples=2, derandomize=True)  # a lowest version: is the call there
 settings.register_profile("search", deadline=None, max_examples=1000)
 settings.load_profile("quick")

@@ -22,6 +22,7 @@ from atleak.diagnosis.uncertainty import DEFAULTS, Assumptions
 from atleak.measurements.readings import Readings
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.tables.assumed import assumed_line, assumed_records, assumed_table
+from tests.unit.conftest import first_of
 
 SHEET = Path("sample_data/measuring_sheet_five_speed.xlsx")
 Unit = tuple[Controller, Fluid, Assumptions]
@@ -97,7 +98,7 @@ def likely(found: Diagnosis) -> tuple[Any, ...]:
     return found.verdict, found.decision, found.decided_by.probability_over_limit
 
 
-@pytest.mark.parametrize("name", ["five_speed_2005", "chrysler_41te", "gm_4l60e", "zf_6hp26"])
+@pytest.mark.parametrize("name", first_of(["five_speed_2005", "chrysler_41te", "gm_4l60e", "zf_6hp26"]))
 def test_ends_of_what_is_lopsided_are_what_a_diagnosis_says(
     name: str, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings]
 ) -> None:
