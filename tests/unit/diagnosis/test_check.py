@@ -478,6 +478,7 @@ def test_every_pattern_has_its_sentence_in_every_language(unit, judged) -> None:
 # --- a line for which nothing is permitted
 
 
+@pytest.mark.usefixtures("all_draws")
 @pytest.mark.parametrize("name", first_of(["zf_6hp26", "chrysler_41te", "aisin_aw55_50sn"]))
 def test_a_line_without_a_permissible_pressure_is_judged_by_what_a_new_unit_holds(judged, capsys, name: str) -> None:
     unit, readings = replace(load_controller(name), permissible=()), {}
