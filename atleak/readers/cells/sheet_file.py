@@ -76,7 +76,9 @@ def _best_delimiter(start: str, file: str, score: Callable[[Sheet], float]) -> t
 
     candidates = [(likeness(delimiter), delimiter) for delimiter in _delimiters(start)]
     best = max(candidates, key=lambda scored: scored[0])
-    if best[0] < _COMPLETE and " " in start:
+    lines = [line for line in start.splitlines() if re.search(r"\d[.,]\d", line)]
+    cut = any(lines and all(line.count(sign) > (sign != "\t") for line in lines) for sign in ";\t|")
+    if best[0] < _COMPLETE and " " in start and not cut:
         by_spaces = [(likeness(spaces), spaces) for spaces in (_ALIGNED, _WORDS)]
         best = max([best, *(scored for scored in by_spaces if scored[0] >= _COMPLETE)], key=lambda scored: scored[0])
     if best[0] < _COMPLETE and _is_of_words(start, best[1]):
@@ -189,13 +191,17 @@ def _sheet(text: str, file: str, delimiter: str, note: Sentence | None = None) -
 
 
 def _aligned(lines: Sequence[str]) -> list[list[str]]:
-    """Cut lines into cells where all lines of a block have spaces, two at least side by side."""
+    """Cut lines into cells where all lines of a block have spaces, two at least side by side; a title stays whole."""
     rows: list[list[str]] = []
     for blank, group in groupby((line.expandtabs() for line in lines), key=lambda line: not line.strip()):
         block = list(group)
-        taken = "".join("x" if any(map(str.strip, signs)) else " " for signs in zip_longest(*block, fillvalue=" "))
+        cut = [line for line in block if re.search(r"\S {2,}\S", line)]
+        columns = zip_longest(*cut or block, fillvalue=" ")
+        taken = "".join("x" if any(map(str.strip, signs)) else " " for signs in columns)
         edges = dict.fromkeys((0, *(gap.end() for gap in re.finditer(" {2,}", taken)), len(taken)))
-        rows += [[] if blank else [line[begin:end].strip() for begin, end in pairwise(edges)] for line in block]
+        for line in block:
+            whole = blank or (bool(cut) and line not in cut)
+            rows.append([line.strip()] if whole else [line[begin:end].strip() for begin, end in pairwise(edges)])
     return rows
 
 

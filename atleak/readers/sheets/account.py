@@ -146,7 +146,8 @@ class Account:
                 table = self._table_at(sheet, row, lost[0]) if lost else None
                 if lost and table is None:
                     lost = [column for column in lost if not self._is_labelled(sheet, row, column)]
-                    if lost and self._looks_read(sheet, row):
+                    fine = not all(is_coarse(cells[column]) for column in lost)
+                    if lost and self._looks_read(sheet, row, fine=fine):
                         self.problems.append(_without_headings(sheet, row, lost[0]))
                         continue
                     block = block if before == row - 1 else row
@@ -343,11 +344,12 @@ class Account:
             return False
         return words.any("of_quantity") or is_whole(sheet.cell(row, column))
 
-    def _looks_read(self, sheet: Sheet, row: int) -> bool:
+    def _looks_read(self, sheet: Sheet, row: int, *, fine: bool) -> bool:
         done = self._done[sheet.name]
         cells = [cell for column, cell in enumerate(sheet.rows[row]) if (row, column) not in done]
         texts = [text_of(cell) for cell in cells if not is_blank(cell)]
-        return any(self.names.is_named(text) or part_said(text) is not None for text in texts)
+        parts = (text for text in texts if part_said(text) is not None and (fine or len(text) > 1))  # "D" of a gear
+        return any(map(self.names.is_named, texts)) or any(parts)
 
     def _lost(self, sheet: Sheet, kind: str, index: int, cells: list[tuple[int, int]]) -> Message:
         rows = sorted({sheet.row_number(row) for row, _ in cells})

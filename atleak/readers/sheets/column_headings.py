@@ -453,6 +453,7 @@ _RULES: tuple[tuple[Role, Callable[[_Heading], bool]], ...] = (
     ("diameter", lambda it: it.says("diameter") or both_ends(it.axes)),
     ("diameter", lambda it: it.says("of_repeat", "actual", "now") and it.unit is not None),
     ("diameter", lambda it: it.says("of_repeat") and it.is_numbered and len(it.words) <= 3),
+    ("diameter", lambda it: it.says("repeated") and len(it.parts) == len(it.words.but("repeated")) == 1),
     ("repeat", lambda it: it.says("repeat")),
     ("diameter", lambda it: bool({"value", "reading"}.intersection(it.words))),
     ("unit", lambda it: it.says("unit") and not it.sized and not it.says("head_serial")),

@@ -23,6 +23,7 @@ from atleak.readers.cells.sheet import Cell
 from atleak.readers.sheets.column_headings import Role, is_angle, spot_of_heading, tokens_of, unit_of_heading
 from atleak.readers.sheets.words import (
     direction_of,
+    letters,
     numbers_in,
     part_of,
     part_said,
@@ -48,14 +49,14 @@ class Sizes:
         }
         self._all = sorted({size for sizes in self._by_plane.values() for size in sizes})
 
-    def near(self, value: float, units: Iterable[Unit]) -> bool:
-        """Return whether a number in one of the units is within 0.5 mm of any nominal diameter."""
+    def near(self, value: float, units: Iterable[Unit], within: float = NOMINAL_TOLERANCE) -> bool:
+        """Return whether a number in one of the units is within 0.5 mm, or less, of any nominal diameter."""
         for length_unit in units:
             size = length_unit.to_si(value)
             if length_unit == INCH and round(value, _INCH_DECIMALS - 1) == value:
                 continue
-            above = bisect_left(self._all, size - NOMINAL_TOLERANCE)
-            if above < len(self._all) and self._all[above] <= size + NOMINAL_TOLERANCE:
+            above = bisect_left(self._all, size - within)
+            if above < len(self._all) and self._all[above] <= size + within:
                 return True
         return False
 
@@ -99,6 +100,7 @@ def is_whole(cell: Cell) -> bool:
 _LEADING = re.compile(
     r"^(?:no|nr|number|component|comp|valve|damper|item|pos|bauteil|ventil|element|#)[\s.:]*(?=\S)", re.I
 )
+_WHOLE_NUMBER = re.compile(r"(?<![\d.,])\d+'?(?![.,]?\d)")
 _LISTED = 12  # valid names worth listing in a message
 
 
@@ -141,10 +143,30 @@ class ControllerNames:
             component = self._spellings.get(plain(spelling))
             if component is not None:
                 return component
-        head, _, tail = text.partition(" ")
-        number = self._spellings.get(plain(head.rstrip(".:,–-")))
-        named = self._spellings.get(plain(tail.lstrip("–-:, ")))
-        return number if number is not None and number == named else None
+        return self._numbered(text)
+
+    def _numbered(self, text: str, *, titled: bool = False) -> str | None:
+        """Return the component whose number stands before a name, or behind it in brackets; None if two numbers are.
+
+        In a title only a word for a component before it tells that it is the number of one.
+        """
+        found = [match for match in _WHOLE_NUMBER.finditer(plain(text)) if match[0] in self.with_lands]
+        numbers = {match[0]: match for match in reversed(found)}
+        if len(numbers) != 1:
+            return None
+        number, match = numbers.popitem()
+        before, after = match.string[: match.start()].rstrip(), match.string[match.end() :]
+        bracketed = before.endswith("(") and after.startswith(")") and not titled
+        leading = letters(before).only("number", "component", "generic")
+        leading = leading and (letters(before).any("component") if titled else any(len(w) > 2 for w in letters(after)))
+        said = spot_of_heading(tokens_of(match.string))[0] or direction_of(text) is not None
+        if said or not (bracketed or leading):
+            return None
+        return number if self._by_name(match.string) <= {number} else None
+
+    def _by_name(self, folded: str) -> set[str]:
+        spaced = " ".join(["", *re.sub(r"[^\w/-]", " ", folded).split(), ""])
+        return {number for name, number in self._spellings.items() if len(name) > 3 and f" {name} " in spaced}
 
     def is_plane(self, cell: Cell) -> bool:
         """Return whether a cell names a plane of any component."""
@@ -161,9 +183,8 @@ class ControllerNames:
         for part in (text, text.rpartition(":")[2].strip()):
             if self.is_named(part):
                 return self.component(part)
-        folded = f" {plain(text)} "
-        components = {number for name, number in self._spellings.items() if len(name) > 3 and f" {name} " in folded}
-        return components.pop() if len(components) == 1 else None
+        components = self._by_name(plain(text))
+        return components.pop() if len(components) == 1 else self._numbered(text, titled=True)
 
     def require_component(self, cell: Cell) -> str:
         """Return the component that a cell names, which must have lands; the error names the valid ones."""

@@ -6,7 +6,7 @@ A sheet whose headings run down its first column is turned.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, zip_longest
 from typing import Any
@@ -32,7 +32,17 @@ from atleak.readers.sheets.table import (
     read_together,
     which_columns,
 )
-from atleak.readers.sheets.words import is_blank, is_repeat_title, letters, number_of, part_in, plain, summary_of
+from atleak.readers.sheets.words import (
+    direction_of,
+    is_blank,
+    is_repeat_title,
+    letters,
+    number_of,
+    part_in,
+    plain,
+    summary_of,
+    text_of,
+)
 
 _TITLE_ROWS = 4
 
@@ -60,13 +70,20 @@ def mapped_tables(sheet: Sheet, mapping: SheetMapping, names: ControllerNames) -
     again = [
         replace(table, first=row, last=row + depth, messages=())
         for row in (table.rows if any(table.headed) else ())
-        if tuple(headings(table.sheet, row, row + depth))[: len(table.headed)] == table.headed
+        if _is_headed_again(table, headings(table.sheet, row, row + depth)[: len(table.headed)])
     ]
     return [
         section
         for cut in _cut(table.sheet, [table, *again])
         for section in _sections(replace(_titled(cut, names, mapping), left_aside=None), names, mapping)
     ]
+
+
+def _is_headed_again(table: HeadedTable, texts: Sequence[str]) -> bool:
+    """Return whether the headings of a table come again, those of some diameters left out."""
+    values = {column.index for column in table.values}
+    told = [text == table.headed[at] or (not text and at in values) for at, text in enumerate(texts)]
+    return all(told) and any(texts) and any(texts[at] for at in values if at < len(texts))
 
 
 def _strips(sheet: Sheet, names: ControllerNames) -> list[Sheet]:
@@ -115,6 +132,8 @@ def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
     """Return the table without a "result" that is no diameter, and without raw readings beside others."""
     kept = []
     for column in table.columns:
+        if column.role == "component" and _says_directions(table.cells(column.index).values()):
+            column = replace(column, role="direction")
         if not column.tentative or sizes.fill(table.cells(column.index).values()):
             kept.append(column)
         elif column.otherwise is not None:
@@ -126,6 +145,12 @@ def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
         if column.role == "diameter" and others and (column.standing == "raw" or corrected):
             kept[at] = replace(column, role="raw")
     return replace(table, columns=tuple(kept))
+
+
+def _says_directions(cells: Collection[Cell]) -> bool:
+    """Return whether all cells say a direction, and not by a number alone, which may be another thing's."""
+    told = (direction_of(cell) is not None and number_of(text_of(cell)) is None for cell in cells)
+    return bool(cells) and all(told)
 
 
 def is_single(sheet: Sheet, row: int) -> bool:

@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import permutations, zip_longest
+from statistics import fmean, median
 
 from atleak.common.errors import InputError, ReadingsError
 from atleak.common.sentences import Option, Sentence
@@ -17,17 +19,39 @@ from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.measurements.readings import Readings
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter
 from atleak.readers.sheets.column_headings import HeadedColumn, besides_numbers, tokens_of, unit_of_heading
-from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, is_whole, numbers_of, read_label
+from atleak.readers.sheets.controller_names import (
+    ROUNDED,
+    UNITS,
+    ControllerNames,
+    Sizes,
+    is_whole,
+    numbers_of,
+    read_label,
+)
 from atleak.readers.sheets.layout import is_single, mapped_tables, turned
 from atleak.readers.sheets.mapping import ROLES, SheetMapping
 from atleak.readers.sheets.table import COLUMNS, HeadedTable, best_header, header_of
-from atleak.readers.sheets.words import is_blank, letters, number_of, part_of, part_said, plain, text_of
+from atleak.readers.sheets.words import (
+    direction_of,
+    is_blank,
+    letters,
+    number_of,
+    part_in,
+    part_of,
+    part_said,
+    plain,
+    text_of,
+)
 
 _LOOKED_AT = 60  # rows by which a column is told from another
 _FIRST = 300  # rows among which the first reading is looked for
 _MOST_CELLS = 20_000  # of sheets on which suggestions are tried
 _MOST_TRIED = 12  # offers
 _LEFT = ("column_aside", "not_read")  # what is said where a diameter may have been left aside
+_FEWEST = 4  # rows of a column that tell what its numbers are
+_IN_UM = 1000.0  # a whole number from here on may be a diameter
+_ROUNDED = 6e-5  # of a diameter: how far a mean may be rounded
+_DIRECTIONS = (["x", "y"], ["0", "90"])
 _NOT_MEASURED = ("specification", "remark", "gauge", "mean")
 
 
@@ -35,17 +59,23 @@ def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
     """Return the table that a sheet most likely holds: with the headings above the first row of a reading."""
     table, sizes = best_header(sheet), Sizes(names.controller)
     for row, cells in enumerate(sheet.rows[:_FIRST]):
-        named = any(read_label(cell, names) for cell in cells if not is_blank(cell))
+        filled = [cell for cell in cells if not is_blank(cell)]
+        named = any(read_label(cell, names) or names.component(cell) in names.with_lands for cell in filled)
         if named and any(
-            sizes.near(value, UNITS) and not is_whole(cell) for cell in cells for value in numbers_of(cell)
+            sizes.near(value, UNITS) and (value >= _IN_UM or not is_whole(cell))
+            for cell in cells
+            for value in numbers_of(cell)
         ):
-            above = [at for at in range(row) if _filled(sheet, at) and not is_single(sheet, at)][-1:]
-            if table is not None and [table.last] == above:
+            above = [at for at in range(row) if _filled(sheet, at) and not is_single(sheet, at)][-2:]
+            if table is not None and [table.last] == above[-1:]:
                 return table
-            headed = above and not any(number_of(text_of(cell)) for cell in sheet.rows[above[0]])
-            headed = headed and _filled(sheet, above[0]) >= _filled(sheet, row) - 1
-            without = HeadedTable(sheet, row - 1, row - 1, (), ("",) * sheet.width)
-            return header_of(sheet, above[0], above[0]) if headed else without
+            for first in reversed(above):
+                rows = sheet.rows[first : above[-1] + 1]
+                numbered = any(number_of(text_of(cell)) for cells in rows for cell in cells)
+                headed = sum(any(row) for row in zip_longest(*rows, fillvalue=""))
+                if not numbered and headed >= len(filled) - 1 and first > above[-1] - len(above):
+                    return header_of(sheet, first, above[-1])
+            return HeadedTable(sheet, row - 1, row - 1, (), ("",) * sheet.width)
     return table or HeadedTable(sheet, -1, -1, (), ())
 
 
@@ -69,8 +99,10 @@ class Guess:
 
     @cached_property
     def _cells(self) -> dict[int, list[Cell]]:
-        every = range(self.table.sheet.width)
-        return {index: list(self.table.cells(index).values())[:_LOOKED_AT] for index in every}
+        every, sheet = range(self.table.sheet.width), self.table.sheet
+        lines = {row for row in self.table.rows if is_single(sheet, row)}
+        found = {index: self.table.cells(index).items() for index in every}
+        return {index: [cell for row, cell in cells if row not in lines][:_LOOKED_AT] for index, cells in found.items()}
 
     @cached_property
     def labels(self) -> dict[str, int]:
@@ -98,13 +130,70 @@ class Guess:
                 found[role] = columns[0]
         for index in cells:  # cells that say several things
             meanings = Counter(
-                "plane" if name == "land" else name
+                "plane" if name in ("land", "number") else name
                 for cell in cells[index]
                 for name in read_label(cell, names, dotted=True) or {}
             )
             most = {name for name, count in meanings.items() if 2 * count > len(cells[index])} - {"unit"}
             found |= dict.fromkeys(sorted(most), index) if len(most) > 1 else {}
+        if "part" not in found and (own := self._part_by_size([*found.values()])):
+            found["part"] = own[0]
         return found
+
+    @cached_property
+    def _sized(self) -> dict[int, dict[int, float]]:
+        """Return the numbers of each column that holds diameters by their size; whole ones only where µm are said."""
+        sizes, found = Sizes(self.names.controller), {}
+        for index, cells in self._cells.items():
+            unit = unit_of_heading(self.table.heading(index))[1]
+            fine = unit is not None and unit.factor < NOMINAL_TOLERANCE
+            if sizes.fill([cell for cell in cells if fine or not is_whole(cell)]):
+                numbers = {row: numbers_of(cell) for row, cell in self.table.cells(index).items()}
+                found[index] = {row: of_cell[0] for row, of_cell in numbers.items() if of_cell}
+        return found
+
+    @cached_property
+    def _figures(self) -> frozenset[int]:
+        """Return the columns of nominal sizes, and those of the smallest, the largest or the mean of those before."""
+        sizes, readings, figures = Sizes(self.names.controller), list[int](), set[int]()
+        for index, numbers in self._sized.items():
+            of_new = all(sizes.near(value, UNITS, ROUNDED) for value in numbers.values())
+            said = any(self._tells(index, readings[at:]) for at in range(len(readings) - 1))
+            (figures.add if len(numbers) >= _FEWEST and (of_new or said) else readings.append)(index)
+        return frozenset(figures)
+
+    def _tells(self, index: int, others: Sequence[int]) -> bool:
+        rows = [(value, [self._sized[at].get(row) for at in others]) for row, value in self._sized[index].items()]
+        beside = [(value, [other for other in of_row if other is not None]) for value, of_row in rows]
+        return any(
+            all(of_row and abs(of(of_row) - value) <= _ROUNDED * value for value, of_row in beside)
+            for of in (min, max, fmean)
+        )
+
+    def _part_by_size(self, place: Sequence[int]) -> tuple[int, str, str] | None:
+        """Return a column with two words: first that always at the smaller diameter, the spool's, then the bore's."""
+        for index in self._cells:
+            words = {row: text_of(cell) for row, cell in self.table.cells(index).items()}
+            if index in place or index in self._sized or len(place) < 2 or len(set(words.values())) != 2:
+                continue
+            stations: dict[tuple[str, ...], dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
+            sized = ((row, value) for of in self._sized.values() for row, value in of.items() if row in words)
+            for row, value in sized:
+                at = tuple(text_of(self.table.sheet.filled(row, label)) for label in place)
+                stations[at][words[row]].append(value)
+            pairs = [found for found in stations.values() if len(found) == 2]
+            for spool, sleeve in permutations(dict.fromkeys(words.values())):
+                if self._fit((fmean(found[spool]), fmean(found[sleeve])) for found in pairs):
+                    return index, spool, sleeve
+        return None
+
+    def _fit(self, pairs: Iterable[tuple[float, float]]) -> bool:
+        """Return whether all pairs can be spool and bore: the second larger, by a clearance that they may have."""
+        lands = self.names.controller.lands
+        least = median(land.nominal_sleeve_diameter / land.nominal_diameter - 1.0 for land in lands) / 5.0
+        most = 2.0 * NOMINAL_TOLERANCE / min(land.nominal_diameter for land in lands)
+        parts = [sleeve / spool - 1.0 for spool, sleeve in pairs]
+        return bool(parts) and all(max(least, 1e-9) <= part <= most for part in parts)
 
     @cached_property
     def headed(self) -> tuple[HeadedColumn, ...]:
@@ -117,14 +206,9 @@ class Guess:
     @cached_property
     def diameters(self) -> list[int]:
         """Return the columns of diameters: those headed so, and others whose cells are some."""
-        sizes, headed = Sizes(self.names.controller), {column.index for column in self.headed}
-        of_size = {
-            index: self.table.role(index)
-            for index, cells in self._cells.items()
-            if index not in self.labels.values()
-            and sizes.fill([cell for cell in cells if not is_whole(cell)])
-            and any(map(numbers_of, cells))
-        }
+        headed = {column.index for column in self.headed}
+        others = {*self._figures, *self.labels.values()}
+        of_size = {index: self.table.role(index) for index in self._sized if index not in others}
         measured = sorted({*headed, *(index for index, role in of_size.items() if role not in _NOT_MEASURED)})
         return measured or [index for index, role in of_size.items() if role == "mean"]
 
@@ -145,7 +229,26 @@ class Guess:
         values, first = self.diameters, next(self._sayings(), {})
         if "new" in first or len(values) == len(first):
             return self.labels | first
-        return self.labels | {f"value which {number}": index for number, index in enumerate(values, 1)}
+        roles = dict(self.labels)
+        for number, index in enumerate(values, 1):
+            part = part_in(self.table.heading(index)) or self._part_of_half(index) if "part" not in roles else None
+            roles[f"value {part} which {number}" if part else f"value which {number}"] = index
+        return roles
+
+    @cached_property
+    def _halves(self) -> tuple[list[int], list[int]] | None:
+        """Return the columns of spools and those of bores, where one half of the diameters fits in the other."""
+        every = self.diameters
+        half = len(every) // 2
+        for one, other in ((every[:half], every[half:]), (every[::2], every[1::2])) if len(every) % 2 == 0 else ():
+            for spools, sleeves in ((one, other), (other, one)):
+                if self._fit(pair for at in zip(spools, sleeves, strict=True) for pair in self._beside(*at)):
+                    return spools, sleeves
+        return None
+
+    def _part_of_half(self, index: int) -> str | None:
+        spools, sleeves = self._halves or ([], [])
+        return "spool" if index in spools else "sleeve" if index in sleeves else None
 
     def _sayings(self) -> Iterator[dict[str, int]]:
         """Yield what the columns of diameters may be, as far as headings and sizes tell, the likeliest first."""
@@ -169,11 +272,12 @@ class Guess:
         if len(headed) > 1 or (headed and not unheaded):
             yield headed
         if len(every) == 2 and unheaded and "part" not in self.labels:
-            spool, sleeve = every if self._smaller(every[:1], every[1:]) else reversed(every)
             if parts:
                 known = headed.popitem()[1]
                 spool, sleeve = (known, *unheaded) if "spool" in parts else (*unheaded, known)
-            yield {"value spool": spool, "value sleeve": sleeve}
+                yield {"value spool": spool, "value sleeve": sleeve}
+            elif self._halves is not None:
+                yield {"value spool": self._halves[0][0], "value sleeve": self._halves[1][0]}
         elif "part" in self.labels and self.headed and not headed:
             yield from ({"value": index} for index in reversed(every))
         elif len(every) == 1 and not headed:
@@ -183,17 +287,25 @@ class Guess:
     def _numbered(self, every: list[int]) -> Iterator[dict[str, int]]:
         """Yield columns whose headings differ in a number alone, as planes or repeats: of one part, or half of each."""
         place = "repeat" if "plane" in self.labels else "plane"
-        half = len(every) // 2
         if len(every) > 2 or (len(every) == 2 and "part" in self.labels):
             yield from self._counted({"value": every}, place)
-        if len(every) > 2 and len(every) % 2 == 0 and "part" not in self.labels:
-            for one, other in ((every[:half], every[half:]), (every[::2], every[1::2])):
-                spools, sleeves = (one, other) if self._smaller(one, other) else (other, one)
-                yield from self._counted({"value spool": spools, "value sleeve": sleeves}, place)
+        if len(every) > 2 and every == self.diameters and self._halves and "part" not in self.labels:
+            yield from self._counted(dict(zip(("value spool", "value sleeve"), self._halves, strict=True)), place)
+
+    def _directions(self, columns: Sequence[int]) -> list[str]:
+        """Return the directions of two columns whose headings differ in X and Y, or 0 and 90, and in nothing else."""
+        texts = [re.findall(r"\d+|[^\W\d_]|\W", plain(self.table.heading(index))) for index in columns]
+        apart = [pair for pair in zip(*texts, strict=False) if len(set(pair)) > 1]
+        if len({len(text) for text in texts}) > 1 or len(apart) != 1 or sorted(apart[0]) not in _DIRECTIONS:
+            return []
+        return [f"{direction_of(word):g}°" for word in apart[0]]
 
     def _counted(self, groups: Mapping[str, list[int]], place: str) -> Iterator[dict[str, int]]:
         found: dict[str, int] = {}
         for role, columns in groups.items():
+            if directions := self._directions(columns):
+                found |= {f"{role} {said}": index for said, index in zip(directions, columns, strict=True)}
+                continue
             headed = [self.table.heading(index) for index in columns]
             texts = [re.findall(r"\d+|\D+", text) for text in headed]
             numbers = ["".join(part for part in text if part.isdigit()) for text in texts]
@@ -218,24 +330,14 @@ class Guess:
 
     # --- the sheet's own words
 
-    def _own_parts(self) -> Iterator[dict[str, str]]:
-        """Yield a column with two words, the one always beside the smaller diameter: that of the spool."""
-        place = [self.labels[role] for role in ("component", "plane") if role in self.labels]
-        if len(self.diameters) != 1 or len(place) < 2:
-            return
-        sizes = self.table.cells(self.diameters[0])
-        for index in self._cells:
-            words = self.table.cells(index)
-            if index in place or index == self.diameters[0] or len(set(map(text_of, words.values()))) != 2:
-                continue
-            stations: dict[tuple[str, ...], list[tuple[float, str]]] = defaultdict(list)
-            for row, size in sizes.items():
-                at = tuple(text_of(self.table.sheet.filled(row, label)) for label in place)
-                stations[at] += [(value, text_of(words.get(row, ""))) for value in numbers_of(size)[:1]]
-            pairs = {tuple(word for _, word in sorted(found)) for found in stations.values() if len(found) > 1}
-            if len(pairs) == 1 and len(set(pair := pairs.pop())) == 2 == len(pair):
-                column = column_name(self.table, index)
-                yield {"part": column, "spool": pair[0], "sleeve": pair[1]}
+    @cached_property
+    def words(self) -> dict[str, str]:
+        """Return the sheet's own words: for the parts, by size, and for no reading."""
+        own = self._part_by_size([index for role, index in self.labels.items() if role != "part"])
+        said = {"spool": own[1], "sleeve": own[2]} if own and own[0] == self.labels.get("part") else {}
+        cells = {text_of(cell) for index in self.diameters for cell in self._cells[index]}.difference(self.table.texts)
+        missing = [text for text in sorted(cells) if text.strip() and not any(map(str.isdigit, text))]
+        return said | ({"missing": "|".join(missing)} if 0 < len(missing) < _FEWEST else {})
 
     def _lines(self) -> dict[str, str]:
         """Return the lines between the rows that hold the number of a component, as words of the sheet for it."""
@@ -245,7 +347,7 @@ class Guess:
             if is_single(sheet, row):
                 text = next(text_of(cell) for cell in sheet.rows[row] if not is_blank(cell))
                 ids = [word for word in re.findall(r"\d+'?", text) if word in self.names.with_lands]
-                if len(ids) == 1 and text not in named[f"component {ids[0]}"]:
+                if len(ids) == 1 and self.names.component_in(text) is None and text not in named[f"component {ids[0]}"]:
                     named[f"component {ids[0]}"].append(text)
         return {role: "|".join(texts) for role, texts in named.items() if texts}
 
@@ -259,9 +361,8 @@ class Guess:
             header = {"header": "none", "rows": f"{first}-{last}"}
         for said in self._sayings():
             roles = {role: column_name(self.table, index) for role, index in (self.labels | said).items()}
-            mapping = {**header, **roles, **self._lines()}
-            own = [{**mapping, **words} for words in self._own_parts()]
-            yield from [mapping, *own] if "part" in roles else [*own, mapping]
+            mapping = {**header, **roles, **self._lines(), **self.words}
+            yield mapping
             if "part" not in roles and not any("spool" in role for role in roles):
                 yield from self._by_titles(mapping, pages)
 
@@ -308,7 +409,7 @@ def options(said: Mapping[str, str], down: bool = False) -> Sentence:
 def to_fill_in(sheet: Sheet, names: ControllerNames) -> Sentence:
     """Return the options that would settle which column is what, with COLUMN where only a person knows."""
     guess = Guess(likely_table(sheet, names), names)
-    found = {role: column_name(guess.table, index) for role, index in guess.roles.items()}
+    found = {role: column_name(guess.table, index) for role, index in guess.roles.items()} | guess.words
     needed = {"component", "plane", "part", "value"}
     needed -= {"part"} if any("spool" in role for role in found) else set()
     needed -= {"value"} if any(role.startswith(("deviation", "value ")) for role in found) else set()

@@ -10,6 +10,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import zip_longest
 from typing import Any
 
 from atleak.catalogue.instruments import Part
@@ -291,7 +292,19 @@ def find_headers(sheet: Sheet, is_component: Callable[[str], bool]) -> list[Head
         if taken.isdisjoint(rows):
             headers.append(header)
             taken.update(rows)
-    return sorted(headers, key=lambda header: header.first)
+    return list(_joined(sorted(headers, key=lambda header: header.first)))
+
+
+def _joined(headers: Sequence[HeadedTable]) -> Iterator[HeadedTable]:
+    """Yield the headings, as one with those right under them that are none by themselves."""
+    done = -1
+    for above, below in zip_longest(headers, headers[1:]):
+        if above.first <= done:
+            continue
+        if below is not None and above.last + 1 == below.first and above.complete and not below.complete:
+            above = header_of(above.sheet, above.first, below.last)
+        done = above.last
+        yield above
 
 
 def _likely_headers(sheet: Sheet, first: int, is_component: Callable[[str], bool]) -> Iterator[HeadedTable]:
@@ -392,7 +405,7 @@ def _is_data(header: HeadedTable) -> bool:
 
 def read_together(columns: Sequence[HeadedColumn]) -> tuple[HeadedColumn, ...]:
     """Correct what single headings say by what all of them say together, one correction after the other."""
-    for corrected in (_without_bare_parts, _said_once, _counted_from_one):
+    for corrected in (_without_bare_parts, _said_once, _counted_from_one, _repeated):
         columns = corrected(columns)
     return tuple(columns)
 
@@ -435,6 +448,23 @@ def _counted_from_one(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]
         )
     }
     return [replace(column, repeat=None) if column.station in uncounted else column for column in columns]
+
+
+def _repeated(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]:
+    """Return two diameters of one station as repeats 1 and 2, where only the second's heading has a word for one."""
+    numbers: dict[int, int] = {}
+    for column in columns:
+        of = [other for other in columns if other.role == "diameter" and other.station == column.station]
+        said = [tokens_of(other.heading).any("repeated") for other in of]
+        if said == [False, True] and {other.repeat for other in of} == {None}:
+            numbers |= {other.index: repeat for repeat, other in enumerate(of, 1)}
+    of_word = sheet_vocabulary("repeated")
+    return [
+        replace(column, repeat=numbers[column.index], besides=frozenset(w for w in column.besides if w not in of_word))
+        if column.index in numbers
+        else column
+        for column in columns
+    ]
 
 
 # --- columns made from others

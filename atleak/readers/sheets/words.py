@@ -298,6 +298,7 @@ _DIRECTIONS = {
 
 
 _CLOCK = re.compile(r"(?<=\d)\s*(?:o'?\s?clock|uhr|godz\.?|h)$")
+_HOURS = {"12": 90.0, "6": 90.0, "3": 0.0, "9": 0.0}  # of one end of a diameter, on the clock
 
 
 def direction_of(cell: Cell) -> float | None:
@@ -310,7 +311,10 @@ def direction_of(cell: Cell) -> float | None:
     """
     if isinstance(cell, bool):
         return None
-    text = _CLOCK.sub("", plain(text_of(cell))).replace(" ", "").replace("–", "-").replace("÷", "-")
+    text, hours = _CLOCK.subn("", plain(text_of(cell)))
+    text = text.replace(" ", "").replace("–", "-").replace("÷", "-")
+    if hours and text.isdigit():
+        return _HOURS.get(text)
     if text in _DIRECTIONS:
         return _DIRECTIONS[text]
     # NFKD leaves ° as it is and turns º into o
@@ -385,13 +389,10 @@ def plane_names(cell: Cell) -> list[str]:
     ['Plane II', 'II', '2']
     """
     text = text_of(cell)
-    short = re.sub(
-        r"^(measurement |measuring )?(plane|land|l(?=\d)|ebene|plaszczyzna|płaszczyzna|no\.?|nr\.?)\s*",
-        "",
-        text,
-        flags=re.I,
-    )
-    short = short.strip("\"'“”„ ")
+    match = re.fullmatch(r"(?:measur\w+ )?([^\W\d_]+)\.?\s*(\S.*)", text, re.IGNORECASE)
+    word = plain(match[1]) if match else ""
+    named = word in sheet_vocabulary("plane", "land", "number") or (word == "l" and match is not None)
+    short = (match[2] if match and named else text).strip("\"'“”„ ")
     names = [text, short]
     if short.lower() in _ROMAN:
         names.append(_ROMAN[short.lower()])

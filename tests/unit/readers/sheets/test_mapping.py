@@ -30,8 +30,8 @@ OF_CHINESE = {
     "spool": "阀芯",
     "sleeve": "阀孔",
 }
-ITALIAN = "N.;Sezione;Cursore;Sede\naccumulator;1;17.998;18.041\ntcc_regulator;1;10.998;11.031"
-OF_ITALIAN = {"component": "N.", "plane": "Sezione", "value spool": "Cursore", "value sleeve": "Sede"}
+ESTONIAN = "Nr;Lõige;Siiber;Auk\naccumulator;1;17.998;18.041\ntcc_regulator;1;10.998;11.031"
+OF_ESTONIAN = {"component": "Nr", "plane": "Lõige", "value spool": "Siiber", "value sleeve": "Auk"}
 PLAIN = "Valve;Land;Part;Diameter [mm]\naccumulator;1;piston;17.998\naccumulator;1;bore;18.041"
 DIRECTIONS = [("spool", 0.0), ("spool", 90.0), ("sleeve", 0.0), ("sleeve", 90.0)]
 PAIRS = [("accumulator", 17.998), ("accumulator", 18.041), ("tcc_regulator", 10.998), ("tcc_regulator", 11.031)]
@@ -57,7 +57,7 @@ def test_headings_in_any_language_are_named(example):
     readings = read(CHINESE, example, OF_CHINESE)
     assert [(one.part, one.direction) for one in readings.readings] == DIRECTIONS
     assert readings.readings[0].place.row == 3
-    assert sizes(read(ITALIAN, example, OF_ITALIAN)) == PAIRS
+    assert sizes(read(ESTONIAN, example, OF_ESTONIAN)) == PAIRS
 
 
 @pytest.mark.parametrize("named", ["ABCDE", "12345", [f"column {number}" for number in range(1, 6)]])
@@ -67,7 +67,7 @@ def test_a_column_is_named_by_letter_or_number(example, named):
 
 
 def test_the_refusal_names_the_options_that_settle_the_sheet(example):
-    for sheet in (ITALIAN, PLAIN.replace("Part", "Pt").replace("Valve", "Vv"), "X;Y;Z;W\n" + PLAIN.partition("\n")[2]):
+    for sheet in (ESTONIAN, PLAIN.replace("Part", "Pt").replace("Valve", "Vv"), "X;Y;Z;W\n" + PLAIN.partition("\n")[2]):
         with pytest.raises(ReadingsError) as caught:
             read(sheet, example)
         words = shlex.split(re.search(r"--map .*", str(caught.value))[0])
@@ -103,7 +103,7 @@ SUGGESTED = {
         "Ventil;Bund;Kolben (mm);Aloja (mm)\naccumulator;1;17,998;18,041\ntcc_regulator;1;10,998;11,031"
     ),
     "planes and parts in headings": (
-        "Valvola;Descr;Cassetto 1;Sede 1\naccumulator;x;17,998;18,041\ntcc_regulator;y;10,998;11,031"
+        "Valvola;Descr;Qrst 1;Uvwx 1\naccumulator;x;17,998;18,041\ntcc_regulator;y;10,998;11,031"
     ),
     "a number in the cells": "Nr;Bund;Ø T;Ø A\naccumulator;1;17,998;18,041\ntcc_regulator;1;10,998;11,031",
     "titles over tables with the same headings": (
@@ -137,17 +137,17 @@ def test_sizes_beside_deviations_are_not_offered_as_readings(example):
     """A heading that nobody here knows may say that they are those of a new unit."""
     rows = "accumulator;1;spool;18,000;-3\naccumulator;1;bore;18,041;+12\ntcc_regulator;1;spool;11,000;-2"
     with pytest.raises(ReadingsError) as caught:
-        read(f"Klep;Vlak;Onderdeel;Nominaal [mm];Afwijking [µm]\n{rows}", example)
+        read(f"Klep;Vlak;Onderdeel;Algus [mm];Hälve [µm]\n{rows}", example)
     assert not caught.value.offer
     assert "value=" not in str(caught.value)
 
 
 def test_a_component_in_a_line_of_its_own_is_named_in_the_words_of_the_sheet():
     controller = load_controller("four_speed_2023")
-    sheet = "Plano;Q;R\nVálvula 14;;\n1;9.987;10.014\nVálvula 17;;\n1;11.993;12.031"
+    sheet = "Lõige;Q;R\nKlapp 14;;\n1;9.987;10.014\nKlapp 17;;\n1;11.993;12.031"
     with pytest.raises(ReadingsError) as caught:
         read(sheet, controller)
-    assert {"component 14": "Válvula 14", "component 17": "Válvula 17"}.items() <= caught.value.offer.items()
+    assert {"component 14": "Klapp 14", "component 17": "Klapp 17"}.items() <= caught.value.offer.items()
     readings = read(sheet, controller, caught.value.offer)
     assert sizes(readings) == [("14", 9.987), ("14", 10.014), ("17", 11.993), ("17", 12.031)]
 
@@ -400,24 +400,24 @@ def test_deviations_without_a_unit_or_from_nothing_are_refused(example):
 @pytest.mark.parametrize(
     ("changed", "options", "word"),
     [
-        ({"value spool": "Sede", "value sleeve": "Cursore"}, {}, "swapped"),
+        ({"value spool": "Auk", "value sleeve": "Siiber"}, {}, "swapped"),
         ({}, {"unit": "inch"}, "a wrong unit"),
-        ({"component": "Sezione", "plane": "N."}, {}, "unknown component"),
-        ({"value sleeve": "Cursore"}, {}, "one column is named for several"),
-        ({"value spool": "Sezione"}, {}, "."),
+        ({"component": "Lõige", "plane": "Nr"}, {}, "unknown component"),
+        ({"value sleeve": "Siiber"}, {}, "one column is named for several"),
+        ({"value spool": "Lõige"}, {}, "."),
     ],
 )
 def test_a_wrong_column_is_refused_as_a_wrong_sheet_is(example, changed, options, word):
     with pytest.raises(ReadingsError, match=word):
-        read(ITALIAN, example, {**OF_ITALIAN, **changed}, **options)
+        read(ESTONIAN, example, {**OF_ESTONIAN, **changed}, **options)
 
 
 def test_a_radius_and_a_wrong_clearance_are_refused(example):
-    radii = ITALIAN.replace("17.998;18.041", "8.999;9.0205").replace("10.998;11.031", "5.499;5.5155")
+    radii = ESTONIAN.replace("17.998;18.041", "8.999;9.0205").replace("10.998;11.031", "5.499;5.5155")
     with pytest.raises(ReadingsRefused, match="a radius"):
-        read(radii, example, OF_ITALIAN, unit="mm")
+        read(radii, example, OF_ESTONIAN, unit="mm")
     with pytest.raises(ReadingsRefused, match="clearance"):
-        read(ITALIAN.replace("18.041", "19.441"), example, OF_ITALIAN)
+        read(ESTONIAN.replace("18.041", "19.441"), example, OF_ESTONIAN)
 
 
 def test_states_are_asked_about_and_contradictions_told(example):
@@ -427,17 +427,17 @@ def test_states_are_asked_about_and_contradictions_told(example):
         read(states, example, columns)
     where = {"日期": "2024-05-01"}
     assert sizes(read(states, example, columns, where=where)) == PAIRS[:1]
-    clearances = "N.;Sezione;Cursore;Sede;Clearance D-d [µm]\naccumulator;1;17.998;18.041;63"
-    assert "clearance_disagrees" in codes(read(clearances, example, OF_ITALIAN))
+    clearances = "Nr;Lõige;Siiber;Auk;Clearance D-d [µm]\naccumulator;1;17.998;18.041;63"
+    assert "clearance_disagrees" in codes(read(clearances, example, OF_ESTONIAN))
 
 
 def test_no_number_of_the_size_of_a_diameter_is_lost(example):
-    beside = ITALIAN.replace("Sede", "Sede;Altro").replace("18.041", "18.041;17.871").replace("11.031", "11.031;10.9")
-    readings = read(beside, example, OF_ITALIAN)
+    beside = ESTONIAN.replace("Auk", "Auk;Muu").replace("18.041", "18.041;17.871").replace("11.031", "11.031;10.9")
+    readings = read(beside, example, OF_ESTONIAN)
     assert any(message.level == "warning" and "17.871" in message.text for message in readings.messages)
-    slipped = ITALIAN.replace(";18.041", ";;18.041").replace("Sede", "Sede;Nota")
+    slipped = ESTONIAN.replace(";18.041", ";;18.041").replace("Auk", "Auk;Muu")
     with pytest.raises(ReadingsError, match=r"18\.041"):
-        read(slipped, example, OF_ITALIAN)
+        read(slipped, example, OF_ESTONIAN)
 
 
 def test_rows_of_means_and_rejected_rows_stay_out(example):
@@ -512,23 +512,23 @@ def test_the_next_sheet_with_these_headings_needs_no_word(example, tmp_path):
 
 def test_what_is_remembered_is_looked_at_by_every_guard(example, tmp_path):
     store = tmp_path / "columns.json"
-    remember_sheet(store, read(ITALIAN, example, OF_ITALIAN))
-    swapped = "N.;Sezione;Cursore;Sede\naccumulator;1;18.041;17.998\ntcc_regulator;1;11.031;10.998"
+    remember_sheet(store, read(ESTONIAN, example, OF_ESTONIAN))
+    swapped = "Nr;Lõige;Siiber;Auk\naccumulator;1;18.041;17.998\ntcc_regulator;1;11.031;10.998"
     with pytest.raises(ReadingsRefused) as caught:
         read(swapped, example, remembered=store)
     assert "swapped" in str(caught.value)
     assert "settled on" in str(caught.value)
-    now = {"value spool": "Sede", "value sleeve": "Cursore"}  # what is said now goes first
+    now = {"value spool": "Auk", "value sleeve": "Siiber"}  # what is said now goes first
     assert len(read(swapped, example, now, remembered=store).readings) == 4
 
 
 def test_other_headings_and_logs_recall_nothing(example, tmp_path):
     store = tmp_path / "columns.json"
-    remember_sheet(store, read(ITALIAN, example, OF_ITALIAN))
+    remember_sheet(store, read(ESTONIAN, example, OF_ESTONIAN))
     assert "remembered" not in codes(read(PLAIN, example, remembered=store))
     from atleak.readers.logs import understand
 
-    log = "N.;Sezione;Cursore;Sede\n" + "\n".join(f"{n};{700 + n};{n};1" for n in range(9))
+    log = "Nr;Lõige;Siiber;Auk\n" + "\n".join(f"{n};{700 + n};{n};1" for n in range(9))
     assert "remembered" not in {message.code for message in understand(log.encode(), remembered=store).messages}
 
 
