@@ -113,8 +113,6 @@ class Page:
                 self._fault(Spot(spot.sheet, spot.row, column.heading), fault[0], cell, fault[1])
         return WorkbookRow(spot, cells, values)
 
-    # --- a form
-
     def _read_form(self, top: int) -> None:
         headed = {words(as_text(cell)): number for number, cell in reversed(list(enumerate(self.sheet.rows[top])))}
         rows = range(top + 1, len(self.sheet.rows))
@@ -154,8 +152,6 @@ class Page:
                 if places.setdefault(asked, (row, column))[0] != row and _raw(self.sheet, row, column) is not None:
                     self._fault(self._spot(row), Sentence("field given twice"), label, Sentence("each field once"))
         return places
-
-    # --- a table
 
     def _read_table(self, top: int) -> None:
         sheet, columns = self.sheet, self._columns(top)

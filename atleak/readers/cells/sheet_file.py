@@ -109,9 +109,6 @@ def csv_rows(content: bytes) -> list[list[str]]:
         return []
 
 
-# --- encodings --------------------------------------------------------------------------------------------------------
-
-
 def stated_encoding(data: bytes) -> str | None:
     """Return the encoding that the first bytes of a text tell: its mark, or that every second one is zero."""
     marked = next((encoding for mark, encoding in _MARKS.items() if data.startswith(mark)), None)
@@ -152,9 +149,6 @@ def _known(text: str, knows: Knows) -> int:
 
 def _not_text(file: str) -> ReadingsError:
     return ReadingsError(Sentence("this is neither a workbook nor text"), place=Place(file), expected=_WANTED)
-
-
-# --- columns ----------------------------------------------------------------------------------------------------------
 
 
 def _delimiters(text: str) -> tuple[str, ...]:

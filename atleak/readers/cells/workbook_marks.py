@@ -101,9 +101,6 @@ def _root(archive: zipfile.ZipFile, name: str, limit: int | None = None) -> Elem
     return Element("")
 
 
-# --- xlsx -----------------------------------------------------------------------------------------------------------
-
-
 def sheet_paths(archive: zipfile.ZipFile) -> dict[str, str]:
     """Return the part of the archive that holds each sheet of an xlsx, by the sheet's name."""
     targets = dict(_targets(archive, "xl/workbook.xml"))
@@ -237,9 +234,6 @@ def _filter(element: Element) -> range:
 
 def _hiding(filtered: bool, folded: bool) -> Hiding:
     return "by a filter" if filtered else "in a folded outline" if folded else "by hand"
-
-
-# --- ods ------------------------------------------------------------------------------------------------------------
 
 
 def _ods(root: Element) -> dict[str, Marks]:

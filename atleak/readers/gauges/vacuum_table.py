@@ -175,8 +175,6 @@ class _Reader:
         for row, (column,) in self.table.filled(readings, self.rows):
             self._reading(row, column)
 
-    # --- the stand
-
     def _stand(self, label: str, row: int, column: int) -> None:
         stated = self._numbers(row, column)
         if label == "calibration":
@@ -240,8 +238,6 @@ class _Reader:
         if vacuum is not None and known is not None and None not in own:
             fitted = own[0].si if own and own[0] else None
             self.rows.calibrations.append(Calibration(known.si, vacuum.si, fitted, place))
-
-    # --- readings
 
     def _reading(self, row: int, column: int) -> None:
         table, rows = self.table, self.rows

@@ -352,8 +352,6 @@ class ValueFile(Generic[_Table]):
         return (*read_as, *form_doubts(table.sheet for table in self.tables))
 
 
-# --- flows
-
 _FLOW = AskedNumber(Sentence("flow"), "l/min", 3.8, (0.0, 100.0))
 _ORDER = ("condition", "what", "value", "unit")
 _WANTED = Sentence("a table of flows as .xlsx workbook or .csv text")

@@ -181,8 +181,6 @@ def _guess(finite: np.ndarray, values: np.ndarray, motions: Sequence[Motion]) ->
     return options[0], False
 
 
-# --- clock strings ------------------------------------------------------------------------------------------
-
 _THREE = re.compile(r"(?<![\d.,])(\d{1,4}):(\d{1,6}):(\d{1,2})(?:[.,:](\d{1,9}))?")
 _TWO = re.compile(r"(?<![\d.,:])(\d{1,3}):(\d{2})(?:[.,](\d{1,6}))?(?![\d:])")
 

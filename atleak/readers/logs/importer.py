@@ -185,9 +185,6 @@ def _with_memory(job: _Job, signature: str) -> tuple[dict[str, str], dict[str, s
     return {**earlier, **mapping}, {**remembered.units, **units}, [remembered.note]
 
 
-# --- workbooks ----------------------------------------------------------------------------------------------
-
-
 def _workbook(job: _Job) -> Understood:
     sheets = open_log_sheets(job.source)
     if not sheets:

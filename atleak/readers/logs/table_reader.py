@@ -294,9 +294,6 @@ def no_header(table: LogTable, assigner: Assigner) -> RoadTestError:
     return assigner.error(Sentence("has no header: nothing tells what its columns are"), first, expected)
 
 
-# --- wide ---------------------------------------------------------------------------------------------------
-
-
 def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner) -> TableResult:
     candidates = [candidate for candidate in candidates if candidate.heading.index < table.width]
     refuse_split_decimals(table, assigner)
@@ -362,9 +359,6 @@ def _runs_in_sample(candidate: Candidate, table: LogTable) -> bool:
     """Return whether a time column's cells differ from row to row, as far as a clock's do."""
     cells = table.sampled(candidate.heading.index)
     return len(set(cells)) > max(1, len(cells) / 20)
-
-
-# --- a time column before each channel ----------------------------------------------------------------------
 
 
 def own_times(

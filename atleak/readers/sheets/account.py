@@ -185,8 +185,6 @@ class Account:
         told = [cells for cells in made if any(one and one != _HEADING for row in cells.meanings for one in row)]
         return tuple(told or made)
 
-    # --- one table ------------------------------------------------------------------------------------------------
-
     def _enter(self, table: HeadedTable, rows: range) -> dict[tuple[int, int], CellMeaning]:
         sheet = table.sheet
         self._derived[sheet.name] |= sheet.derived
@@ -316,8 +314,6 @@ class Account:
     def _table_at(self, sheet: Sheet, row: int, column: int) -> HeadedTable | None:
         tables = [table for rows, table in self._tables[sheet.name] if row in rows]
         return next((table for table in tables if column in table.span), next(iter(tables), None))
-
-    # --- one cell -------------------------------------------------------------------------------------------------
 
     def _is_size(
         self, sheet: Sheet, row: int, column: int, headed: HeadedTable | None = None, whole: bool = False

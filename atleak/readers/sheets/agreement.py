@@ -219,9 +219,6 @@ def _rounded(value: float, unit: Unit) -> float:
     return max(0.5 * 10.0**-decimals * unit.factor if decimals else 0.0, _ROUNDED) + 1e-9
 
 
-# --- corrections ------------------------------------------------------------------------------------------------------
-
-
 def _is_correction(words: Words) -> bool:
     of_gauge = not {"gauge", "ring"}.isdisjoint(words) and words.any("error")
     is_error = words.any("error") or words.only("zero", "beside_zero", "error", "correction")
@@ -265,9 +262,6 @@ def _correction_above(table: HeadedTable) -> Iterator[Message]:
                     value="" if amount else f" {value[:20]}",
                 )
                 yield Message("warning", "correction_not_applied", text, table.sheet.place(row, index))
-
-
-# --- the head of the sheet --------------------------------------------------------------------------------------------
 
 
 def other_controller(
@@ -320,8 +314,6 @@ def _by_model(cell: Cell, catalogue: Collection[str], mine: Collection[str]) -> 
     named = [name for name in catalogue if name not in mine and not models.isdisjoint(name.split("_"))]
     return named[0] if len(named) == 1 and models.isdisjoint(own) else None
 
-
-# --- of one unit
 
 _NAMED = re.compile(r"([^\W\d_]{3,})[\s:#._-]*(?:(?i:no|nr|number|n°)\b[\s.:#]*)?([A-Z](?![\w])|[\w./-]*\d[\w./-]*)")
 _LISTED = 4  # values of a column that are named
@@ -419,8 +411,6 @@ def _by_column(read: Sequence[SheetRows]) -> ReadingsError | None:
             )
     return None
 
-
-# --- lines outside the readings that change them
 
 _SMALL = re.compile(r"(?<![\d.,])[+\-−]?0?[.,]\d{2,}|\d\s*(?:[µμu]m|microns?|mils?|thou)\b")
 _CODE = re.compile(r"(?<!\w)(\w{1,3})\s*[=:–—-]")

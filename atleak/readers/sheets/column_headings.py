@@ -17,7 +17,7 @@ from atleak.readers.sheets.words import ORDINALS, Words, direction_of, part_of, 
 
 _EXPLAINED = (
     *("repeat", "reading", "actual", "diameter", "coordinate", "number", "direction", "outer", "inner", "dimension"),
-    *("land", "plane"),
+    *("land", "plane", "repeated"),
 )  # what words of a heading may say of the place and the repeat of a diameter
 _BESIDE_A_PART = {"of", "the", "der", "des", "du", "de", "la", "l", "le", "del", "at", "in", "an", "am"}
 _ENDS = {"x1", "x2", "y1", "y2"}
@@ -123,7 +123,9 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
     if role == "coordinate":
         ends = {token[1] for token in tokens if token in _ENDS}
         coordinate = int(ends.pop()) if len(ends) == 1 else beside.pop(0) if beside else None
-    return coordinate, _direction(role, tokens), beside[0] if repeat is None and beside else repeat
+    if repeat is None:  # "spool, repeated" stands beside "spool"
+        repeat = beside[0] if beside else 2 if Words(tokens).any("repeated") else None
+    return coordinate, _direction(role, tokens), repeat
 
 
 _SAYS_ANGLE: tuple[Callable[[str, str, str], bool], ...] = (  # of a word, by those around it; the surest first
@@ -163,11 +165,7 @@ def _counted(tokens: Sequence[str]) -> tuple[int | None, list[int]]:
 
 
 def besides_numbers(words: Iterable[str]) -> frozenset[str]:
-    """Return the words of a value's heading that say neither what it is nor of which part, and numbers of no repeat.
-
-    >>> besides_numbers({"diameter", "1", "before", "spool"}), besides_numbers({"measurement", "2024"})
-    (frozenset({'before'}), frozenset({'2024'}))
-    """
+    """Return the words of a value's heading that say neither what it is nor of which part, and numbers of no repeat."""
     return frozenset(
         word
         for word in words
@@ -357,8 +355,6 @@ def _of_land(heading: _Heading) -> Role | None:
 
     >>> read_heading("Contact length [mm]").role, read_heading("Contact length tolerance [mm]").role
     ('contact length', 'specification')
-    >>> read_heading("Position from left end [mm]").role, read_heading("Position").role
-    ('position', 'component')
     """
     says, only = heading.says, heading.words.only
     contact = says("contact_length") or (says("contact") and says("length"))

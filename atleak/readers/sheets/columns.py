@@ -134,9 +134,6 @@ def _makes_one(column: HeadedColumn, other: HeadedColumn) -> bool:
     return column.group == other.group and (column.role, column.coordinate) != (other.role, other.coordinate)
 
 
-# --- what is wrong with them ------------------------------------------------------------------------------------------
-
-
 def _same_value(table: HeadedTable, name: str, first: HeadedColumn, second: HeadedColumn) -> ReadingsError:
     return which_columns(
         Sentence(

@@ -22,6 +22,7 @@ from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.readers.cells.sheet import Cell
 from atleak.readers.sheets.column_headings import Role, is_angle, spot_of_heading, tokens_of, unit_of_heading
 from atleak.readers.sheets.words import (
+    Words,
     direction_of,
     letters,
     numbers_in,
@@ -60,6 +61,10 @@ class Sizes:
                 return True
         return False
 
+    def is_nominal(self, value: float) -> bool:
+        """Return whether a number is one of the nominal diameters, in any unit."""
+        return self.near(value, UNITS, ROUNDED)
+
     def fill(self, cells: Collection[Cell]) -> bool:
         """Return whether most of the cells hold a number of that size, in mm, µm or inches."""
         return 2 * sum(any(self.near(value, UNITS) for value in numbers_of(cell)) for cell in cells) > len(cells)
@@ -97,9 +102,6 @@ def is_whole(cell: Cell) -> bool:
     return isinstance(cell, int) or (isinstance(cell, float) and cell.is_integer())
 
 
-_LEADING = re.compile(
-    r"^(?:no|nr|number|component|comp|valve|damper|item|pos|bauteil|ventil|element|#)[\s.:]*(?=\S)", re.I
-)
 _WHOLE_NUMBER = re.compile(r"(?<![\d.,])\d+'?(?![.,]?\d)")
 _LISTED = 12  # valid names worth listing in a message
 
@@ -139,11 +141,11 @@ class ControllerNames:
     def component(self, cell: Cell) -> str | None:
         """Return the component that a cell names, by number or name, with or without lands; None where none is."""
         text = text_of(cell)
-        for spelling in (text, _LEADING.sub("", text)):
-            component = self._spellings.get(plain(spelling))
-            if component is not None:
-                return component
-        return self._numbered(text)
+        first, _, rest = plain(text).partition(" ")
+        named = rest if Words((first.rstrip(".:"),)).only("number", "component", "generic") else ""
+        number = self._numbered(text)
+        number = number if self._by_name(plain(text)) <= {number} else None
+        return self._spellings.get(plain(text)) or self._spellings.get(named) or number
 
     def _numbered(self, text: str, *, titled: bool = False) -> str | None:
         """Return the component whose number stands before a name, or behind it in brackets; None if two numbers are.
@@ -158,11 +160,13 @@ class ControllerNames:
         before, after = match.string[: match.start()].rstrip(), match.string[match.end() :]
         bracketed = before.endswith("(") and after.startswith(")") and not titled
         leading = letters(before).only("number", "component", "generic")
-        leading = leading and (letters(before).any("component") if titled else any(len(w) > 2 for w in letters(after)))
+        leading = leading and (
+            letters(before).any("component") if titled else bool(before) or max(map(len, letters(after)), default=0) > 2
+        )
         said = spot_of_heading(tokens_of(match.string))[0] or direction_of(text) is not None
         if said or not (bracketed or leading):
             return None
-        return number if self._by_name(match.string) <= {number} else None
+        return number
 
     def _by_name(self, folded: str) -> set[str]:
         spaced = " ".join(["", *re.sub(r"[^\w/-]", " ", folded).split(), ""])
@@ -180,11 +184,10 @@ class ControllerNames:
 
     def component_in(self, text: str) -> str | None:
         """Return the component in a title: its name alone or behind a colon, or its number behind "valve" …"""
-        for part in (text, text.rpartition(":")[2].strip()):
-            if self.is_named(part):
-                return self.component(part)
-        components = self._by_name(plain(text))
-        return components.pop() if len(components) == 1 else self._numbered(text, titled=True)
+        if self.is_named(text):
+            return self.component(text)
+        components = {*self._by_name(plain(text)), self._numbered(text, titled=True)} - {None}
+        return components.pop() if len(components) == 1 else None
 
     def require_component(self, cell: Cell) -> str:
         """Return the component that a cell names, which must have lands; the error names the valid ones."""

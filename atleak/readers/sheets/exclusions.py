@@ -216,8 +216,6 @@ class Exclusions:
             isinstance(cell, int | float) or number_of(str(cell)) is not None for cell in self._cells[index].values()
         )
 
-    # --- what is said of them -----------------------------------------------------------------------------------------
-
     def messages(self, entries: Sequence[DiameterCell]) -> Iterator[Message]:
         """Yield what was left aside, and which means or sums disagree with the readings above them."""
         if self.struck:

@@ -224,8 +224,6 @@ def identity_field(label: str) -> str | None:
     return next((name for name, (words, beside, _) in _OF_JOB.items() if means(label, words, beside)), None)
 
 
-# --- what all readings have in common
-
 _VALUE = re.compile(
     r"(?P<number>[+\-−]?\s?[.,]?\d[\d.,]*)\s*(?:(?:±|\+/?-)\s*[\d.,]+\s*)?(?P<unit>[^\d\s.,±].*)?", re.DOTALL
 )

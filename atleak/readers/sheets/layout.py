@@ -6,7 +6,7 @@ A sheet whose headings run down its first column is turned.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, zip_longest
 from typing import Any
@@ -32,17 +32,7 @@ from atleak.readers.sheets.table import (
     read_together,
     which_columns,
 )
-from atleak.readers.sheets.words import (
-    direction_of,
-    is_blank,
-    is_repeat_title,
-    letters,
-    number_of,
-    part_in,
-    plain,
-    summary_of,
-    text_of,
-)
+from atleak.readers.sheets.words import is_blank, is_repeat_title, letters, number_of, part_in, plain, summary_of
 
 _TITLE_ROWS = 4
 
@@ -132,7 +122,7 @@ def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
     """Return the table without a "result" that is no diameter, and without raw readings beside others."""
     kept = []
     for column in table.columns:
-        if column.role == "component" and _says_directions(table.cells(column.index).values()):
+        if column.role == "component" and table.names_directions(column):
             column = replace(column, role="direction")
         if not column.tentative or sizes.fill(table.cells(column.index).values()):
             kept.append(column)
@@ -145,12 +135,6 @@ def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
         if column.role == "diameter" and others and (column.standing == "raw" or corrected):
             kept[at] = replace(column, role="raw")
     return replace(table, columns=tuple(kept))
-
-
-def _says_directions(cells: Collection[Cell]) -> bool:
-    """Return whether all cells say a direction, and not by a number alone, which may be another thing's."""
-    told = (direction_of(cell) is not None and number_of(text_of(cell)) is None for cell in cells)
-    return bool(cells) and all(told)
 
 
 def is_single(sheet: Sheet, row: int) -> bool:
@@ -310,13 +294,9 @@ def looks_measured(sheet: Sheet, names: ControllerNames, least: int = 1) -> bool
         near: set[tuple[str, str]] = set()
         for row in rows:
             component = (read_label(row[index] if index < len(row) else "", names) or {}).get("component", "")
-            planes = [plane for land in names.controller.lands_of(component) for plane in land.planes]
-            of = [
-                plane
-                for plane in planes
-                if any(sizes.near_plane(size, UNITS, component, plane) for size in _exact(row))
-            ]
-            near |= {(component, plane) for plane in of}
+            planes = {(component, plane) for land in names.controller.lands_of(component) for plane in land.planes}
+            of = {at for at in planes if any(sizes.near_plane(size, UNITS, *at) for size in _exact(row))}
+            near |= of
             found += [component] if of else []
         if 2 * len(found) > len(rows) and len(near) >= least and (len(near) > 1 or any(map(str.isalpha, found[0]))):
             return True
@@ -522,14 +502,15 @@ def _no_readings(every: Sequence[_SheetTables], file: str) -> ReadingsError:
 
 
 def _incomplete(table: HeadedTable) -> ReadingsError:
-    missing = [] if table.of("component") else [Sentence("component")]
-    missing += [] if table.values else [Sentence("diameter, or coordinate x1 and coordinate x2")]
+    lacking = (
+        (Sentence("component"), table.of("component")),
+        (Sentence("diameter, or coordinate x1 and coordinate x2"), table.values),
+    )
+    missing = [what for what, there in lacking if not there]
     problem = Sentence("this row holds headings and readings as well")
     if missing:
-        what = missing[0]
-        if len(missing) > 1:
-            what = Sentence("{first} nor for {second}", first=missing[0], second=missing[1])
-        problem = Sentence("no heading for {what}", what=what)
+        both = Sentence("{first} nor for {second}", first=missing[0], second=missing[-1])
+        problem = Sentence("no heading for {what}", what=both if len(missing) > 1 else missing[0])
     others = [column.name for column in (*table.of("specification"), *table.of("mean"))]
     if others and not table.values:
         template = Sentence("{problem}: what a diameter should be or was, and a mean, is no measurement ({headings})")

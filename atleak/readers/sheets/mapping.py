@@ -142,8 +142,6 @@ class SheetMapping:
             raise _refused(Sentence("not understood of which diameters this column is"), name, expected)
         return replace(read, tentative=False, besides=frozenset())
 
-    # --- where the table stands ---------------------------------------------------------------------------------------
-
     def fits(self, sheet: Sheet) -> bool:
         """Return whether a sheet has the columns that are named."""
         return self._found(sheet) is not None
@@ -203,8 +201,6 @@ class SheetMapping:
             expected=_EXAMPLES,
             nearest=nearest_name(heading, list(filter(None, texts))),
         )
-
-    # --- the table ----------------------------------------------------------------------------------------------------
 
     def table(self, sheet: Sheet, names: ControllerNames) -> HeadedTable:
         """Return the table with the columns as they are named; what is not named is as the headings say."""
@@ -350,11 +346,7 @@ def rows_role(sheet: str | None) -> str:
 
 
 def rows_said(numbers: Iterable[int]) -> str:
-    """Return the numbers of rows as they are said, in ranges.
-
-    >>> rows_said([1, 2, 3, 5]), rows_said([])
-    ('1-3,5', 'none')
-    """
+    """Return the numbers of rows as they are said, in ranges."""
     return ",".join(f"{run[0]}" if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs_of(numbers)) or "none"
 
 
@@ -419,11 +411,7 @@ def _place(text: str, texts: Sequence[str], sheet: Sheet) -> int | None:
 
 
 def _position(text: str) -> int | None:
-    """Return the column that a letter or number names.
-
-    >>> _position("C"), _position("column 3"), _position("3"), _position("Ø")
-    (2, 2, 2, None)
-    """
+    """Return the column that a letter or number names."""
     if _LETTERS.fullmatch(text):
         return sum((ord(letter) - ord("A") + 1) * 26**at for at, letter in enumerate(reversed(text))) - 1
     match = _NUMBER.fullmatch(text)

@@ -101,9 +101,6 @@ def _which_rows(heading: str, value: str) -> Sentence:
     return Sentence("which rows to read, as in {option}", option=Option("where", quoted))
 
 
-# --- columns ----------------------------------------------------------------------------------------------------------
-
-
 def _splitting(
     several: Mapping[StationKey, Sequence[int]], table: HeadedTable, columns: Columns
 ) -> Iterator[tuple[int, Splits]]:
@@ -159,9 +156,6 @@ def _same_everywhere(splits: Splits, heading: str) -> bool:
     if words and not words.any("repeat", "reading", "number", "generic"):
         return True
     return sorted(value.strip(".) ") for value in values) != [str(number + 1) for number in range(len(values))]
-
-
-# --- blocks -----------------------------------------------------------------------------------------------------------
 
 
 def _blocks(entries: Sequence[DiameterCell], breaks: Sequence[Break], sheet: Sheet) -> ReadingsError | None:
@@ -292,9 +286,6 @@ def _remarks(several: Mapping[StationKey, Sequence[int]], table: HeadedTable) ->
                     remarks=tuple(repr(text[:60]) for text in texts[:_LISTED]),
                 )
                 yield Message("warning", "remarks_differ", text, table.place(rows[0], column))
-
-
-# --- what to read -----------------------------------------------------------------------------------------------------
 
 
 def rows_left_out(table: HeadedTable, where: Mapping[str, str]) -> frozenset[int]:

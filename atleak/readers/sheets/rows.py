@@ -232,8 +232,6 @@ class _Reader:
             expected = Sentence("semicolons or tabs between the columns, or decimal points")
             self._refuse(problem, row, None, ", ".join(map(str, cells)), expected)
 
-    # --- values -------------------------------------------------------------------------------------------------------
-
     def _raw_values(self, row: int) -> Iterator[tuple[dict[str, HeadedColumn], RawValue | None]]:
         """Yield each diameter of a row; None for one that is there and cannot be read (the problem is noted)."""
         for group in self.columns.groups:
@@ -320,8 +318,6 @@ class _Reader:
             return column.unit or self.columns.sheet_unit
         unit: Unit | None = self._read_key(row, of_row, "unit")
         return unit
-
-    # --- what the row is about ----------------------------------------------------------------------------------------
 
     def _key(self, row: int, value: HeadedColumn) -> PlaceKey | None:
         columns = self.columns
@@ -454,8 +450,6 @@ class _Reader:
             return None, None
         cell = self._required(row, column) if needed else self.sheet.filled(row, column.index)
         return column, None if is_blank(cell) else cell
-
-    # --- all rows together --------------------------------------------------------------------------------------------
 
     def _report_blanks(self) -> None:
         for column, rows in self.blanks.items():

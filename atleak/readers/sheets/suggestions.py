@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import permutations, zip_longest
@@ -19,29 +20,11 @@ from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.measurements.readings import Readings
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter
 from atleak.readers.sheets.column_headings import HeadedColumn, besides_numbers, tokens_of, unit_of_heading
-from atleak.readers.sheets.controller_names import (
-    ROUNDED,
-    UNITS,
-    ControllerNames,
-    Sizes,
-    is_whole,
-    numbers_of,
-    read_label,
-)
+from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, is_whole, numbers_of, read_label
 from atleak.readers.sheets.layout import is_single, mapped_tables, turned
-from atleak.readers.sheets.mapping import ROLES, SheetMapping
+from atleak.readers.sheets.mapping import ROLES, SheetMapping, diameter_role
 from atleak.readers.sheets.table import COLUMNS, HeadedTable, best_header, header_of
-from atleak.readers.sheets.words import (
-    direction_of,
-    is_blank,
-    letters,
-    number_of,
-    part_in,
-    part_of,
-    part_said,
-    plain,
-    text_of,
-)
+from atleak.readers.sheets.words import is_blank, letters, number_of, part_of, part_said, plain, text_of
 
 _LOOKED_AT = 60  # rows by which a column is told from another
 _FIRST = 300  # rows among which the first reading is looked for
@@ -51,7 +34,12 @@ _LEFT = ("column_aside", "not_read")  # what is said where a diameter may have b
 _FEWEST = 4  # rows of a column that tell what its numbers are
 _IN_UM = 1000.0  # a whole number from here on may be a diameter
 _ROUNDED = 6e-5  # of a diameter: how far a mean may be rounded
-_DIRECTIONS = (["x", "y"], ["0", "90"])
+_DIRECTIONS = {
+    ("x", "y"): ("0°", "90°"),
+    ("y", "x"): ("90°", "0°"),
+    ("0", "90"): ("0°", "90°"),
+    ("90", "0"): ("90°", "0°"),
+}
 _NOT_MEASURED = ("specification", "remark", "gauge", "mean")
 
 
@@ -157,7 +145,7 @@ class Guess:
         """Return the columns of nominal sizes, and those of the smallest, the largest or the mean of those before."""
         sizes, readings, figures = Sizes(self.names.controller), list[int](), set[int]()
         for index, numbers in self._sized.items():
-            of_new = all(sizes.near(value, UNITS, ROUNDED) for value in numbers.values())
+            of_new = all(map(sizes.is_nominal, numbers.values()))
             said = any(self._tells(index, readings[at:]) for at in range(len(readings) - 1))
             (figures.add if len(numbers) >= _FEWEST and (of_new or said) else readings.append)(index)
         return frozenset(figures)
@@ -231,24 +219,20 @@ class Guess:
             return self.labels | first
         roles = dict(self.labels)
         for number, index in enumerate(values, 1):
-            part = part_in(self.table.heading(index)) or self._part_of_half(index) if "part" not in roles else None
-            roles[f"value {part} which {number}" if part else f"value which {number}"] = index
+            part = next((f"{part} " for part, half in (self._halves or {}).items() if index in half), "")
+            roles[f"value {part}which {number}"] = index
         return roles
 
     @cached_property
-    def _halves(self) -> tuple[list[int], list[int]] | None:
+    def _halves(self) -> dict[str, list[int]] | None:
         """Return the columns of spools and those of bores, where one half of the diameters fits in the other."""
-        every = self.diameters
+        every = self.diameters if "part" not in self.labels and len(self.diameters) % 2 == 0 else []
         half = len(every) // 2
-        for one, other in ((every[:half], every[half:]), (every[::2], every[1::2])) if len(every) % 2 == 0 else ():
+        for one, other in ((every[:half], every[half:]), (every[::2], every[1::2])):
             for spools, sleeves in ((one, other), (other, one)):
                 if self._fit(pair for at in zip(spools, sleeves, strict=True) for pair in self._beside(*at)):
-                    return spools, sleeves
+                    return {"spool": spools, "sleeve": sleeves}
         return None
-
-    def _part_of_half(self, index: int) -> str | None:
-        spools, sleeves = self._halves or ([], [])
-        return "spool" if index in spools else "sleeve" if index in sleeves else None
 
     def _sayings(self) -> Iterator[dict[str, int]]:
         """Yield what the columns of diameters may be, as far as headings and sizes tell, the likeliest first."""
@@ -262,7 +246,7 @@ class Guess:
             words = [letters(self.table.heading(index)) for index in deviations]
             headed_parts = [next(filter(None, map(part_of, headed_by)), None) for headed_by in words]
             if len(deviations) == 2 and (None in headed_parts or len(set(headed_parts)) == 2):
-                in_order = headed_parts == ["spool", "sleeve"] or self._smaller(deviations[:1], deviations[1:])
+                in_order = headed_parts == ["spool", "sleeve"] or sum(a - b for a, b in self._beside(*deviations)) < 0.0
                 spool, sleeve = deviations if in_order else reversed(deviations)
                 yield {"new": new[0].index, "deviation spool": spool, "deviation sleeve": sleeve}
             yield {"new": new[0].index, "deviation": deviations[0]}
@@ -277,7 +261,7 @@ class Guess:
                 spool, sleeve = (known, *unheaded) if "spool" in parts else (*unheaded, known)
                 yield {"value spool": spool, "value sleeve": sleeve}
             elif self._halves is not None:
-                yield {"value spool": self._halves[0][0], "value sleeve": self._halves[1][0]}
+                yield {f"value {part}": index for part, (index,) in self._halves.items()}
         elif "part" in self.labels and self.headed and not headed:
             yield from ({"value": index} for index in reversed(every))
         elif len(every) == 1 and not headed:
@@ -289,16 +273,15 @@ class Guess:
         place = "repeat" if "plane" in self.labels else "plane"
         if len(every) > 2 or (len(every) == 2 and "part" in self.labels):
             yield from self._counted({"value": every}, place)
-        if len(every) > 2 and every == self.diameters and self._halves and "part" not in self.labels:
-            yield from self._counted(dict(zip(("value spool", "value sleeve"), self._halves, strict=True)), place)
+        if len(every) > 2 and every == self.diameters and self._halves:
+            yield from self._counted({f"value {part}": half for part, half in self._halves.items()}, place)
 
-    def _directions(self, columns: Sequence[int]) -> list[str]:
+    def _directions(self, columns: Sequence[int]) -> Sequence[str]:
         """Return the directions of two columns whose headings differ in X and Y, or 0 and 90, and in nothing else."""
         texts = [re.findall(r"\d+|[^\W\d_]|\W", plain(self.table.heading(index))) for index in columns]
         apart = [pair for pair in zip(*texts, strict=False) if len(set(pair)) > 1]
-        if len({len(text) for text in texts}) > 1 or len(apart) != 1 or sorted(apart[0]) not in _DIRECTIONS:
-            return []
-        return [f"{direction_of(word):g}°" for word in apart[0]]
+        alike = len({len(text) for text in texts}) == 1 and len(apart) == 1
+        return _DIRECTIONS.get(apart[0], ()) if alike else ()
 
     def _counted(self, groups: Mapping[str, list[int]], place: str) -> Iterator[dict[str, int]]:
         found: dict[str, int] = {}
@@ -319,16 +302,10 @@ class Guess:
         if len(found) == sum(map(len, groups.values())):
             yield found
 
-    def _smaller(self, one: Sequence[int], other: Sequence[int]) -> bool:
-        pairs = zip(one, other, strict=True)
-        return sum(a - b for left, right in pairs for a, b in self._beside(left, right)) < 0.0
-
     def _beside(self, left: int, right: int) -> Iterator[tuple[float, float]]:
         others = self.table.cells(right)
         for row, cell in self.table.cells(left).items():
             yield from zip(numbers_of(cell)[:1], numbers_of(others.get(row, ""))[:1], strict=False)
-
-    # --- the sheet's own words
 
     @cached_property
     def words(self) -> dict[str, str]:
@@ -381,10 +358,10 @@ class Guess:
 
 
 def _said(column: HeadedColumn) -> str:
-    place = f"land {column.land}" if column.land else f"plane {column.plane}" if column.plane else ""
     angle = "" if column.direction is None else f"{column.direction:g}°"
-    repeat = f"repeat {column.repeat}" if column.repeat else ""
-    return " ".join(filter(None, ("value", column.part, place, angle, repeat)))
+    said = {"part": column.part, "direction": angle, "repeat": column.repeat, "plane": column.plane}
+    role = diameter_role({name: str(word) for name, word in said.items() if word})
+    return f"{role} land {column.land}" if column.land else role
 
 
 def offers(sheets: Sequence[Sheet], names: ControllerNames) -> Iterator[dict[str, str]]:
@@ -403,7 +380,10 @@ def _fullest(sheets: Sequence[Sheet]) -> Sheet:
 def options(said: Mapping[str, str], down: bool = False) -> Sentence:
     """Return what is said of a sheet as it is typed."""
     typed = " ".join([*(f"--map {_quoted(role, text)}" for role, text in said.items()), *["--fill-down"] * down])
-    return Sentence("which column is what: {options}", options=Option("map", text=typed))
+    template = Sentence("which column is what: {options}")
+    if "spool" in said:  # by their sizes
+        template = Sentence("which column is what, {spool!r} being the spool, as it is always smaller: {options}")
+    return template.of(spool=said.get("spool", ""), options=Option("map", text=typed))
 
 
 def to_fill_in(sheet: Sheet, names: ControllerNames) -> Sentence:
@@ -423,26 +403,24 @@ def _quoted(role: str, column: str) -> str:
 Read = Callable[[SheetMapping, bool], Readings]  # with what is said of the columns, and whether empty cells go on
 
 
-def tried(
-    sheets: Sequence[Sheet], names: ControllerNames, said: SheetMapping, read: Read, downs: Sequence[bool] = (False,)
+def _tried(
+    sheets: Sequence[Sheet], names: ControllerNames, said: SheetMapping, read: Read
 ) -> tuple[dict[str, str], bool] | None:
-    """Return the first offer with which the file is read, beside what is said of it; rather one that leaves none aside.
+    """Return the first offer with which the file is read, and whether empty cells go on; rather one that leaves none.
 
-    ``downs`` are whether empty cells of a label may go on with the one above, to be tried one after the other.
+    What is said already goes first.
     """
     second = None
     values = any(name.startswith(("value", "deviation")) for name in said.chosen)
     for _, offer in zip(range(_MOST_TRIED), offers(sheets, names), strict=False):
         kept = {role: text for role, text in offer.items() if not (values and role.startswith(("value", "deviation")))}
-        for down in downs:
-            mapping = {**kept, **said.chosen}
-            try:
+        mapping = {**kept, **said.chosen}
+        for down in (False, True):
+            with suppress(InputError):
                 messages = read(SheetMapping(mapping), down).messages
-            except InputError:
-                continue
-            if not any(message.level == "warning" and message.code in _LEFT for message in messages):
-                return mapping, down
-            second = second or (mapping, down)
+                if not any(message.level == "warning" and message.code in _LEFT for message in messages):
+                    return mapping, down
+                second = second or (mapping, down)
     return second
 
 
@@ -454,7 +432,7 @@ def suggest(
     asking = next((problem for problem in problems if problem.role == COLUMNS), None)
     if asking is None:
         return
-    found = tried(sheets, names, said, read, (False, True))
+    found = _tried(sheets, names, said, read)
     if found is None:
         named = [sheet for sheet in sheets if sheet.name == asking.place.sheet]
         typed = to_fill_in(_fullest(named or sheets), names)

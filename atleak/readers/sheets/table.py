@@ -32,6 +32,7 @@ from atleak.readers.sheets.column_headings import (
 )
 from atleak.readers.sheets.controller_names import LABELLED, MILLIMETRE, ControllerNames, read_label
 from atleak.readers.sheets.words import (
+    direction_of,
     is_blank,
     is_page_title,
     number_of,
@@ -68,8 +69,6 @@ class HeadedTable:
     messages: tuple[Message, ...] = ()
     filled: frozenset[int] = frozenset()
     mapped: bool = False
-
-    # --- headings and columns -----------------------------------------------------------------------------------------
 
     def heading(self, index: int) -> str:
         """Return a column's heading on one line; "" where it has none."""
@@ -156,8 +155,6 @@ class HeadedTable:
         """Return the headings as they stand in the file."""
         return tuple(text for index, text in enumerate(self.texts) if index not in self.sheet.derived)
 
-    # --- rows and cells -----------------------------------------------------------------------------------------------
-
     @property
     def rows(self) -> range:
         """Return the rows under the headings."""
@@ -175,6 +172,11 @@ class HeadedTable:
         """Return whether most cells of a column name a part, and nothing else."""
         cells = self.cells(column.index).values()
         return 2 * sum(part_said(text_of(cell)) is not None for cell in cells) > len(cells)
+
+    def names_directions(self, column: HeadedColumn) -> bool:
+        """Return whether all cells of a column say a direction, in words: a number may be another thing's."""
+        texts = [text_of(cell) for cell in self.cells(column.index).values()]
+        return bool(texts) and all(direction_of(text) is not None and number_of(text) is None for text in texts)
 
     def place(self, row: int, column: HeadedColumn) -> Place:
         """Return the place of a cell."""
@@ -205,8 +207,6 @@ class HeadedTable:
         if self.sheet.name is None:
             return Sentence("rows {first} to {last}", first=first, last=last)
         return Sentence("sheet {name!r}, rows {first} to {last}", name=self.sheet.name, first=first, last=last)
-
-    # --- the same table, otherwise ------------------------------------------------------------------------------------
 
     @property
     def as_it_stands(self) -> HeadedTable:
@@ -405,7 +405,7 @@ def _is_data(header: HeadedTable) -> bool:
 
 def read_together(columns: Sequence[HeadedColumn]) -> tuple[HeadedColumn, ...]:
     """Correct what single headings say by what all of them say together, one correction after the other."""
-    for corrected in (_without_bare_parts, _said_once, _counted_from_one, _repeated):
+    for corrected in (_without_bare_parts, _said_once, _counted_from_one):
         columns = corrected(columns)
     return tuple(columns)
 
@@ -448,23 +448,6 @@ def _counted_from_one(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]
         )
     }
     return [replace(column, repeat=None) if column.station in uncounted else column for column in columns]
-
-
-def _repeated(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]:
-    """Return two diameters of one station as repeats 1 and 2, where only the second's heading has a word for one."""
-    numbers: dict[int, int] = {}
-    for column in columns:
-        of = [other for other in columns if other.role == "diameter" and other.station == column.station]
-        said = [tokens_of(other.heading).any("repeated") for other in of]
-        if said == [False, True] and {other.repeat for other in of} == {None}:
-            numbers |= {other.index: repeat for repeat, other in enumerate(of, 1)}
-    of_word = sheet_vocabulary("repeated")
-    return [
-        replace(column, repeat=numbers[column.index], besides=frozenset(w for w in column.besides if w not in of_word))
-        if column.index in numbers
-        else column
-        for column in columns
-    ]
 
 
 # --- columns made from others

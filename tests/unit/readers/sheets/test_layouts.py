@@ -17,6 +17,7 @@ import pytest
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.errors import ReadingsError
 from atleak.measurements.readings import Reading
+from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.sheets.measuring_sheet import write_readings
 
@@ -187,3 +188,38 @@ def test_component_and_plane_that_became_a_date_are_called_a_date(make_workbook,
 def test_what_looks_like_one_of_these_and_is_not_is_refused(example, sheet):
     with pytest.raises(ReadingsError):
         read_readings(sheet.encode(), example)
+
+
+@pytest.mark.parametrize(
+    ("cell", "component"),
+    [
+        ("20 – converter", "20"),
+        ("wandler (20)", "20"),
+        ("V. 14: shift 1-2", None),
+        ("14 – Kick-down valve", None),
+        ("14 or 15", None),
+        ("14 mm", None),
+        ("14 cambio 1-2", "14"),
+        ("Klep nr. 20", "20"),
+        ("3 o'clock", None),
+    ],
+)
+def test_the_number_of_a_component_counts_beside_a_name_and_no_other(cell, component):
+    names = ControllerNames(load_controller("four_speed_2023"))
+    assert names.component(cell) == component
+
+
+@pytest.mark.parametrize(
+    ("title", "component"),
+    [
+        ("Zawór nr 14 – zmiana biegów 1-2", "14"),
+        ("VÁLVULA 18: de presión 18", "18"),
+        ("Valve body 14", None),
+        ("Job 14", None),
+        ("Ventil 14 und 15", None),
+        ("Valve 14: Kick-down valve", None),
+    ],
+)
+def test_a_title_names_a_component_by_its_number_behind_the_word_for_one(title, component):
+    names = ControllerNames(load_controller("four_speed_2023"))
+    assert names.component_in(title) == component

@@ -202,7 +202,7 @@ def test_a_row_of_sigma_is_a_spread(controller):
         (
             "Valve;Land;Spool Anna;Spool Ben",
             "tcc_regulator;1;10.998;10.999",
-            '"value spool=Spool Anna"',
+            '"value which 1=Spool Anna"',
         ),
         (
             "Valve;Land;Part;Shift 1 [mm];Shift 2 [mm]",

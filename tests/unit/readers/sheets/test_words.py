@@ -1,0 +1,93 @@
+"""What single words, headings and cells say, by example."""
+
+import datetime
+
+import pytest
+
+from atleak.readers.sheets.column_headings import besides_numbers, read_heading
+from atleak.readers.sheets.mapping import _position, rows_said
+from atleak.readers.sheets.words import (
+    direction_of,
+    is_marked,
+    is_page_title,
+    is_repeat_title,
+    is_state,
+    number,
+    numbers_in,
+    part_in,
+    part_said,
+    repeat_of,
+    says,
+    says_date,
+    says_specification,
+    says_unworn,
+    summary_of,
+)
+
+
+@pytest.mark.parametrize(
+    ("said", "expected"),
+    [
+        (says_specification("Nominal"), True),
+        (says_specification("Soll-Ø"), True),
+        (says_specification("nominal, but worn"), False),
+        (number("9.939 mm")[1].name, "mm"),
+        (number("Ø 17,998"), (17.998, None)),
+        (number("17.998*"), (17.998, None)),
+        (number("18.041 ± 0.002"), (18.041, None)),
+        (is_marked("17.998*"), True),
+        (is_marked("(17.998)"), True),
+        (is_marked("17.998"), False),
+        (is_marked("* measured twice"), False),
+        (part_said("Spool OD"), "spool"),
+        (part_said("Spool ID"), None),
+        (part_in("Pistons, 20 °C"), "spool"),
+        (part_in("Valve body 12"), None),
+        (part_in("spools and sleeves"), None),
+        (direction_of("0°-180°"), 0.0),
+        (direction_of("90/270"), 90.0),
+        (direction_of("0-90"), None),
+        (direction_of("12-6 h"), 90.0),
+        (repeat_of(2.0), 2),
+        (repeat_of("No. 2"), 2),
+        (repeat_of("II"), 2),
+        (repeat_of("1.5"), None),
+        (numbers_in("17,998 mm"), (17.998,)),
+        (numbers_in("was 17.991 before"), (17.991,)),
+        (numbers_in("12.05.2026"), ()),
+        (summary_of("Kolben Summe", key=True), "sum"),
+        (summary_of("Ø", key=True), "mean"),
+        (summary_of("σ", key=True), "spread"),
+        (says("Ausreißer", "counts_not"), True),
+        (says("do not use!", "counts_not"), True),
+        (says("no outlier", "counts_not"), False),
+        (says_unworn("niezużyty koniec"), True),
+        (says_unworn("no unworn end"), False),
+        (is_state("November"), True),
+        (is_state("90 000 km"), True),
+        (is_state("przed"), True),
+        (is_state("scratched"), False),
+        (is_repeat_title("2nd measurement"), True),
+        (is_repeat_title("Messung 2:"), True),
+        (is_repeat_title("Messung Mai"), False),
+        (is_page_title("Page 2 of 3"), True),
+        (is_page_title("Seite 2"), True),
+        (is_page_title("November"), False),
+        (says_date(datetime.date(2026, 8, 1)), True),
+        (says_date("08-Jan"), True),
+        (says_date("1. Aug"), True),
+        (says_date("8/1"), False),
+        (besides_numbers({"diameter", "1", "before", "spool"}), frozenset({"before"})),
+        (besides_numbers({"measurement", "2024"}), frozenset({"2024"})),
+        (read_heading("Position from left end [mm]").role, "position"),
+        (read_heading("Position").role, "component"),
+        (rows_said([1, 2, 3, 5]), "1-3,5"),
+        (rows_said([]), "none"),
+        (_position("C"), 2),
+        (_position("column 3"), 2),
+        (_position("3"), 2),
+        (_position("Ø"), None),
+    ],
+)
+def test_what_is_understood(said, expected):
+    assert said == expected
