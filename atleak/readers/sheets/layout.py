@@ -122,7 +122,7 @@ def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
     """Return the table without a "result" that is no diameter, and without raw readings beside others."""
     kept = []
     for column in table.columns:
-        if column.role == "component" and table.names_directions(column):
+        if column.role == "component" and column.rank < 3 and table.names_directions(column):
             column = replace(column, role="direction")
         if not column.tentative or sizes.fill(table.cells(column.index).values()):
             kept.append(column)
