@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 import re
 import tomllib
 from collections.abc import Callable
@@ -208,7 +209,7 @@ def leakiest(unit: Controller, fluid: Fluid) -> tuple[str, int]:
 
 @pytest.mark.parametrize(
     ("name", "side_um"),
-    first_of(zip(BODIES * 2, (70.0, 100.0) * 3, strict=True)),
+    first_of([(SMALL, 70.0), *itertools.product(BODIES[1:], (70.0, 100.0))]),
 )
 def test_a_worn_pump_is_named_first_and_no_unworn_valve(
     name: str, side_um: float, judge: Judge, sheet_of: SheetOf, capsys: pytest.CaptureFixture[str]
