@@ -141,16 +141,16 @@ def test_rows_of_one_inspection(run: Run, tmp_path: Path, record_of: RecordOf) -
 
 def test_columns_of_a_sheet_are_named_remembered_shared_and_forgotten(run: Run, tmp_path: Path) -> None:
     sheet, job, file = tmp_path / "scheda.csv", tmp_path / "job.zip", tmp_path / "map.json"
-    sheet.write_text("N.;Sezione;Cursore;Sede\naccumulator;1;17.998;18.041\n", encoding="utf-8")
+    sheet.write_text("Nr;Lõige;Siiber;Auk\naccumulator;1;17.998;18.041\n", encoding="utf-8")
     command = ("diagnose", sheet, "--controller", "minimal_example")
     status, _, err = run(*command)
     assert status == 2
     options = shlex.split(err[err.index("--map") :])
-    assert options[-1] == "value sleeve=Sede"
+    assert options[-1] == "value sleeve=Auk"
     status, _, err = run(*command, *options, "--unit", "value=mm", "--map-file", file, "--job-file", job)
     assert (status, err) == (0, f"atleak: columns are written to {file}\n")
     again = read_job_file(job)
-    assert dict(again.case.sheet_columns)["value sleeve"] == "Sede"
+    assert dict(again.case.sheet_columns)["value sleeve"] == "Auk"
     assert len(again.diagnose().readings.readings) == 2
     status, _, err = run(*command)  # remembered
     assert status == 0

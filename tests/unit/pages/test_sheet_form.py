@@ -22,7 +22,7 @@ from pages.shared.cases import PageCase, diagnosis_of
 from pages.shared.state import Refusal
 
 ROOT = Path(__file__).resolve().parents[3]
-ITALIAN = "Scheda di oggi\nN.;Sezione;Cursore;Sede\naccumulator;1;17.998;18.041\ntcc_regulator;1;10.998;11.031\n"
+ESTONIAN = "Leht\nNr;Lõige;Siiber;Auk\naccumulator;1;17.998;18.041\ntcc_regulator;1;10.998;11.031\n"
 
 
 @pytest.fixture
@@ -36,7 +36,7 @@ def form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, own_home: Path) -> App
         "from pages.shared.cases import PageCase\nfrom pages.shared.state import Refusal, session\nnow = session()\n"
         "if now.case.sample:\n"
         "    now.case = PageCase(controller='minimal_example')\n"
-        f"    file = SourceFile('scheda.csv', {ITALIAN.encode()!r})\n"
+        f"    file = SourceFile('scheda.csv', {ESTONIAN.encode()!r})\n"
         "    now.refused['readings'] = Refusal('scheda.csv', ReadingsError(Sentence('no')), file)\n"
         "sheet_form.draw(now.case)\n",
         encoding="utf-8",
@@ -85,13 +85,13 @@ def choose(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
 
 def test_a_refused_sheet_opens_it_filled_in_with_what_was_understood(form: AppTest) -> None:
     assert not form.exception
-    assert list(form.dataframe[0].value.iloc[1])[1:] == ["N.", "Sezione", "Cursore", "Sede"]
+    assert list(form.dataframe[0].value.iloc[1])[1:] == ["Nr", "Lõige", "Siiber", "Auk"]
     assert {text.label: text.value for text in form.text_input}["Rows of the headings"] == "2"
     assert columns(form) == {
-        "A · N.": (["Component"], None, None, None, None),
-        "B · Sezione": (["Plane or land"], None, None, None, None),
-        "C · Cursore": (["Diameters"], "spool", None, None, None),
-        "D · Sede": (["Diameters"], "sleeve", None, None, None),
+        "A · Nr": (["Component"], None, None, None, None),
+        "B · Lõige": (["Plane or land"], None, None, None, None),
+        "C · Siiber": (["Diameters"], "spool", None, None, None),
+        "D · Auk": (["Diameters"], "sleeve", None, None, None),
     }
 
 
@@ -115,14 +115,14 @@ def test_a_preview_shows_readings_or_what_a_guard_says_and_keeps_nothing(
 def test_two_columns_that_nothing_tells_apart_are_told(form: AppTest, edit: Callable[..., None]) -> None:
     edit(Part_3="spool")
     form = form.run()
-    assert any("Cursore and Sede are both said to be" in error.value for error in form.error)
+    assert any("Siiber and Auk are both said to be" in error.value for error in form.error)
     assert next(button for button in form.button if button.label == "Preview").disabled
 
 
 def test_twelve_columns_of_diameters_are_said_in_a_table(form: AppTest, edit: Callable[..., None]) -> None:
     kinds = [(part, angle, n) for part in ("spool", "sleeve") for angle in ("0°", "90°") for n in "123"]
     sizes = [size + 0.001 * int(n) for size in (17.99, 18.04) for _ in "ab" for n in "123"]
-    sheet = ";".join(["N.", "Sez.", *(f"k{n}" for n in range(12))]) + "\naccumulator;1;" + ";".join(map(str, sizes))
+    sheet = ";".join(["Nr", "Sez.", *(f"k{n}" for n in range(12))]) + "\naccumulator;1;" + ";".join(map(str, sizes))
     file = SourceFile("twelve.csv", sheet.encode())
     form.session_state["atleak"].refused["readings"] = Refusal("twelve.csv", ReadingsError(Sentence("no")), file)
     cells: dict[str, object] = {}
@@ -141,9 +141,9 @@ def test_what_is_used_is_remembered_and_makes_the_job(form: AppTest) -> None:
     case = form.session_state["atleak"].case
     assert case.readings is not None
     assert case.readings.name == "scheda.csv"
-    assert (dict(case.sheet_columns)["value sleeve"], case.sheet_unit) == ("Sede", "mm")
+    assert (dict(case.sheet_columns)["value sleeve"], case.sheet_unit) == ("Auk", "mm")
     (kept,) = recall_all(default_path()).values()
-    assert (kept.mapping["component"], dict(kept.units)) == ("N.", {"value": "mm"})
+    assert (kept.mapping["component"], dict(kept.units)) == ("Nr", {"value": "mm"})
     assert len(diagnosis_of(case).readings.readings) == 4
 
 
@@ -157,10 +157,10 @@ def test_a_click_leaves_a_row_out_or_fills_in_the_form_of_a_refused_sheet(
     assert form.session_state["atleak"].case.readings is None
     choose(column=3)
     next(box for box in form.run().selectbox if box.label == "Column D is").select("new").run()
-    assert columns(form)["D · Sede"][0] == ["When new, or nominal"]
+    assert columns(form)["D · Auk"][0] == ["When new, or nominal"]
     choose(row=0)
     form = press(form.run(), "The headings are in row 1")
-    assert "A · Scheda di oggi" in columns(form)
+    assert "A · Leht" in columns(form)
 
 
 OWN = "Valve;Land;Part;Diameter [mm]\n" + "".join(
@@ -190,7 +190,7 @@ def test_a_row_of_the_jobs_own_sheet_counts_no_more_and_again_by_one_click(
 
 def test_other_rows_of_headings_are_shown_and_wrong_ones_told(form: AppTest) -> None:
     next(text for text in form.text_input if text.label == "Rows of the headings").set_value("1").run()
-    assert columns(form)["A · Scheda di oggi"][0] == ["Component"]
+    assert columns(form)["A · Leht"][0] == ["Component"]
     next(text for text in form.text_input if text.label == "Rows of the headings").set_value("here").run()
     assert any("no rows" in error.value for error in form.error)
 
@@ -208,8 +208,8 @@ def test_a_cell_a_row_or_a_column_of_the_table_is_what_is_chosen() -> None:
 
 @pytest.mark.page("2_Measure")
 def test_the_page_names_its_own_fields_in_place_of_options_of_the_command_line(app: AppTest, own_home: Path) -> None:
-    file = SourceFile("scheda.csv", ITALIAN.encode())
-    with pytest.raises(ReadingsError, match=r"--map component=N\. --map") as caught:
+    file = SourceFile("scheda.csv", ESTONIAN.encode())
+    with pytest.raises(ReadingsError, match=r"--map component=Nr --map") as caught:
         read_readings(file.content, load_controller("minimal_example"), name=file.name)
     app.session_state["atleak"].refused["readings"] = Refusal(file.name, caught.value, file)
     app.run()
@@ -240,10 +240,10 @@ def test_the_page_asks_which_component_a_word_of_the_sheet_names(app: AppTest, o
 
 @pytest.mark.page("2_Measure")
 def test_the_page_says_first_since_when_columns_are_settled(app: AppTest, own_home: Path) -> None:
-    columns = {"component": "N.", "plane": "Sezione", "value spool": "Cursore", "value sleeve": "Sede"}
-    settled = read_readings(ITALIAN.encode(), load_controller("minimal_example"), name="a.csv", mapping=columns)
+    columns = {"component": "Nr", "plane": "Lõige", "value spool": "Siiber", "value sleeve": "Auk"}
+    settled = read_readings(ESTONIAN.encode(), load_controller("minimal_example"), name="a.csv", mapping=columns)
     remember_sheet(default_path(), settled)
-    sheet = SourceFile("b.csv", ITALIAN.replace("18.041", "18.042").encode())
+    sheet = SourceFile("b.csv", ESTONIAN.replace("18.041", "18.042").encode())
     app.session_state["atleak"].case = PageCase(controller="minimal_example", readings=sheet)
     app.run()
     assert not app.exception
