@@ -133,6 +133,10 @@ class ControllerNames:
             spelled.setdefault(plain(component.replace("_", " ")), component)
         return spelled
 
+    def spelled(self, component: str) -> list[str]:
+        """Return the ways in which a component may be named."""
+        return [name for name, named in self._spellings.items() if named == component]
+
     @cached_property
     def by_length(self) -> list[tuple[str, str]]:
         """Return every spelling of a component with its id, the longest first."""

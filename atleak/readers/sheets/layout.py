@@ -24,6 +24,7 @@ from atleak.readers.sheets.diameters import PlaceKey, filled_down
 from atleak.readers.sheets.mapping import NOTHING_SAID, SheetMapping
 from atleak.readers.sheets.rows import SheetRows
 from atleak.readers.sheets.table import (
+    COLUMNS,
     EXPECTED_SHEET,
     HeadedTable,
     best_header,
@@ -217,7 +218,9 @@ def _why_aside(table: HeadedTable, titles: Sequence[str]) -> Sentence | None:
     for title in titles:
         words = letters(title)
         counted = summary_of(title.partition(" ")[0]) in ("count", "spread") and words.any("diameter")
-        if counted or (words.any("specification_title", "calibration") and not words.any("of_reading", "error")):
+        by_gauge = part_in(title) is not None and table.of("component")  # "Bores, bore gauge" are measured with one
+        of_gauge = words.any("calibration") and not by_gauge
+        if counted or ((of_gauge or words.any("specification_title")) and not words.any("of_reading", "error")):
             return Sentence("by its title {title!r} no readings", title=title)
     if not table.of("component") and table.of("gauge"):
         return Sentence("a check of the instrument")
@@ -550,12 +553,14 @@ def require_one_measurement(read: Sequence[SheetRows], file: str) -> list[Readin
         for key in mine.values():
             first[key.component, key.part, key.plane].append((rows, key))
     if asked:
-        raise ReadingsError(
+        error = ReadingsError(
             Sentence("{count} sheets hold readings of the same planes", count=len(asked)),
             place=Place(file),
             value=", ".join(_quoted(asked)),
             expected=Sentence("one: say which sheet, or delete the others"),
         )
+        error.role = COLUMNS  # each may be of a valve that its name does not tell
+        raise error
     return problems
 
 

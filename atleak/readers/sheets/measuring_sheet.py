@@ -260,6 +260,9 @@ class _Measurement:
         by_coordinates = any(reading.coordinates is not None for reading in converted.readings)
         several = any(len({value.group for value in rows.table.values}) > 1 for rows in self.rows)
         sheets = dict.fromkeys(str(rows.table.sheet.name) for rows in self.filled)
+        # of a part that was not read at all, what is left aside may be the readings
+        half = len({reading.part for reading in converted.readings}) == 1
+        aside = (replace(each, level="warning") if half else each for each in self.account.messages)
         return Readings(
             file=self.chosen.file,
             sha256=digest,
@@ -275,7 +278,7 @@ class _Measurement:
                 *(message for rows in self.rows for message in rows.messages),
                 *converted.messages,
                 *self._about_sheet(),
-                *self.account.messages,
+                *aside,
                 *self.lands.messages,
                 *self._contradictions(),
                 *([_at_unworn_ends(converted.unworn)] if converted.unworn else ()),

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import permutations, zip_longest
+from itertools import islice, permutations, product, zip_longest
 from statistics import fmean, median
 
 from atleak.common.errors import InputError, ReadingsError
@@ -24,13 +24,15 @@ from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes
 from atleak.readers.sheets.layout import is_single, mapped_tables, turned
 from atleak.readers.sheets.mapping import ROLES, SheetMapping, diameter_role
 from atleak.readers.sheets.table import COLUMNS, HeadedTable, best_header, header_of
-from atleak.readers.sheets.words import is_blank, letters, number_of, part_of, part_said, plain, text_of
+from atleak.readers.sheets.valve_names import valves_by_name
+from atleak.readers.sheets.words import is_blank, letters, number_of, part_in, part_of, part_said, plain, text_of
 
 _LOOKED_AT = 60  # rows by which a column is told from another
 _FIRST = 300  # rows among which the first reading is looked for
 _MOST_CELLS = 20_000  # of sheets on which suggestions are tried
 _MOST_TRIED = 12  # offers
 _LEFT = ("column_aside", "not_read")  # what is said where a diameter may have been left aside
+_MOST_PARTS = 3  # words in a column that says spool or bore
 _FEWEST = 4  # rows of a column that tell what its numbers are
 _IN_UM = 1000.0  # a whole number from here on may be a diameter
 _ROUNDED = 6e-5  # of a diameter: how far a mean may be rounded
@@ -40,20 +42,27 @@ _DIRECTIONS = {
     ("0", "90"): ("0°", "90°"),
     ("90", "0"): ("90°", "0°"),
 }
+_ROMAN = re.compile(r"\bI{1,3}\b")
 _NOT_MEASURED = ("specification", "remark", "gauge", "mean")
 
 
 def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
     """Return the table that a sheet most likely holds: with the headings above the first row of a reading."""
     table, sizes = best_header(sheet), Sizes(names.controller)
-    for row, cells in enumerate(sheet.rows[:_FIRST]):
-        filled = [cell for cell in cells if not is_blank(cell)]
-        named = any(read_label(cell, names) or names.component(cell) in names.with_lands for cell in filled)
-        if named and any(
+
+    def measured(cells: Sequence[Cell]) -> bool:
+        return any(
             sizes.near(value, UNITS) and (value >= _IN_UM or not is_whole(cell))
             for cell in cells
             for value in numbers_of(cell)
-        ):
+        )
+
+    for row, cells in enumerate(sheet.rows[:_FIRST]):
+        filled = [cell for cell in cells if not is_blank(cell)]
+        named = any(read_label(cell, names) or names.component(cell) in names.with_lands for cell in filled)
+        if named and measured(cells):
+            while row and measured(sheet.rows[row - 1]):  # of a valve by a name that nobody knows
+                row -= 1
             above = [at for at in range(row) if _filled(sheet, at) and not is_single(sheet, at)][-2:]
             if table is not None and [table.last] == above[-1:]:
                 return table
@@ -124,6 +133,20 @@ class Guess:
             )
             most = {name for name, count in meanings.items() if 2 * count > len(cells[index])} - {"unit"}
             found |= dict.fromkeys(sorted(most), index) if len(most) > 1 else {}
+        words = {text_of(cell) for cell in cells.get(found.get("part", -1), ())}
+        if len(words) > _MOST_PARTS and not any(map(part_in, words)):
+            del found["part"]
+        lines = any(is_single(table.sheet, row) for row in table.rows)  # which may say it
+        if "component" not in found and not lines:
+            texts = {
+                index: [text_of(cell) for cell in cells[index]]
+                for index in cells
+                if index not in {*found.values(), *self._sized}
+            }
+            told = {index for index, of in texts.items() if any(map(number_of, of)) or any(map(part_in, of))}
+            kinds = {index: len(set(of)) for index, of in texts.items() if index not in told}
+            if max(kinds.values(), default=0) > _MOST_PARTS:
+                found["component"] = max(kinds, key=lambda index: (len(texts[index]), kinds[index], -index))
         if "part" not in found and (own := self._part_by_size([*found.values()])):
             found["part"] = own[0]
         return found
@@ -180,7 +203,7 @@ class Guess:
         lands = self.names.controller.lands
         least = median(land.nominal_sleeve_diameter / land.nominal_diameter - 1.0 for land in lands) / 5.0
         most = 2.0 * NOMINAL_TOLERANCE / min(land.nominal_diameter for land in lands)
-        parts = [sleeve / spool - 1.0 for spool, sleeve in pairs]
+        parts = [sleeve / spool - 1.0 if spool else 0.0 for spool, sleeve in pairs]
         return bool(parts) and all(max(least, 1e-9) <= part <= most for part in parts)
 
     @cached_property
@@ -198,7 +221,8 @@ class Guess:
         others = {*self._figures, *self.labels.values()}
         of_size = {index: self.table.role(index) for index in self._sized if index not in others}
         measured = sorted({*headed, *(index for index, role in of_size.items() if role not in _NOT_MEASURED)})
-        return measured or [index for index, role in of_size.items() if role == "mean"]
+        means = [index for index in self._sized if self.table.role(index) == "mean"]
+        return measured or [index for index in means if index not in self.labels.values()]
 
     @cached_property
     def _deviations(self) -> list[int]:
@@ -207,7 +231,7 @@ class Guess:
             numbers = [value for cell in cells for value in numbers_of(cell)]
             unit = unit_of_heading(self.table.heading(index))[1]
             small = unit is not None and numbers and max(map(abs, numbers)) <= NOMINAL_TOLERANCE / unit.factor
-            if small and index not in self.labels.values():
+            if small and index not in self.labels.values() and not letters(self.table.heading(index)).any("clearance"):
                 found.append((min(numbers) < 0.0, index))
         return [index for _, index in found] if any(below for below, _ in found) and len(found) < 3 else []
 
@@ -225,21 +249,27 @@ class Guess:
 
     @cached_property
     def _halves(self) -> dict[str, list[int]] | None:
-        """Return the columns of spools and those of bores, where one half of the diameters fits in the other."""
-        every = self.diameters if "part" not in self.labels and len(self.diameters) % 2 == 0 else []
-        half = len(every) // 2
-        for one, other in ((every[:half], every[half:]), (every[::2], every[1::2])):
+        """Return the columns of spools and those of bores, where some of the diameters fit in the others."""
+        every = self.diameters if "part" not in self.labels and len(self.diameters) > 1 else []
+        splits = [(every[:place], every[place:]) for place in range(1, len(every))]
+        for one, other in [
+            *sorted(splits, key=lambda split: abs(len(split[0]) - len(split[1]))),
+            (every[::2], every[1::2]),
+        ]:
             for spools, sleeves in ((one, other), (other, one)):
-                if self._fit(pair for at in zip(spools, sleeves, strict=True) for pair in self._beside(*at)):
+                longer = zip(spools, sleeves, strict=True) if len(one) == len(other) else product(spools, sleeves)
+                if every and self._fit(pair for at in longer for pair in self._beside(*at)):
                     return {"spool": spools, "sleeve": sleeves}
         return None
 
     def _sayings(self) -> Iterator[dict[str, int]]:
         """Yield what the columns of diameters may be, as far as headings and sizes tell, the likeliest first."""
-        headed = {_said(column): column.index for column in self.headed if column.role == "diameter"}
         every, parts = self.diameters, {column.part for column in self.headed} - {None}
-        if len(headed) < len(self.headed) and not parts:
-            headed = {}  # nothing tells them apart
+        means = all(self.table.role(index) == "mean" for index in every)
+        told = [column for column in self.headed if column.index in every and (column.role == "diameter" or means)]
+        headed = {_said(column): column.index for column in told}
+        apart = len(headed) == len(told)
+        headed = headed if apart and len(told) == len(self.headed) else {} if not (apart and parts) else headed
         unheaded = [index for index in every if not headed or self.table.role(index) != "diameter"]
         deviations, new = self._deviations, self.table.of("specification")
         if deviations and new and set(every) <= {*deviations}:
@@ -253,6 +283,12 @@ class Guess:
             return
         if deviations and not new and unheaded:
             return  # of sizes beside deviations only a person knows whether they are new ones or measured
+        if len(every) == 2 and len(headed) == 2 and len(parts) == 1 and "part" not in self.labels:
+            known = headed.pop(f"value {next(iter(parts))}", every[0])
+            other = next(index for index in every if index != known)
+            spool, sleeve = (known, other) if "spool" in parts else (other, known)
+            yield {"value spool": spool, "value sleeve": sleeve}
+            return
         if len(headed) > 1 or (headed and not unheaded):
             yield headed
         if len(every) == 2 and unheaded and "part" not in self.labels:
@@ -261,12 +297,12 @@ class Guess:
                 spool, sleeve = (known, *unheaded) if "spool" in parts else (*unheaded, known)
                 yield {"value spool": spool, "value sleeve": sleeve}
             elif self._halves is not None:
-                yield {f"value {part}": index for part, (index,) in self._halves.items()}
+                yield {f"value {part}": half[0] for part, half in self._halves.items()}
         elif "part" in self.labels and self.headed and not headed:
             yield from ({"value": index} for index in reversed(every))
         elif len(every) == 1 and not headed:
             yield {"value": every[0]}
-        yield from self._numbered(every if not parts else [])
+        yield from self._numbered(every if not parts or not apart else [])
 
     def _numbered(self, every: list[int]) -> Iterator[dict[str, int]]:
         """Yield columns whose headings differ in a number alone, as planes or repeats: of one part, or half of each."""
@@ -286,17 +322,24 @@ class Guess:
     def _counted(self, groups: Mapping[str, list[int]], place: str) -> Iterator[dict[str, int]]:
         found: dict[str, int] = {}
         for role, columns in groups.items():
+            if len(columns) == 1:
+                found[role] = columns[0]
+                continue
             if directions := self._directions(columns):
                 found |= {f"{role} {said}": index for said, index in zip(directions, columns, strict=True)}
                 continue
             headed = [self.table.heading(index) for index in columns]
+            if len(columns) > 2:  # of two, I and II may be directions, or before and after
+                headed = [_ROMAN.sub(lambda found: str(len(found[0])), text) for text in headed]
             texts = [re.findall(r"\d+|\D+", text) for text in headed]
             numbers = ["".join(part for part in text if part.isdigit()) for text in texts]
             alike = {plain(" ".join(part for part in text if not part.isdigit())) for text in texts} or {""}
             counted = [str(number + 1) for number in range(len(columns))]
             if len(alike) > 1 or "" in alike or (sorted(numbers) != counted if place == "repeat" else "" in numbers):
                 return
-            if place == "repeat" and any(besides_numbers(tokens_of(unit_of_heading(text)[0])) for text in headed):
+            told = all(any(map(part_of, letters(text))) for text in headed)  # "bore 1"
+            besides = (besides_numbers(tokens_of(unit_of_heading(text)[0])) for text in headed)
+            if place == "repeat" and not told and any(besides):
                 return  # "shift 1": whether these are repeats, only a person knows
             found |= {f"{role} {place} {number}": index for number, index in zip(numbers, columns, strict=True)}
         if len(found) == sum(map(len, groups.values())):
@@ -314,7 +357,28 @@ class Guess:
         said = {"spool": own[1], "sleeve": own[2]} if own and own[0] == self.labels.get("part") else {}
         cells = {text_of(cell) for index in self.diameters for cell in self._cells[index]}.difference(self.table.texts)
         missing = [text for text in sorted(cells) if text.strip() and not any(map(str.isdigit, text))]
-        return said | ({"missing": "|".join(missing)} if 0 < len(missing) < _FEWEST else {})
+        return {**said, **({"missing": "|".join(missing)} if 0 < len(missing) < _FEWEST else {}), **self.valves}
+
+    @cached_property
+    def valves(self) -> dict[str, str]:
+        """Return the sheet's own words for valves, as far as sizes and words tell which valve each is."""
+        return _own_valves(self.names, self.measured())
+
+    def measured(self, name: str = "") -> dict[str, dict[str, list[float]]]:
+        """Return the diameters under each name of a valve, by plane; ``name`` is that of the whole table."""
+        sheet, component, plane = self.table.sheet, self.labels.get("component"), self.labels.get("plane")
+        found: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
+        rows = {*range(max(self.table.first, 0)), *self.table.rows} if not name else set()
+        lines = {row for row in rows if is_single(sheet, row)}
+        for row in sorted(lines | {*self.table.rows}):
+            if component is not None:
+                name = text_of(sheet.filled(row, component))
+            elif row in lines:
+                name = next(text_of(cell) for cell in sheet.rows[row] if not is_blank(cell))
+            values = [numbers[row] for numbers in self._sized.values() if row in numbers]
+            if name and values:
+                found[name]["" if plane is None else text_of(sheet.filled(row, plane))] += values
+        return found
 
     def _lines(self) -> dict[str, str]:
         """Return the lines between the rows that hold the number of a component, as words of the sheet for it."""
@@ -338,10 +402,21 @@ class Guess:
             header = {"header": "none", "rows": f"{first}-{last}"}
         for said in self._sayings():
             roles = {role: column_name(self.table, index) for role, index in (self.labels | said).items()}
-            mapping = {**header, **roles, **self._lines(), **self.words}
+            named = self._names(pages)
+            own = {role: word for role, word in self.words.items() if not (named and role.startswith("component "))}
+            mapping = {**header, **roles, **self._lines(), **named, **own}
             yield mapping
             if "part" not in roles and not any("spool" in role for role in roles):
                 yield from self._by_titles(mapping, pages)
+
+    def _names(self, pages: Sequence[Sheet]) -> dict[str, str]:
+        """Return the names of worksheets as words of the file for valves, where each holds one."""
+        if "component" in self.labels or len(pages) < 2:
+            return {}
+        guesses = [(page.name or "", Guess(likely_table(page, self.names), self.names)) for page in pages]
+        return _own_valves(
+            self.names, {name: each for page, guess in guesses for name, each in guess.measured(page).items()}
+        )
 
     def _by_titles(self, mapping: dict[str, str], pages: Sequence[Sheet]) -> Iterator[dict[str, str]]:
         """Yield the titles or names of two tables as words for the parts, that of the smaller ones for the spool."""
@@ -355,6 +430,10 @@ class Guess:
             spool, sleeve = (word for _, word in sorted(zip(sums, words, strict=True)))
             if all(words) and len(set(words)) > 1:
                 yield {**mapping, "spool": spool, "sleeve": sleeve}
+
+
+def _own_valves(names: ControllerNames, measured: Mapping[str, Mapping[str, Sequence[float]]]) -> dict[str, str]:
+    return {f"component {valve}": name for name, valve in valves_by_name(names, measured).items()}
 
 
 def _said(column: HeadedColumn) -> str:
@@ -381,6 +460,8 @@ def options(said: Mapping[str, str], down: bool = False) -> Sentence:
     """Return what is said of a sheet as it is typed."""
     typed = " ".join([*(f"--map {_quoted(role, text)}" for role, text in said.items()), *["--fill-down"] * down])
     template = Sentence("which column is what: {options}")
+    if not any(role in ROLES or role.startswith("value") for role in said):
+        template = Sentence("which valve each name means, by its sizes and words; check each: {options}")
     if "spool" in said:  # by their sizes
         template = Sentence("which column is what, {spool!r} being the spool, as it is always smaller: {options}")
     return template.of(spool=said.get("spool", ""), options=Option("map", text=typed))
@@ -403,22 +484,20 @@ def _quoted(role: str, column: str) -> str:
 Read = Callable[[SheetMapping, bool], Readings]  # with what is said of the columns, and whether empty cells go on
 
 
-def _tried(
-    sheets: Sequence[Sheet], names: ControllerNames, said: SheetMapping, read: Read
-) -> tuple[dict[str, str], bool] | None:
+def _tried(likely: Iterable[dict[str, str]], said: SheetMapping, read: Read) -> tuple[dict[str, str], bool] | None:
     """Return the first offer with which the file is read, and whether empty cells go on; rather one that leaves none.
 
     What is said already goes first.
     """
     second = None
     values = any(name.startswith(("value", "deviation")) for name in said.chosen)
-    for _, offer in zip(range(_MOST_TRIED), offers(sheets, names), strict=False):
+    for offer in likely:
         kept = {role: text for role, text in offer.items() if not (values and role.startswith(("value", "deviation")))}
         mapping = {**kept, **said.chosen}
         for down in (False, True):
             with suppress(InputError):
-                messages = read(SheetMapping(mapping), down).messages
-                if not any(message.level == "warning" and message.code in _LEFT for message in messages):
+                warned = {each.code for each in read(SheetMapping(mapping), down).messages if each.level == "warning"}
+                if warned.isdisjoint(_LEFT):
                     return mapping, down
                 second = second or (mapping, down)
     return second
@@ -429,13 +508,20 @@ def suggest(
 ) -> None:
     """Say at the first problem that asks for columns how they are said, so that the file is read."""
     problems: Sequence[ReadingsError] = getattr(error, "problems", (error,))
-    asking = next((problem for problem in problems if problem.role == COLUMNS), None)
+    asking = next((problem for problem in problems if problem.role in (COLUMNS, "component")), None)
     if asking is None:
         return
-    found = _tried(sheets, names, said, read)
+    named = [sheet for sheet in sheets if sheet.name == asking.place.sheet]
+    page = _fullest(named or sheets)
+    columns = any(problem.role == COLUMNS for problem in problems)
+    turns = [] if columns else filter(None, (page, turned(page)))
+    valves = next(filter(None, (Guess(likely_table(turn, names), names).valves for turn in turns)), {})
+    if not columns and not valves:
+        return
+    likely = islice(offers(sheets, names), _MOST_TRIED) if columns else [valves]
+    found = _tried(likely, said, read)
     if found is None:
-        named = [sheet for sheet in sheets if sheet.name == asking.place.sheet]
-        typed = to_fill_in(_fullest(named or sheets), names)
+        typed = to_fill_in(page, names) if columns else options(valves)
     else:
         error.offer = found[0]
         new = {role: text for role, text in found[0].items() if said.chosen.get(role) != text}

@@ -75,7 +75,7 @@ def test_the_refusal_names_the_options_that_settle_the_sheet(example):
         assert sizes(read(sheet, example, mapping))[:2] == PAIRS[:2]
     with pytest.raises(ReadingsError, match="component=N° de pièce"):
         read(PLAIN.replace("Valve", "N° de pièce"), example)
-    titled = "Bore gauge #2, micrometer no. 7\n" + PLAIN
+    titled = "Gauge #2, micrometer no. 7\n" + PLAIN
     with pytest.raises(ReadingsError, match=r"is left aside.*--map component=Valve .*--map .value=Diameter"):
         read(titled, example)
     assert sizes(read(titled, example, {"header": "2"})) == PAIRS[:2]

@@ -1,0 +1,94 @@
+"""Valves by names that nobody taught: told by the sizes measured under them, and by words, numbers and letters."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from functools import cache
+
+import pytest
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.controller_file import load_controller
+from atleak.common.errors import ReadingsError
+from atleak.readers.sheets.controller_names import ControllerNames
+from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.readers.sheets.valve_names import valves_by_name
+
+
+@cache
+def body(name: str) -> Controller:
+    return load_controller(name)
+
+
+def measured(name: str, **called: str) -> dict[str, dict[str, list[float]]]:
+    """The diameters [mm] of valves of a body, each called by a name of the sheet's own."""
+    return {
+        text: {
+            str(land.planes[0]): [1e3 * land.nominal_diameter - 0.01, 1e3 * land.nominal_sleeve_diameter + 0.03]
+            for land in body(name).lands_of(component)
+        }
+        for component, text in called.items()
+    }
+
+
+def told(name: str, **called: str) -> dict[str, str]:
+    return valves_by_name(ControllerNames(body(name)), measured(name, **called))
+
+
+@pytest.mark.parametrize(
+    ("name", "called"),
+    [
+        ("ford_4r70w", {"pressure_regulator": "Main reg", "boost_valve": "Boost", "manual_valve": "Man. v/v"}),
+        ("ford_4r70w", {"shift_1_2": "1-2 shift", "shift_2_3": "2-3 shift", "shift_3_4": "3-4 shift"}),
+        ("jatco_jf506e", {"shift_valve_a": "Valvola A", "shift_valve_b": "Valvola B", "shift_valve_c": "Valvola C"}),
+        ("chrysler_41te", {"underdrive_accumulator": "UD acc", "overdrive_accumulator": "OD acc"}),
+    ],
+)
+def test_sizes_and_words_tell_which_valve_a_name_means(name: str, called: dict[str, str]) -> None:
+    assert told(name, **called) == {text: component for component, text in called.items()}
+
+
+def test_of_valves_of_one_size_words_that_tell_nothing_leave_both_open() -> None:
+    assert told("ford_4r70w", shift_1_2="this one", shift_2_3="that one") == {}
+
+
+def test_a_size_that_no_valve_has_names_none() -> None:
+    found = measured("ford_4r70w", boost_valve="Boost")
+    found["Boost"]["1"] = [20.0, 20.03]
+    assert valves_by_name(ControllerNames(body("ford_4r70w")), found) == {}
+
+
+def sheet(names: dict[str, str], *, bores: bool = True) -> bytes:
+    rows = ["Valve;Land;Spool [mm];Bore [mm]"]
+    for component, text in names.items():
+        for land in body("ford_4r70w").lands_of(component):
+            spool, sleeve = 1e3 * land.nominal_diameter - 0.012, 1e3 * land.nominal_sleeve_diameter + 0.031
+            rows.append(f"{text};{land.land};{spool:.3f};{sleeve if bores else 0:.3f}")
+    return "\n".join(rows).encode()
+
+
+CALLED = {"pressure_regulator": "Hauptdruckventil", "boost_valve": "Verstärker", "shift_1_2": "Umschalter 1-2"}
+
+
+def test_the_refusal_prints_the_names_that_settle_the_sheet_word_for_word() -> None:
+    content = sheet(CALLED)
+    with pytest.raises(ReadingsError, match="check each") as caught:
+        read_readings(content, body("ford_4r70w"), name="own.csv")
+    said = str(caught.value).partition("check each:")[2]
+    words = shlex.split(re.match(r"(?: --map (?:\"[^\"]+\"|\S+))+", said)[0])
+    mapping = dict(word.split("=", 1) for word in words if word != "--map")
+    assert mapping == {f"component {component}": text for component, text in CALLED.items()}
+    readings = read_readings(content, body("ford_4r70w"), name="own.csv", mapping=mapping)
+    assert {reading.component for reading in readings.readings} == set(CALLED)
+
+
+def test_a_zero_where_nothing_was_measured_ends_in_words() -> None:
+    with pytest.raises(ReadingsError, match=r"own\.csv"):
+        read_readings(sheet(CALLED, bores=False), body("ford_4r70w"), name="own.csv")
+
+
+def test_bores_in_a_worksheet_of_their_own_are_read_though_its_title_names_the_gauge() -> None:
+    titled = "Bores, bore gauge\nValve;Land;Reading 1\nboost_valve;1;9.53\n\nSpools, micrometer\nValve;Land;Reading 1\n"
+    readings = read_readings((titled + "boost_valve;1;9.49\n").encode(), body("ford_4r70w"), name="own.csv").readings
+    assert sorted(str(reading.part) for reading in readings) == ["sleeve", "spool"]
