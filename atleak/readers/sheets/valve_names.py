@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from atleak.common.errors import ReadingsError
 from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes
@@ -51,6 +50,8 @@ def valves_by_name(names: ControllerNames, measured: Mapping[str, Mapping[str, I
 
 
 def _best(agree: np.ndarray) -> tuple[float, list[tuple[int, int]]]:
+    from scipy.optimize import linear_sum_assignment  # of sheets with names of their own alone
+
     rows, columns = linear_sum_assignment(agree, maximize=True)
     return float(agree[rows, columns].sum()), list(zip(rows.tolist(), columns.tolist(), strict=True))
 
