@@ -77,7 +77,7 @@ def test_the_plan_of_typed_readings_is_no_job_number_any_more(run: Ran, tmp_path
     )
     assert json.loads(run("jobs", "list", "--text", "directions", "--json", "-")) == []
     assert {job["number"] for job in listed if job["vin"]} == {"A-1", "A-2", "B-7"}
-    before = tmp_path / "book.sqlite.before-0003"
+    before = tmp_path / "book.sqlite.before-0004"
     assert stat.S_IMODE(before.stat().st_mode) == 0o600 or os.name != "posix"
     run("jobs", "restore", before, "--force")  # the book as 0.2.0 wrote it: it comes in as it was brought up to date
     assert json.loads(run("jobs", "show", typed["id"], "--json", "-"))["job"] == shown["job"]
