@@ -15,16 +15,17 @@ heading = st.empty()
 if "framed" not in st.session_state:  # seen while all else is imported, read and computed
     heading.title(page.title)
 
-from pages.shared import book, panel, show  # noqa: E402
+from pages.shared import book, customer, panel, show  # noqa: E402
 
-panel.draw()
+diagnosis = panel.draw()
 entrance.draw_sign_out()
 heading.empty()
 try:
     with show.faults():
         page.run()
 finally:  # also where the page ends early
+    answered = customer.take_answers(diagnosis)
     news = book.keep(page.url_path)
     collect_soon()
-if news:
+if news or answered:
     st.rerun()

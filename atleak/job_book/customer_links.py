@@ -14,6 +14,7 @@ import sqlalchemy as sa
 from atleak.common.sentences import Sentence
 from atleak.job_book.book import Book, packed
 from atleak.job_book.tables import customer_links
+from atleak.measurements.job_card import clean_text
 from atleak.report.customer_screen import LETTERS, Answer, asked_for
 
 DAYS = 30  # for which an address is good
@@ -68,15 +69,6 @@ def links_of_job(book: Book, job: str) -> list[CustomerLink]:
     return _found(book, customer_links.c.job == job)
 
 
-def answers_of_job(book: Book, job: str) -> list[Answer]:
-    """Return what was answered at a job's addresses, the latest last."""
-    columns = customer_links.c.name, customer_links.c.answered_at, customer_links.c.agreed
-    answered = customer_links.c.job == job, customer_links.c.answered_at.is_not(None)
-    with book.reading() as connection:
-        rows = connection.execute(sa.select(*columns).where(*answered).order_by(customer_links.c.answered_at)).all()
-    return [Answer(row.name, row.answered_at, json.loads(row.agreed)) for row in rows]
-
-
 def close_link(book: Book, id: int) -> None:
     """Close an address: it shows nothing from now on; what was answered stays."""
     with book.writing() as connection:
@@ -85,7 +77,7 @@ def close_link(book: Book, id: int) -> None:
 
 
 def take_answer(book: Book, link: CustomerLink, name: str, said: Mapping[str, str]) -> bool:
-    """Keep what a customer answered; return whether it was a whole answer: else nothing is kept.
+    """Keep what a customer answered; return whether it was a whole answer to an open address: else nothing is kept.
 
     Parameters
     ----------
@@ -94,17 +86,18 @@ def take_answer(book: Book, link: CustomerLink, name: str, said: Mapping[str, st
     said
         ``yes`` or ``no`` by the key of every line that the address asks about; anything else is left aside.
     """
-    name, asked = " ".join(name.split()), asked_for(link.screen)
+    name, asked = clean_text(" ".join(name.split())), asked_for(link.screen)
     if not name or len(name) > LETTERS or not asked or any(said.get(key) not in ("yes", "no") for key in asked):
         return False
+    now = dt.datetime.now(dt.UTC)
     values = {
         "name": name,
-        "answered_at": dt.datetime.now(dt.UTC),
+        "answered_at": now,
         "agreed": json.dumps({key: said[key] == "yes" for key in asked}),
     }
     with book.writing() as connection:
-        connection.execute(customer_links.update().where(customer_links.c.id == link.id).values(**values))
-    return True
+        still_open = customer_links.c.id == link.id, customer_links.c.closed_at.is_(None), customer_links.c.until > now
+        return connection.execute(customer_links.update().where(*still_open).values(**values)).rowcount == 1
 
 
 def _found(book: Book, which: sa.ColumnElement[bool]) -> list[CustomerLink]:

@@ -233,10 +233,11 @@ class RepairDecision(Record):
         return self.component if self.land is None else f"{self.component}/{self.land}"
 
     def changed(self, **changes: Any) -> RepairDecision:
-        """Return it as the workshop changes it: another decision is no longer the customer's."""
-        if changes.get("decision", self.decision) != self.decision:
-            changes = {"decided_by": "", **changes}
-        return RepairDecision.model_validate(self.model_dump() | changes)
+        """Return it as the workshop changes it: another decision or price is no longer what the customer said."""
+        now = self.model_dump() | changes
+        same = all(now[name] == getattr(self, name) for name in ("repair", "work", "price", "hours"))
+        same &= now["decision"] == self.decision or (self.decision, now["decision"]) == ("approved", "done")
+        return RepairDecision.model_validate(now if same else {**now, "decided_by": changes.get("decided_by", "")})
 
 
 class LogFormula(Record):

@@ -69,18 +69,25 @@ def asked_for(screen: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(line["key"] for line in (screen["cost"] or {"lines": []})["lines"] if line["asked"])
 
 
+def offered(screen: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Return work and amount of each line of a screen, by its key."""
+    lines = (screen["cost"] or {"lines": []})["lines"]
+    return {line["key"]: (line["work"], line["amount"]) for line in lines}
+
+
 def shows_the_same(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
     """Tell whether two screens say the same and ask the same, whatever was answered."""
-
-    def told(screen: Mapping[str, Any]) -> list[object]:
-        lines = (screen["cost"] or {"lines": []})["lines"]
-        offered = [(line["key"], line["work"], line["amount"]) for line in lines]
-        return [screen["language"], screen["headline"], screen["sentence"], offered]
-
-    return told(one) == told(other)
+    said = [[screen[name] for name in ("language", "headline", "sentence")] for screen in (one, other)]
+    return said[0] == said[1] and offered(one) == offered(other)
 
 
-def written(screen: Mapping[str, Any], *, answer: Answer | None = None, asks: bool = False, fault: bool = False) -> str:
+def written(
+    screen: Mapping[str, Any],
+    *,
+    answer: Answer | None = None,
+    asks: bool = False,
+    sent: Mapping[str, str] | None = None,
+) -> str:
     """Write a screen as HTML that needs nothing else.
 
     Parameters
@@ -91,31 +98,19 @@ def written(screen: Mapping[str, Any], *, answer: Answer | None = None, asks: bo
         the one that was given last.
     asks
         whether a yes or no can be sent from it: only where an address serves it.
-    fault
-        whether what was sent last was not a whole answer.
+    sent
+        the fields of what was sent last and was no whole answer; None where nothing was.
     """
     script = (_TEMPLATES / "customer.js").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    say = wording(screen["language"])
-    thanks = None
-    if answer is not None:
-        thanks = say("customer_screen.thanks", name=answer.name, moment=say.moment(answer.at))
-    return _template().render(
-        **screen,
-        say=say,
-        answer=answer,
-        thanks=thanks,
-        asks=asks,
-        fault=fault,
-        script=script,
-        script_source=f"'sha256-{digest}'",
-    )
+    given = {"answer": answer, "asks": asks, "sent": sent, "script": script, "script_source": f"'sha256-{digest}'"}
+    return _template().render(**screen, **given, say=wording(screen["language"]))
 
 
-def closed(language: str) -> str:
-    """Return the page that stands where a screen is not shown any more, or never was."""
+def closed(language: str, *, busy: bool = False) -> str:
+    """Return the page that stands where a screen is not shown any more, or never was; or where the book is busy."""
     say = wording(language)
-    return _template().render(language=language, say=say, closed=True, script_source="'none'")
+    return _template().render(language=language, say=say, closed=True, busy=busy, script_source="'none'")
 
 
 @cache
@@ -131,14 +126,13 @@ class _Screen(PrintedPart):
     def data(self) -> dict[str, Any]:
         page, job = CustomerPage(self.names, signed=False), self.job
         said, look = page.data(), look_of(page.verdict)
-        first, _, last = job.customer.name.strip().partition(" ")
         return {
             "language": self.say.language,
             "closed": False,
             "workshop": job.workshop.name,
             "about": joined(
                 (
-                    last if first.endswith(",") else first,
+                    _first_name(job.customer.name),
                     job.vehicle.registration,
                     self.names.vehicle,
                     self.say.date(job.date) if job.date else "",
@@ -198,6 +192,14 @@ class _Screen(PrintedPart):
             "net": sum(float(each) for each in (line.part, line.work) if each is not None),
             "counts": line.carried_out,
             "asked": state in _ASKED,
-            "state": "" if state in (None, "proposed") else words.state(line),
+            "state": "" if state in (None, "proposed") else self.say.get("job_decisions", state),
+            "known": line.part is not None and line.work is not None,
             "agreed": {"approved": True, "declined": False}.get(state or ""),
         }
+
+
+def _first_name(name: str) -> str:
+    """Return the first of the names of a person, and nothing of one that may be a family's or a firm's."""
+    family, comma, given = name.partition(",")
+    names = (given if comma else family).split()
+    return names[0] if names and (comma or len(names) == 2) and not names[0].endswith(".") else ""

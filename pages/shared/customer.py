@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import datetime as dt
+from collections.abc import Callable, Mapping
+from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 import segno
@@ -16,11 +18,13 @@ from atleak.common.access import is_here_alone
 from atleak.common.errors import AtleakError
 from atleak.common.translations import languages
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.report.customer_screen import Answer, closed, customer_screen, shows_the_same, written
+from atleak.report.customer_screen import Answer, closed, customer_screen, offered, shows_the_same, written
 from pages.shared import book, plan, reader, show
 from pages.shared.state import RECORD, job, session
 
 PATH = "/customer"
+_TOLD = "answers-told"  # those that this session has taken or left
+_INSTANT = dt.timedelta(microseconds=1)
 _MOST = 20_000  # [bytes] of an answer
 _HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "same-origin", "X-Robots-Tag": "noindex"}
 
@@ -43,7 +47,8 @@ async def screen(request: Request) -> Response:
     if status == 303:
         return RedirectResponse(request.url.path, status_code=303)
     wanted = request.headers.get("accept-language", "")[:2]
-    return HTMLResponse(page or closed(wanted if wanted in languages() else "en"), status, _HEADERS)
+    page = page or closed(wanted if wanted in languages() else "en", busy=status == 503)
+    return HTMLResponse(page, status, _HEADERS)
 
 
 def _fields(body: bytes) -> dict[str, str]:
@@ -63,41 +68,52 @@ def _answered(token: str, sent: Mapping[str, str] | None) -> tuple[int, str | No
         return 200, written(link.screen, answer=link.answer, asks=True)
     if take_answer(book.book(), link, sent.get("name", ""), sent):
         return 303, None
-    return 422, written(link.screen, answer=link.answer, asks=True, fault=True)
+    return 422, written(link.screen, answer=link.answer, asks=True, sent=sent)
 
 
 # --- the workshop's side
 
 
-def take_answers(diagnosis: Diagnosis) -> None:
-    """Write into the record what the customer has answered since it was last looked at."""
-    in_book, record = session().in_book, job()
+def take_answers(diagnosis: Diagnosis) -> bool:
+    """Write into the record what the customer has answered since; return whether there was anything.
+
+    It is taken once what the page's fields hold is in the record. A line that was done since, or whose work or price
+    is no longer what the customer saw, is left as it is, and said.
+    """
+    in_book, known = session().in_book, [each.decided_at for each in job().repair_decisions if each.decided_at]
     if in_book.id is None or in_book.conflict is not None:
-        return
-    from atleak.job_book.customer_links import answers_of_job
+        return False
+    from atleak.job_book.customer_links import links_of_job
 
-    known = max((each.decided_at for each in record.repair_decisions if each.decided_at), default=None)
     try:
-        answers = answers_of_job(book.book(), in_book.id)
+        links = links_of_job(book.book(), in_book.id)
     except AtleakError:  # said where the job is saved
-        return
-    for answer in answers:
-        if known is None or answer.at > known:
-            _take(diagnosis, answer)
+        return False
+    told = st.session_state.setdefault(_TOLD, set())
+    answered = [(link, link.answer) for link in links if link.answer is not None]
+    new = [(link, answer) for link, answer in answered if answer.at > max(known, default=answer.at - _INSTANT)]
+    new = [(link, answer) for link, answer in new if (link.id, answer.at) not in told]
+    for link, answer in sorted(new, key=lambda each: each[1].at):
+        told.add((link.id, answer.at))
+        _take(diagnosis, link.screen, answer)
+    return bool(new)
 
 
-def _take(diagnosis: Diagnosis, answer: Answer) -> None:
-    said = [0, 0]
+def _take(diagnosis: Diagnosis, screen: Mapping[str, Any], answer: Answer) -> None:
+    counts = {"yes": 0, "no": 0, "left": 0}
+    say, asked = reader.say(), offered(screen)
+    now = offered(customer_screen(diagnosis, job(), language=screen["language"], units=say.units))
     for key, agreed in answer.agreed.items():
         line = next((each for each in plan.made(diagnosis).lines if each.key == key), None)
-        if line is not None and line.decision.decision != "done":
-            decided = {"decided_by": answer.name, "decided_at": answer.at, "date": answer.at.astimezone().date()}
-            changes = {"decision": "approved" if agreed else "declined", **decided}
-            st.session_state[RECORD] = with_line(job(), line, **changes)
-            said[agreed] += 1
-    if any(said):
-        no, yes = said
-        st.toast(show.plain(reader.say()("customer_link.answered", name=answer.name, yes=yes, no=no)))
+        if line is None or line.decision.decision == "done" or now.get(key) != asked[key]:
+            counts["left"] += 1
+            continue
+        decided = {"decided_by": answer.name, "decided_at": answer.at, "date": answer.at.astimezone().date()}
+        changes = {"decision": "approved" if agreed else "declined", **decided}
+        st.session_state[RECORD] = with_line(job(), line, **changes)
+        counts["yes" if agreed else "no"] += 1
+    left = say("customer_link.left", count=counts["left"]) if counts["left"] else ""
+    st.toast(show.plain(f"{say('customer_link.answered', name=answer.name, **counts)} {left}".strip()))
 
 
 def section(diagnosis: Diagnosis, name: str, language: str) -> None:
@@ -132,9 +148,10 @@ def section(diagnosis: Diagnosis, name: str, language: str) -> None:
     except AtleakError as error:
         st.error(show.error_line(error))
         return
-    if any(link.open for link in links) and is_here_alone(str(st.get_option("server.address"))):
-        st.info(say("customer_link.here_alone"))
     here = urlsplit(str(st.context.url or ""))
+    addresses = (str(st.get_option("server.address")), here.hostname or "")
+    if any(link.open for link in links) and any(map(is_here_alone, filter(None, addresses))):
+        st.info(say("customer_link.here_alone"))
     for link in links:
         with st.container(horizontal=True, vertical_alignment="center", key=f"customer-link-{link.id}"):
             if link.open:
@@ -146,8 +163,8 @@ def section(diagnosis: Diagnosis, name: str, language: str) -> None:
                 st.button(
                     say("customer_link.close"),
                     key=f"customer-close-{link.id}",
-                    on_click=close_link,
-                    args=(book.book(), link.id),
+                    on_click=_in_book,
+                    args=(close_link, link.id),
                 )
             moment = "until" if link.open else "closed"
             words = [say(f"customer_link.{moment}", made=say.moment(link.made_at), until=say.moment(link.until))]
@@ -163,9 +180,13 @@ def section(diagnosis: Diagnosis, name: str, language: str) -> None:
 def _make(made: Mapping[str, object]) -> None:
     from atleak.job_book.customer_links import make_link
 
-    id = book.job_id()
-    if id is not None:
-        try:
-            make_link(book.book(), id, made)
-        except AtleakError as error:
-            session().in_book.fault = error
+    if (id := book.job_id()) is not None:
+        _in_book(make_link, id, made)
+
+
+def _in_book(act: Callable[..., object], *given: object) -> None:
+    """Do something in the job book; what is wrong with it is said at the head of the page."""
+    try:
+        act(book.book(), *given)
+    except AtleakError as error:
+        session().in_book.fault = error

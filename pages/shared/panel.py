@@ -16,7 +16,7 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import SourceFile
 from atleak.job.result import Step, job_steps
-from pages.shared import book, choices, customer, drop_zone, dropped, fields, places, reader, show
+from pages.shared import book, choices, drop_zone, dropped, fields, places, reader, show
 from pages.shared.cases import PageCase, diagnosis_of, own_faults
 from pages.shared.state import FILES, choose, current_diagnosis, job, new_job, session, take_away, take_sample
 
@@ -55,7 +55,6 @@ def draw() -> Diagnosis:
         for notice in session().notices:
             st.caption(show.plain(notice(reader.say())))
     shown = diagnosis_of(session().good)
-    customer.take_answers(shown)
     with show.faults():
         _draw_steps(shown)
     with st.container():  # one element however many notices there are: the elements below keep their places

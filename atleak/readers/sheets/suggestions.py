@@ -460,11 +460,11 @@ def options(said: Mapping[str, str], down: bool = False) -> Sentence:
     """Return what is said of a sheet as it is typed."""
     typed = " ".join([*(f"--map {_quoted(role, text)}" for role, text in said.items()), *["--fill-down"] * down])
     template = Sentence("which column is what: {options}")
-    if not any(role in ROLES or role.startswith("value") for role in said):
-        template = Sentence("which valve each name means, by its sizes and words; check each: {options}")
     if "spool" in said:  # by their sizes
         template = Sentence("which column is what, {spool!r} being the spool, as it is always smaller: {options}")
-    return template.of(spool=said.get("spool", ""), options=Option("map", text=typed))
+    told = template.of(spool=said.get("spool", ""), options=Option("map", text=typed))
+    named = any(role.startswith("component ") for role in said)
+    return Sentence("check which valve each name means, taken by sizes and words; {told}", told=told) if named else told
 
 
 def to_fill_in(sheet: Sheet, names: ControllerNames) -> Sentence:

@@ -16,7 +16,7 @@ _WITHIN = 0.2e-3  # [m] of the nominal diameter: no land wears further
 _TOKEN = re.compile(r"\d+|[^\W\d_]+")
 _NEVER = -1e6
 _SURE = 0.3  # of a word, by which another pairing agrees less
-_ALIKE = 3  # letters with which two words begin that are one, shortened
+_ALIKE, _SHORTEST = 5, 3  # letters with which two words begin that are one, or fewer of one that is cut short
 
 
 def valves_by_name(names: ControllerNames, measured: Mapping[str, Mapping[str, Iterable[float]]]) -> dict[str, str]:
@@ -75,16 +75,23 @@ def _fits(
 
 def _agreement(name: str, spelled: str) -> float:
     """Return how many words, numbers and letters of two names agree, less those numbers and letters that do not."""
+    short = {plain(token) for token in _TOKEN.findall(name) if token.isupper()}  # UD, TCC
     one, other = (_TOKEN.findall(plain(text)) for text in (name, spelled))
     exact = [{token for token in tokens if token.isdigit() or len(token) == 1} for tokens in (one, other)]
     words = [[token for token in tokens if token not in exact[at]] for at, tokens in enumerate((one, other))]
-    alike = sum(any(a[:_ALIKE] == b[:_ALIKE] for b in words[1]) or _is_short_for(a, words[1]) for a in words[0])
-    return alike + 2.0 * len(exact[0] & exact[1]) - 2.0 * len(exact[0] ^ exact[1]) * bool(exact[1] or exact[0])
+    alike = sum(any(_alike(a, b) for b in words[1]) or (a in short and _is_short_for(a, words[1])) for a in words[0])
+    return alike + 2.0 * len(exact[0] & exact[1]) - 2.0 * len(exact[0] ^ exact[1]) * bool(exact[1] and exact[0])
+
+
+def _alike(one: str, other: str) -> bool:
+    """Return whether one word is the other cut short, or both begin with the same letters, as in two languages."""
+    least = min(len(one), len(other))
+    return least >= _SHORTEST and one[: min(least, _ALIKE)] == other[: min(least, _ALIKE)]
 
 
 def _is_short_for(letters: str, words: Sequence[str]) -> bool:
     """Return whether letters are the initials of words, or stand in one from its beginning: UD, of underdrive."""
     if letters in "".join(word[0] for word in words):
         return len(letters) > 1
-    inside = (iter(word) for word in words if word.startswith(letters[0]) and len(letters) <= _ALIKE)
+    inside = (iter(word) for word in words if word.startswith(letters[0]))
     return any(all(letter in signs for letter in letters) for signs in inside)

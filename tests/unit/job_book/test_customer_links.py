@@ -14,7 +14,6 @@ from atleak.job_book.book import Book
 from atleak.job_book.customer_links import (
     DAYS,
     CustomerLink,
-    answers_of_job,
     close_link,
     link_of,
     links_of_job,
@@ -70,7 +69,7 @@ def test_an_address_that_was_closed_shows_nothing_and_keeps_what_was_answered(bo
 )
 def test_what_is_no_whole_answer_is_not_kept(book: Book, link: CustomerLink, name: str, said: str) -> None:
     assert not take_answer(book, link, name, answered(link, said))
-    assert not answers_of_job(book, book.rows()[0].id)
+    assert not [each.answer for each in links_of_job(book, book.rows()[0].id) if each.answer]
 
 
 def test_what_an_address_does_not_ask_for_is_left_aside_and_the_last_answer_counts(
@@ -78,7 +77,7 @@ def test_what_an_address_does_not_ask_for_is_left_aside_and_the_last_answer_coun
 ) -> None:
     assert take_answer(book, link, "Ana", {**answered(link), "number": "yes", "other/1": "no"})
     assert take_answer(book, link, "Ana", answered(link, "no"))
-    (answer,) = answers_of_job(book, book.rows()[0].id)
+    (answer,) = [each.answer for each in links_of_job(book, book.rows()[0].id) if each.answer]
     assert answer.agreed == dict.fromkeys(asked_for(link.screen), False)
 
 

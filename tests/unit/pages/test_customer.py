@@ -82,6 +82,22 @@ def test_what_the_workshop_changes_after_an_answer_stays_and_is_no_longer_the_cu
     assert [each.decision for each in record(app).repair_decisions] == ["done", "approved"]
 
 
+def test_a_yes_to_another_price_is_no_approval(app: AppTest) -> None:
+    path = priced(app)
+    first, second = asked(asks("GET", path).text)
+    go(app, "5_Plan")
+    next(each for each in app.main.text_input if each.label.startswith("Price")).set_value("800").run()
+    asks("POST", path, data={"name": "Ana", first: "yes", second: "yes"})
+    app.run()
+    assert [(each.pair, each.decision, each.decided_by) for each in record(app).repair_decisions] == [
+        (first, "proposed", ""),
+        (second, "approved", "Ana"),
+    ]
+    fields = [each for each in app.main.text_input if each.label.startswith("Price")]
+    fields[1].set_value("90").run()
+    assert record(app).repair_decisions[1].decided_by == "", "another price is not what the customer agreed to"
+
+
 def test_nothing_but_a_whole_answer_to_an_open_address_is_taken(app: AppTest) -> None:
     path = priced(app)
     first, second = asked(asks("GET", path).text)

@@ -53,6 +53,12 @@ def test_of_valves_of_one_size_words_that_tell_nothing_leave_both_open() -> None
     assert told("ford_4r70w", shift_1_2="this one", shift_2_3="that one") == {}
 
 
+@pytest.mark.parametrize("text", ["Shift valve", "Válvula de cambio", "Clapet de commande"])
+def test_a_name_that_any_valve_of_the_size_may_have_is_asked_about(text: str) -> None:
+    for name in ("ford_4r70w", "gm_4l60e", "toyota_a340e"):
+        assert told(name, shift_1_2=text) == {}
+
+
 def test_a_size_that_no_valve_has_names_none() -> None:
     found = measured("ford_4r70w", boost_valve="Boost")
     found["Boost"]["1"] = [20.0, 20.03]
@@ -73,9 +79,9 @@ CALLED = {"pressure_regulator": "Hauptdruckventil", "boost_valve": "Verstärker"
 
 def test_the_refusal_prints_the_names_that_settle_the_sheet_word_for_word() -> None:
     content = sheet(CALLED)
-    with pytest.raises(ReadingsError, match="check each") as caught:
+    with pytest.raises(ReadingsError, match="check which valve") as caught:
         read_readings(content, body("ford_4r70w"), name="own.csv")
-    said = str(caught.value).partition("check each:")[2]
+    said = str(caught.value).partition("which column is what:")[2]
     words = shlex.split(re.match(r"(?: --map (?:\"[^\"]+\"|\S+))+", said)[0])
     mapping = dict(word.split("=", 1) for word in words if word != "--map")
     assert mapping == {f"component {component}": text for component, text in CALLED.items()}
