@@ -18,7 +18,7 @@ from atleak.common.access import is_here_alone
 from atleak.common.errors import AtleakError
 from atleak.common.translations import languages
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.report.customer_screen import Answer, closed, customer_screen, offered, shows_the_same, written
+from atleak.report.customer_screen import Answer, closed, offered, shows_the_same, written
 from pages.shared import book, plan, reader, show
 from pages.shared.state import RECORD, job, session
 
@@ -100,6 +100,8 @@ def take_answers(diagnosis: Diagnosis) -> bool:
 
 
 def _take(diagnosis: Diagnosis, screen: Mapping[str, Any], answer: Answer) -> None:
+    from atleak.report.pdf.customer_screen import customer_screen
+
     counts = {"yes": 0, "no": 0, "left": 0}
     say, asked = reader.say(), offered(screen)
     now = offered(customer_screen(diagnosis, job(), language=screen["language"], units=say.units))
@@ -118,6 +120,8 @@ def _take(diagnosis: Diagnosis, screen: Mapping[str, Any], answer: Answer) -> No
 
 def section(diagnosis: Diagnosis, name: str, language: str) -> None:
     """Offer the customer's screen as a file, and addresses of it; say what was answered."""
+    from atleak.report.pdf.customer_screen import customer_screen
+
     say, in_book = reader.say(), session().in_book
     made = customer_screen(diagnosis, job(), language=language, units=say.units)
     with st.container(horizontal=True):

@@ -23,7 +23,8 @@ from atleak.job_book.customer_links import (
 from atleak.job_book.erasure import erase
 from atleak.job_book.tables import customer_links
 from atleak.measurements.job_card import Customer
-from atleak.report.customer_screen import asked_for, customer_screen
+from atleak.report.customer_screen import asked_for
+from atleak.report.pdf.customer_screen import customer_screen
 
 DECISIONS = ({"component": "tcc_regulator", "land": 1, "price": 120.5, "decision": "proposed"},)
 

@@ -12,7 +12,8 @@ from atleak.common.translations import languages
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.measurements.job_card import Customer, EstimateTerms, Job, RepairDecision, Vehicle, Workshop
-from atleak.report.customer_screen import Answer, asked_for, closed, customer_screen, shows_the_same, written
+from atleak.report.customer_screen import Answer, asked_for, closed, shows_the_same, written
+from atleak.report.pdf.customer_screen import customer_screen
 
 LINES = (
     RepairDecision(component="25", price=120.0, hours=1.5, decision="proposed"),

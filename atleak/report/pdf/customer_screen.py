@@ -1,0 +1,131 @@
+"""Say what the customer's screen shows: what the first page of the report says, in fewer words.
+
+Of personal data it holds plate and first name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from atleak.analysis.estimate import Line
+from atleak.analysis.repair.options import decimals
+from atleak.common.style import look_of
+from atleak.common.units import PERCENT
+from atleak.common.wording import wording
+from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.measurements.job_card import Job
+from atleak.report.pdf.blocks import joined
+from atleak.report.pdf.customer import CustomerPage, can_be_agreed_to
+from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
+
+_ASKED = None, "proposed", "approved", "declined", "deferred"  # states that a customer may still change
+_ABREAST = 3  # valves that are drawn beside one another: a phone is narrow
+
+
+def customer_screen(diagnosis: Diagnosis, job: Job, *, language: str = "en", units: str = "metric") -> dict[str, Any]:
+    """Return what the customer's screen shows, as JSON can keep it; `atleak.report.customer_screen` writes it.
+
+    Parameters
+    ----------
+    diagnosis
+        the frozen result.
+    job
+        what the workshop wrote down, and decided.
+    language
+        one of `atleak.common.wording.languages`: the customer's.
+    units
+        one of `atleak.common.units.SYSTEMS`.
+
+    Raises
+    ------
+    InputError
+        if language or units are unknown.
+    """
+    return _Screen(PrintedNames(diagnosis, job, wording(language, units))).data
+
+
+class _Screen(PrintedPart):
+    """The screen of one diagnosis and its job."""
+
+    @property
+    def data(self) -> dict[str, Any]:
+        page, job = CustomerPage(self.names, signed=False), self.job
+        said, look = page.data(), look_of(page.verdict)
+        return {
+            "language": self.say.language,
+            "closed": False,
+            "workshop": job.workshop.name,
+            "about": joined(
+                (
+                    _first_name(job.customer.name),
+                    job.vehicle.registration,
+                    self.names.vehicle,
+                    self.say.date(job.date) if job.date else "",
+                ),
+                " · ",
+            ),
+            "look": {"sign": look.sign, "tint": look.tint, "words": look.on_tint, "line": look.line},
+            "headline": said["headline"],
+            "urgency": " ".join(said["urgency"]),
+            "picture": page.drawing(_ABREAST),
+            "sentence": next(page.held(), self.say("customer_screen.escapes") if page.valves else ""),
+            "bars": [*self._bars()],
+            "bars_at": self.say("customer_screen.bars", condition=self.say.condition(self.diagnosis.worst.condition)),
+            "assumed": bool(self.diagnosis.provisional),
+            "cost": self._cost(page),
+        }
+
+    def _bars(self) -> Iterator[dict[str, Any]]:
+        """Yield how much of what the pump delivers is lost now, after the repairs and when new, where it is worst."""
+        diagnosis, words = self.diagnosis, self.names.estimate
+        worst, pump_known = diagnosis.worst, diagnosis.worst_total not in diagnosis.pump.lacking
+        if not diagnosis.judged or diagnosis.impossible or worst.pump_capacity <= 0.0 or not pump_known:
+            return
+        lost = {"now": worst.share}
+        if words is not None and any(line.carried_out for line in words.estimate.lines):
+            lost["after"] = next(at.share for at in words.estimate.ends if at.condition == worst.condition)
+        for name, share in (lost | {"new": diagnosis.new_at(worst).share}).items():
+            litres = self.say.number(share * PERCENT, 0)
+            yield {"name": self.say(f"customer_screen.{name}"), "litres": litres, "width": round(min(share, 1.0), 3)}
+
+    def _cost(self, page: CustomerPage) -> dict[str, Any] | None:
+        """Return the lines of the estimate that can be agreed to, or were, and their sum; None where there is none."""
+        words = self.names.estimate
+        if words is None:
+            return None
+        tax, currency = words.estimate.terms.tax_percent, words.estimate.currency
+        return {
+            "lines": [self._line(page, line) for line in filter(can_be_agreed_to, words.estimate.lines)],
+            "sum": words.summed(words.estimate.total.gross, words.estimate.total.complete),
+            "complete": words.estimate.total.complete,
+            "currency": currency,
+            "digits": decimals(currency),
+            "tax": tax or 0.0,
+            "together": self.say(
+                f"customer_screen.together{'_with_tax' if tax else ''}", tax=self.say.plain(tax or 0.0)
+            ),
+        }
+
+    def _line(self, page: CustomerPage, line: Line) -> dict[str, Any]:
+        words, state = self.names.estimate, line.decision.decision
+        assert words is not None  # of which the line is
+        return {
+            "key": line.key,
+            "valve": page.about(line.decision),
+            "work": words.work(line),
+            "amount": words.amount(line),
+            "net": sum(float(each) for each in (line.part, line.work) if each is not None),
+            "counts": line.carried_out,
+            "asked": state in _ASKED,
+            "state": "" if state in (None, "proposed") else self.say.get("job_decisions", state),
+            "known": line.part is not None and line.work is not None,
+            "agreed": {"approved": True, "declined": False}.get(state or ""),
+        }
+
+
+def _first_name(name: str) -> str:
+    """Return the first of the names of a person, and nothing of one that may be a family's or a firm's."""
+    family, comma, given = name.partition(",")
+    names = (given if comma else family).split()
+    return names[0] if names and (comma or len(names) == 2) and not names[0].endswith(".") else ""
