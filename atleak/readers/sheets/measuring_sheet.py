@@ -260,9 +260,10 @@ class _Measurement:
         by_coordinates = any(reading.coordinates is not None for reading in converted.readings)
         several = any(len({value.group for value in rows.table.values}) > 1 for rows in self.rows)
         sheets = dict.fromkeys(str(rows.table.sheet.name) for rows in self.filled)
-        # of a part that was not read at all, what is left aside may be the readings
+        # of a part that was not read, what is left aside may be the readings; so may a sheet that no mapping fits
         half = len({reading.part for reading in converted.readings}) == 1
-        aside = (replace(each, level="warning") if half else each for each in self.account.messages)
+        doubted = {each.code for each in self.account.messages if half or (self.said and each.code == "sheet_aside")}
+        aside = (replace(each, level="warning") if each.code in doubted else each for each in self.account.messages)
         return Readings(
             file=self.chosen.file,
             sha256=digest,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import re
 import shlex
 from functools import cache
 
 import pytest
+from openpyxl import Workbook
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
@@ -98,3 +100,20 @@ def test_bores_in_a_worksheet_of_their_own_are_read_though_its_title_names_the_g
     titled = "Bores, bore gauge\nValve;Land;Reading 1\nboost_valve;1;9.53\n\nSpools, micrometer\nValve;Land;Reading 1\n"
     readings = read_readings((titled + "boost_valve;1;9.49\n").encode(), body("ford_4r70w"), name="own.csv").readings
     assert sorted(str(reading.part) for reading in readings) == ["sleeve", "spool"]
+
+
+def test_bores_that_are_left_aside_are_warned_of_where_no_other_bore_is_read() -> None:
+    table = "Valve;Land;Spool [mm];Bore min [mm];Bore max [mm]\nboost_valve;1;9.49;9.53;9.54\n"
+    messages = read_readings(table.encode(), body("ford_4r70w"), name="own.csv").messages
+    assert [each.level for each in messages if each.code == "column_aside"] == ["warning", "warning"]
+
+
+def test_a_worksheet_that_no_mapping_fits_is_warned_of() -> None:
+    book, target = Workbook(), io.BytesIO()
+    for sheet, heading, land, diameter in ((book.active, "Vlv", 1, 9.49), (book.create_sheet("More"), "Wtf", 2, 12.98)):
+        sheet.append([heading, "Ld", "S mm", "B mm"])
+        sheet.append(["boost_valve", land, diameter, diameter + 0.04])
+    target_columns = {"component": "Vlv", "plane": "Ld", "value spool": "S mm", "value sleeve": "B mm"}
+    book.save(target)
+    read = read_readings(target.getvalue(), body("ford_4r70w"), name="own.xlsx", mapping=target_columns)
+    assert [each.level for each in read.messages if each.code == "sheet_aside"] == ["warning"]
