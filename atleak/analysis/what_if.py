@@ -1,7 +1,7 @@
 """Try a unit at another temperature, wear, fluid, speed, gear or position of its spools; the job stays as it is.
 
-`tried` computes it at one condition, beside the job's own result and the source study's variants; `map_over` over
-temperature and wear at once: its share of the pump's flow and every pressure that it holds.
+`tried` computes it at one condition, beside the job's own result; `map_over` over temperature and wear at once: its
+share of the pump's flow and every pressure that it holds.
 """
 
 from __future__ import annotations
@@ -15,12 +15,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from atleak.analysis.source_study import VARIANTS, Variant
 from atleak.catalogue.controller import Land
 from atleak.catalogue.fluid import Fluid, FluidState
 from atleak.catalogue.limits import Level
 from atleak.catalogue.operating_point import OperatingPoint
-from atleak.common.errors import DomainError, InputError, Message, unknown
+from atleak.common.errors import InputError, Message, unknown
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.rules import Rule, permissible_steps, unit_rules
@@ -30,7 +29,6 @@ from atleak.engine.operation import LINE, Operation, spread_over
 from atleak.engine.projection import Projection, model_unworn, project, project_unworn, stated_condition
 from atleak.measurements.clearances import LandClearance
 
-STUDY_CONTROLLER = "four_speed_2023"  # the valve body of the source study
 COUNT = 31  # of temperatures, and of wears: choice of this project, what lies between is drawn as straight lines
 _LOWEST, _HIGHEST = 20.0, 140.0  # [°C] between which ATF works: choice of this project
 
@@ -243,45 +241,6 @@ def tried(diagnosis: Diagnosis, settings: WhatIf) -> Tried:
             *narrow_gap_messages(projection.gaps),
         ),
     )
-
-
-@dataclass(frozen=True)
-class StudyTrial:
-    """One variant of the source study, and this unit tried likewise."""
-
-    variant: Variant
-    here: Projection | None  # None where it cannot be tried
-    why_not: Sentence  # "" where it can
-
-
-def like_the_study(diagnosis: Diagnosis, settings: WhatIf) -> tuple[StudyTrial, ...]:
-    """Try a unit as each of the source study's variants W1 to W8, at the condition of the settings.
-
-    Taken from a variant are temperature, wear and age of the fluid: every land as new and grown by the variant's
-    fraction. Fluid, pressures, engine speed, gear and position of the spools are those of the settings. The article's
-    own numbers are of its valve body, and the largest of its road test: they compare with another unit's in how they
-    grow from variant to variant, not in size.
-    """
-    trials = []
-    for variant in VARIANTS:
-        as_variant = replace(
-            settings,
-            temperature=variant.temperature,
-            wear=0.0,
-            growth=variant.wear,
-            fluid_state="used" if variant.used_oil else "fresh",
-        )
-        try:
-            here = project(as_variant.model(diagnosis), as_variant.condition(diagnosis))
-            trials.append(StudyTrial(variant, here, Sentence("")))
-        except (DomainError, InputError) as error:
-            trials.append(StudyTrial(variant, None, error.sentence))
-    return tuple(trials)
-
-
-def is_the_study_s(diagnosis: Diagnosis) -> bool:
-    """Return whether the unit's valve body is that of the source study."""
-    return diagnosis.controller.id == STUDY_CONTROLLER
 
 
 _MOST = {Axis.WEAR: 3.0, Axis.GROWTH: 1.0}  # wear that a map shows at least: likewise

@@ -1,49 +1,57 @@
-"""Show a unit as it is tried: beside the job, over temperature and wear, and beside the source study's variants."""
+"""Try a unit otherwise, beside the job, and over temperature and wear; what is tried never reaches the job."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
+from typing import Any, get_args
 
 import numpy as np
 import streamlit as st
 
-from atleak.analysis.what_if import (
-    Axis,
-    Map,
-    StudyTrial,
-    Tried,
-    WhatIf,
-    is_the_study_s,
-    like_the_study,
-    map_over,
-    temperatures_to_try,
-    tried,
-    wears_to_try,
-)
+from atleak.analysis.what_if import Axis, Map, WhatIf, map_over, temperatures_to_try, tried, wears_to_try
+from atleak.catalogue.fluid import FluidState
+from atleak.catalogue.written_numbers import ENGINE_SPEED, TEMPERATURE, AskedNumber, decimal_number
 from atleak.common.errors import AtleakError
-from atleak.common.units import KPA
+from atleak.common.units import KPA, PERCENT, RPM, gear_name
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.operation import LINE
+from atleak.engine.profile import UNKNOWN
 from atleak.report.charts.condition_figures import MapPlace, pressure_map, share_map
-from atleak.report.tables.what_if import study_table, tried_circuit_table, tried_total_table, tried_words
-from pages.shared import reader, show, what_if_form
-from pages.shared.cases import PageCase, result_key
+from atleak.report.tables.what_if import tried_circuit_table, tried_total_table, tried_words
+from pages.shared import address, fields, reader, show
+from pages.shared.cases import PageCase, catalogue_entry, catalogue_list, shown_name
+from pages.shared.state import session
+
+_MOST_WEAR, _MOST_GROWTH = 5.0, 200  # that can be tried: times as measured, and %
+_POSITIONS: tuple[float | str | None, ...] = (None, 0.0, 0.25, 0.5, 0.75, 1.0, UNKNOWN)
+_AS_IN_JOB: dict[str, Any] = {
+    "point": None, "temperature": None, "speed": None, "gear": None, "wear": 1.0, "growth": 0, "fluid": None,
+    "state": None, "position": None,
+}  # fmt: skip
+_ADDRESS = "tried"  # what is tried, in the address: ``wear:2.0;gear:3``
+_LABELS = {"temperature": "temperature", "speed": "engine_speed"}
+_NUMBERS: dict[str, tuple[type[float] | type[int], tuple[float, float]]] = {  # of an address, each with its range
+    "temperature": (float, TEMPERATURE.limits),
+    "speed": (float, ENGINE_SPEED.limits),
+    "gear": (int, (-9, 99)),
+    "wear": (float, (0.0, _MOST_WEAR)),
+    "growth": (int, (0.0, _MOST_GROWTH)),
+    "position": (float, (-math.inf, math.inf)),
+}
 
 
 @st.fragment
 @show.faults()
 def draw(case: PageCase, diagnosis: Diagnosis) -> None:
     """Show the controls and what follows from them; a change runs this alone, as it touches nothing of the job."""
-    settings = what_if_form.draw(case, diagnosis)
+    settings = _settings(case, diagnosis)
     try:
         _beside(diagnosis, settings)
     except AtleakError as error:
         st.error(show.plain(error))
     try:
         _maps(diagnosis, settings)
-        _study(case, diagnosis, settings)
     except AtleakError:
         return  # said above
 
@@ -61,12 +69,6 @@ def _beside(diagnosis: Diagnosis, settings: WhatIf) -> None:
     reserve.metric(say("what_if.reserve"), say.number(now.reserve, 2))
     show.table(tried_total_table(diagnosis, here, say))
     st.caption(say("what_if.judged") if diagnosis.judged else say("what_if.not_judged"))
-    _circuits(diagnosis, here)
-    show.messages(here.messages, say("what_if.messages"))
-
-
-def _circuits(diagnosis: Diagnosis, here: Tried) -> None:
-    say = reader.say()
     circuits = tried_circuit_table(diagnosis, here, say)
     with st.container():
         if circuits.rows:
@@ -74,6 +76,7 @@ def _circuits(diagnosis: Diagnosis, here: Tried) -> None:
             show.table(circuits)
         else:
             st.caption(say("what_if.no_circuits"))
+    show.messages(here.messages, say("what_if.messages"))
 
 
 def _maps(diagnosis: Diagnosis, settings: WhatIf) -> None:
@@ -107,21 +110,158 @@ def _pressure(diagnosis: Diagnosis, over: Map, job: MapPlace, now: MapPlace) -> 
             show.chart(pressure_map(over, name, job, now, say), f"what-if-{name}")
 
 
-def _study(case: PageCase, diagnosis: Diagnosis, settings: WhatIf) -> None:
-    """Show the unit tried as each of the source study's variants, beside what the article prints."""
+# --- what is tried
+
+
+@dataclass
+class _Kept:
+    """What is tried; temperature [°C] and speed [1/min] only where they are not those of the operating point."""
+
+    owner: tuple[int, str]  # the job that it departs from
+    turn: int  # part of every widget's key: a reset gives fresh ones
+    chosen: dict[str, Any]
+
+
+def _start(diagnosis: Diagnosis) -> None:
+    """Keep what this session tries, after a reload what the address has; another job starts anew."""
+    owner, kept = (session().generation, diagnosis.controller.sha256), st.session_state.get("what-if")
+    if kept is None or kept.owner != owner:
+        turn = 0 if kept is None else kept.turn + 1
+        st.session_state["what-if"] = _Kept(owner, turn, _AS_IN_JOB | read_tried(address.kept(_ADDRESS)))
+
+
+def read_tried(written: str) -> dict[str, Any]:
+    """Return what an address says is tried; what cannot be read, or is out of range, is as in the job."""
+    tried: dict[str, Any] = {}
+    for name, _, text in (part.partition(":") for part in written.split(";")):
+        value: Any = text
+        if name in _NUMBERS and (name, text) != ("position", UNKNOWN):
+            number, (kind, (low, high)) = decimal_number(text), _NUMBERS[name]
+            if number is None or not low <= number <= high:
+                continue
+            value = kind(number)
+        if name in _AS_IN_JOB and text:
+            tried[name] = value
+    return tried
+
+
+def _write() -> None:
+    """Keep in the address what differs from the job."""
+    chosen = st.session_state["what-if"].chosen
+    differing = (f"{name}:{chosen[name]}" for name, own in _AS_IN_JOB.items() if chosen[name] != own)
+    address.keep(_ADDRESS, ";".join(differing))
+
+
+def _reset() -> None:
+    kept = st.session_state["what-if"]
+    kept.turn, kept.chosen = kept.turn + 1, dict(_AS_IN_JOB)
+    _write()
+
+
+def _settings(case: PageCase, diagnosis: Diagnosis) -> WhatIf:
+    """Show the controls and return what is tried."""
     say = reader.say()
-    st.subheader(say("what_if.study"))
-    alike = replace(settings, temperature=None, wear=1.0, growth=0.0, fluid_state=None)
-    fluid = "" if settings.fluid is None else settings.fluid.origin.sha256
-    trials = _trials(f"{result_key(case)} {replace(alike, fluid=None)} {fluid}", diagnosis, alike)
-    show.table(study_table(trials, say))
-    st.caption(say("what_if.study_about"))
-    st.caption(say("what_if.study_own" if is_the_study_s(diagnosis) else "what_if.study_other"))
-    for trial in trials:
-        if trial.here is None:
-            st.caption(say("what_if.why_not", variant=trial.variant.name, why=show.plain(say.sentence(trial.why_not))))
+    _start(diagnosis)
+    first, second, third = st.columns(4), st.columns(2), st.columns(3)
+    points = {each.condition.name: each.condition for each in diagnosis.presented}
+    stated = diagnosis.projection.condition
+    labels = {name: say.condition(point) for name, point in points.items()}
+    labels[stated.name] = say("what_if.stated", label=labels[stated.name])
+    point = _select(first[0], "point", labels, stated.name)
+    base = points[point]
+    owner = f"{_key('at')}-{point}"
+    with first[1]:
+        temperature = _number("temperature", TEMPERATURE, base.temperature, f"{owner}-t")
+    with first[2]:
+        rpm = round(base.engine_speed * RPM, 6)
+        typed = _number("speed", ENGINE_SPEED, rpm, f"{owner}-n")
+    gears = dict.fromkeys([*diagnosis.controller.gears, base.gear])
+    gear = _select(first[3], "gear", {each: gear_name(each) for each in gears}, base.gear)
+    wear = _slide(second[0], "wear", 0.0, _MOST_WEAR, 0.05)
+    growth = _slide(second[1], "growth", 0, _MOST_GROWTH, 5)
+    fluid = _select(third[0], "fluid", _fluids(diagnosis), None)
+    state = _select(third[1], "state", _states(diagnosis), None)
+    position = _select(third[2], "position", _positions(diagnosis), None)
+    st.button(say("what_if.reset"), on_click=_reset, key="what-if-reset")
+    _write()
+    return WhatIf(
+        point=point,
+        temperature=temperature,
+        engine_speed=base.engine_speed if typed == rpm else typed / RPM,
+        gear=gear,
+        wear=wear,
+        growth=growth / PERCENT,
+        fluid=catalogue_entry("fluid", fluid or case.fluid or diagnosis.controller.usual_fluid),
+        fluid_state=state,
+        eccentricity=position,
+    )
 
 
-@st.cache_resource(max_entries=16, show_spinner=False)
-def _trials(key: str, _diagnosis: Diagnosis, _settings: WhatIf) -> Sequence[StudyTrial]:
-    return like_the_study(_diagnosis, _settings)
+def _key(name: str) -> str:
+    return f"what-if-{name}-{st.session_state['what-if'].turn}"
+
+
+def _keep(name: str, key: str) -> None:
+    chosen = st.session_state["what-if"].chosen
+    chosen[name] = st.session_state[key]
+    if name == "point":
+        chosen |= {"temperature": None, "speed": None, "gear": None}  # begin with those of the point
+
+
+def _number(name: str, asked: AskedNumber, own: float, key: str) -> float:
+    """Show a number's field; ``own`` is that of the operating point."""
+    chosen = st.session_state["what-if"].chosen
+    start = own if chosen[name] is None else chosen[name]
+    value = fields.number(reader.say()(f"what_if.{_LABELS[name]}"), asked, start, key=key)
+    chosen[name] = None if value == own else value
+    return value
+
+
+def _select(place: Any, name: str, labels: dict[Any, str], otherwise: Any) -> Any:
+    """Show a choice; ``otherwise`` is what the job has."""
+    say, options, key = reader.say(), list(labels), f"{_key(name)}-{otherwise}"
+    chosen = st.session_state["what-if"].chosen
+    if chosen[name] not in options:  # of an address that was written for another unit, or by hand
+        chosen[name] = _AS_IN_JOB[name]
+    return place.selectbox(
+        say(f"what_if.{name}"),
+        options,
+        options.index(otherwise if chosen[name] is None else chosen[name]),
+        key=key,
+        format_func=labels.__getitem__,
+        help=say.table("what_if").get(f"{name}_help"),
+        on_change=_keep,
+        args=(name, key),
+    )
+
+
+def _slide(place: Any, name: str, low: Any, high: Any, step: Any) -> Any:
+    say, key = reader.say(), _key(name)
+    return place.slider(
+        say(f"what_if.{name}"), low, high, st.session_state["what-if"].chosen[name], step, "localized",
+        key=key, help=say(f"what_if.{name}_help"), on_change=_keep, args=(name, key),
+    )  # fmt: skip
+
+
+def _fluids(diagnosis: Diagnosis) -> dict[str | None, str]:
+    say = reader.say()
+    as_in_job = say("what_if.fluid_job", name=say.name(diagnosis.fluid.name))
+    known = catalogue_list("fluid").entries
+    return {None: as_in_job, **{name: shown_name(entry, say) for name, entry in known.items()}}
+
+
+def _states(diagnosis: Diagnosis) -> dict[FluidState | None, str]:
+    say = reader.say()
+    names = {state: say(f"what_if.{state}") for state in get_args(FluidState)}
+    return {None: say("what_if.state_job", state=names[diagnosis.fluid.state]), **names}
+
+
+def _positions(diagnosis: Diagnosis) -> dict[float | str | None, str]:
+    say = reader.say()
+    words = {0.0: "centred", 1.0: "touching", UNKNOWN: "unknown"}
+
+    def named(position: Any) -> str:
+        return say(f"what_if.position_{words[position]}") if position in words else say.plain(position)
+
+    own = say("what_if.position_job", position=named(diagnosis.profile.eccentricity))
+    return {each: own if each is None else named(each) for each in _POSITIONS}

@@ -1,10 +1,8 @@
-"""Show a unit as it is tried as rows: totals and pressures beside those of the job, and beside the source study."""
+"""Show a unit as it is tried as rows: totals and pressures beside those of the job."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from atleak.analysis.what_if import StudyTrial, Tried
+from atleak.analysis.what_if import Tried
 from atleak.catalogue.limits import RuleKind
 from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, gear_name
 from atleak.common.verdicts import Band, Verdict
@@ -94,16 +92,3 @@ def tried_circuit_table(diagnosis: Diagnosis, tried: Tried, say: Wording) -> Tab
     solved = diagnosis.profile.circuits == "on"
     applied = [state for state in tried.projection.circuits if solved and not state.vented]
     return Table("circuits", columns, applied, say)
-
-
-def study_table(trials: Sequence[StudyTrial], say: Wording) -> Table:
-    """Return a row for every variant of the source study: this unit tried likewise, and what the article prints."""
-    columns = (
-        Column("study_variant", width=64, of=lambda trial: trial.variant.name),
-        Column("temperature", "temperature", of=lambda trial: trial.variant.temperature),
-        Column("study_growth", "percent", 0, of=lambda trial: trial.variant.wear, times=PERCENT),
-        Column("fluid_is", of=lambda trial: say("what_if.used" if trial.variant.used_oil else "what_if.fresh")),
-        Column("share_here", "percent", 2, of=lambda trial: trial.here and trial.here.share, times=PERCENT),
-        Column("share_printed", "percent", 2, of=lambda trial: float(trial.variant.printed_max_share)),
-    )
-    return Table("study", columns, trials, say)

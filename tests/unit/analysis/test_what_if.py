@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from atleak.analysis.what_if import Axis, WhatIf, like_the_study, map_over, temperatures_to_try, tried, wears_to_try
+from atleak.analysis.what_if import Axis, WhatIf, map_over, temperatures_to_try, tried, wears_to_try
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import Fluid, load_fluid
@@ -192,21 +192,6 @@ def test_a_job_with_used_fluid_is_tried_with_fresh_one(name: str, fluid: str, li
     fresh, used = (diagnose(controller, data, limits, fluid_state=state) for state in ("fresh", "used"))
     again = tried(used, WhatIf(fluid_state="fresh"))
     assert again.projection.share == pytest.approx(fresh.projection.share, rel=1e-9, abs=0.0)
-    shares = [[trial.here and trial.here.share for trial in like_the_study(each, WhatIf())] for each in (fresh, used)]
-    assert shares[1] == shares[0]
-    assert sum(share is not None for share in shares[1]) > 5
-
-
-def test_the_study_s_variants_are_tried_with_this_unit(sample_diagnoses: dict[str, Diagnosis]) -> None:
-    unit = sample_diagnoses["workshop"]
-    trials = {each.variant.name: each for each in like_the_study(unit, WhatIf(wear=2.5))}
-    assert list(trials) == ["W1", "W2", "W3", "W4", "W5", "W6", "W7", "W8"]
-    by_hand = WhatIf(temperature=80.0, wear=0.0, growth=0.5, fluid_state="used")
-    fourth = trials["W4"].here
-    assert fourth is not None
-    assert fourth.share == project(by_hand.model(unit), by_hand.condition(unit)).share
-    shares = [each.here.share for each in trials.values() if each.here is not None]
-    assert shares[0] < shares[1] < shares[2] < shares[3]
 
 
 def test_circuits_whose_set_pressure_follows_the_condition_have_rows_of_their_own(
@@ -215,14 +200,6 @@ def test_circuits_whose_set_pressure_follows_the_condition_have_rows_of_their_ow
     rows = tried_circuit_table(worn_clutch, tried(worn_clutch, WhatIf(wear=2.0)), wording("en")).records()
     assert {row["circuit"] for row in rows} <= {circuit.name for circuit in three_circuits.circuits}
     assert any(row["new_held"] is not None for row in rows)
-
-
-def test_a_variant_that_cannot_be_tried_says_why(worn_clutch: Diagnosis) -> None:
-    used = WhatIf(fluid=load_fluid("hipol_atf_iid_used"))
-    trials = {each.variant.name: each for each in like_the_study(worn_clutch, used)}
-    assert trials["W1"].here is None
-    assert "describe a used fluid" in trials["W1"].why_not
-    assert trials["W2"].here is not None
 
 
 def test_a_band_begins_where_a_single_trial_reaches_it(worn_units: dict[str, Diagnosis]) -> None:

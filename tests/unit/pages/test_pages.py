@@ -93,7 +93,7 @@ def test_a_fault_of_atleak_is_a_message_on_its_page(app: AppTest, monkeypatch: p
     for page, breaks in {
         "3_In_the_car": "pages.shared.road.findings",
         "4_Diagnosis": "pages.shared.answer.draw",
-        "5_Plan?plan=what_if": "pages.shared.what_if_form.draw",
+        "5_Plan?plan=what_if": "pages.shared.what_if._settings",
         "6_Report": "pages.shared.conditions.undecided",
     }.items():
         with monkeypatch.context() as broken:

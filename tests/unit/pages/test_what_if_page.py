@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from streamlit.testing.v1 import AppTest
 
-from pages.shared.what_if_form import read_tried
+from pages.shared.what_if import read_tried
 from tests.unit.pages.conftest import go, texts
 
 
