@@ -93,6 +93,11 @@ class JobRow:
     sample: bool  # made of the sample data
 
     @property
+    def order(self) -> tuple[dt.date, float, dt.datetime]:
+        """Return by what the visits of a unit follow one another."""
+        return self.date or self.made_on or dt.date.min, self.mileage_km or 0.0, self.changed_at
+
+    @property
     def in_words(self) -> Sentence:
         """Return whose job it is, in words."""
         parts = [part for part in (self.number, self.customer, self.date, self.plate, self.vin, self.serial) if part]

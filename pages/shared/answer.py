@@ -10,14 +10,14 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.tables.answer import answer_facts, missing_table
 from atleak.report.tables.first_sentence import first_sentence, shown_verdict
 from atleak.report.tables.sentences import caveat_marks
-from pages.shared import places, reader, show
+from pages.shared import customer, places, reader, show
 from pages.shared.state import job
 
 _COLOURS = {"success": "green", "warning": "orange", "error": "red", "info": "blue"}
 
 
 def draw_head(diagnosis: Diagnosis) -> None:
-    """Name vehicle, mileage, unit and complaint in a line, with the way to the report beside it."""
+    """Name vehicle, mileage, unit and complaint in a line, with the customer's screen and the report beside it."""
     say, record = reader.say(), job()
     vehicle, unit = record.vehicle, record.transmission
     known = [
@@ -30,7 +30,9 @@ def draw_head(diagnosis: Diagnosis) -> None:
     ]
     with st.container(horizontal=True, horizontal_alignment="distribute", vertical_alignment="center", key="head"):
         st.markdown(" · ".join(f"**{show.plain(each)}**" for each in known if each))
-        st.page_link(places.page("Report"), label=say("pages.Report"), width="content")
+        with st.container(horizontal=True, vertical_alignment="center", width="content"):
+            customer.draw_button(diagnosis)
+            st.page_link(places.page("Report"), label=say("pages.Report"), width="content")
 
 
 def draw(diagnosis: Diagnosis) -> None:

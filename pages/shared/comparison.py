@@ -7,6 +7,7 @@ from functools import partial
 import streamlit as st
 
 from atleak.analysis.changes import Comparison
+from atleak.common.errors import AtleakError
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -44,7 +45,7 @@ def choose() -> Chosen | None:
         a job file that is none, or a job that is not in the book.
     """
     say, rows = reader.say(), _offered()
-    earlier = _visit_before(rows)
+    earlier, _ = _visits_beside(rows)
     sides = []
     for column, side, usual in zip(st.columns(2), ("before", "after"), (earlier or FILE, THIS), strict=True):
         with column:
@@ -76,16 +77,30 @@ def _offered() -> dict[str, JobRow]:
     return {row.id: row for row in rows}
 
 
-def _visit_before(rows: dict[str, JobRow]) -> str | None:
-    """Return the id of the job of the same unit's visit before this session's job; None without one."""
+def _visits_beside(rows: dict[str, JobRow]) -> tuple[str | None, str | None]:
+    """Return the ids of the jobs of this unit's visits before and after this session's; None without one."""
     this = rows.get(job_id() or "")
     if this is None:
-        return None
+        return None, None
     others = [row for row in rows.values() if (row.unit, row.controller) == (this.unit, this.controller)]
     others = [row for row in others if row.visit != this.visit and row.archived_at is None]
-    dated = [row for row in others if row.date is not None and (this.date is None or row.date <= this.date)]
-    latest = max(dated or others, key=lambda row: (row.date is not None, row.date, row.changed_at), default=None)
-    return None if latest is None else latest.id
+    others.sort(key=lambda row: row.order)
+    before = [row.id for row in others if row.order < this.order]
+    return before[-1] if before else None, next((row.id for row in others if row.id not in before), None)
+
+
+def beside() -> Comparison | None:
+    """Return this session's job beside the visit of its unit before it, else after it; None without another."""
+    try:
+        jobs, here = book(), job_id()
+        unit = None if here is None else unit_of_visit(jobs, here)
+        rows = [] if unit is None else jobs.rows(Query(unit=unit, limit=None))
+        before, after = _visits_beside({row.id: row for row in rows})
+        sides = [_job("", each) for each in (before, THIS, None if before else after) if each is not None]
+        first, second = sides if len(sides) > 1 else (None, None)
+        return None if first is None or second is None else compared(first, second).comparison
+    except AtleakError:  # said in full where two visits are compared
+        return None
 
 
 def _label(rows: dict[str, JobRow], say: Wording, chosen: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+import secrets
 from collections.abc import Callable, Mapping
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
@@ -19,11 +20,14 @@ from atleak.common.errors import AtleakError
 from atleak.common.translations import languages
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.customer_screen import Answer, closed, offered, shows_the_same, written
-from pages.shared import book, plan, reader, show
+from pages.shared import book, comparison, plan, reader, show
 from pages.shared.state import RECORD, job, session
 
 PATH = "/customer"
 _TOLD = "answers-told"  # those that this session has taken or left
+_SHOWN = "customer-shown"  # token of the screen to be opened
+_UNKEPT: dict[str, dict[str, Any]] = {}  # screens of jobs that the book does not hold, by token: the latest
+_MOST_UNKEPT = 20
 _INSTANT = dt.timedelta(microseconds=1)
 _MOST = 20_000  # [bytes] of an answer
 _HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "same-origin", "X-Robots-Tag": "noindex"}
@@ -63,7 +67,7 @@ def _answered(token: str, sent: Mapping[str, str] | None) -> tuple[int, str | No
 
     link = link_of(book.book(), token)
     if link is None:
-        return 404, None
+        return (200, written(_UNKEPT[token])) if token in _UNKEPT else (404, None)
     if sent is None:
         return 200, written(link.screen, answer=link.answer, asks=True)
     if take_answer(book.book(), link, sent.get("name", ""), sent):
@@ -118,12 +122,42 @@ def _take(diagnosis: Diagnosis, screen: Mapping[str, Any], answer: Answer) -> No
     st.toast(show.plain(f"{say('customer_link.answered', name=answer.name, **counts)} {left}".strip()))
 
 
-def section(diagnosis: Diagnosis, name: str, language: str) -> None:
-    """Offer the customer's screen as a file, and addresses of it; say what was answered."""
+def _screen(diagnosis: Diagnosis, language: str) -> dict[str, Any]:
     from atleak.report.pdf.customer_screen import customer_screen
 
-    say, in_book = reader.say(), session().in_book
-    made = customer_screen(diagnosis, job(), language=language, units=say.units)
+    return customer_screen(diagnosis, job(), language=language, units=reader.say().units, visits=comparison.beside())
+
+
+def draw_button(diagnosis: Diagnosis) -> None:
+    """Offer to show the customer this job, in a tab of its own."""
+    st.button(reader.say()("customer_link.show_customer"), key="customer-show", on_click=_show, args=(diagnosis,))
+    show.refused(_SHOWN)
+    if token := st.session_state.pop(_SHOWN, ""):
+        address = f"'{PATH}/{token}'"
+        opens = f"window.open({address}) ?? location.assign({address})"
+        st.html(f"<script>{opens}</script>", unsafe_allow_javascript=True)
+
+
+def _show(diagnosis: Diagnosis) -> None:
+    """Take the open address that shows the job as it is, or make one; a job that is not in the book takes no answer."""
+    from atleak.job_book.customer_links import links_of_job, make_link
+
+    screen, id = _screen(diagnosis, reader.say().language), book.job_id()
+    if id is None:
+        token = st.session_state[_SHOWN] = secrets.token_urlsafe()
+        _UNKEPT[token] = screen
+        for old in list(_UNKEPT)[:-_MOST_UNKEPT]:
+            _UNKEPT.pop(old, None)
+        return
+    with show.refusing(_SHOWN):
+        known = (each for each in links_of_job(book.book(), id) if each.open and shows_the_same(each.screen, screen))
+        link = next(known, None) or make_link(book.book(), id, screen)
+        st.session_state[_SHOWN] = link.token
+
+
+def section(diagnosis: Diagnosis, name: str, language: str) -> None:
+    """Offer the customer's screen as a file, and addresses of it; say what was answered."""
+    say, in_book, made = reader.say(), session().in_book, _screen(diagnosis, language)
     with st.container(horizontal=True):
         st.download_button(
             say("customer_link.file"),

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from atleak.analysis.changes import Comparison
 from atleak.analysis.estimate import Line
 from atleak.analysis.repair.options import decimals
 from atleak.common.style import look_of
@@ -23,7 +24,14 @@ _ASKED = None, "proposed", "approved", "declined", "deferred"  # states that a c
 _ABREAST = 3  # valves that are drawn beside one another: a phone is narrow
 
 
-def customer_screen(diagnosis: Diagnosis, job: Job, *, language: str = "en", units: str = "metric") -> dict[str, Any]:
+def customer_screen(
+    diagnosis: Diagnosis,
+    job: Job,
+    *,
+    language: str = "en",
+    units: str = "metric",
+    visits: Comparison | None = None,
+) -> dict[str, Any]:
     """Return what the customer's screen shows, as JSON can keep it; `atleak.report.customer_screen` writes it.
 
     Parameters
@@ -36,17 +44,30 @@ def customer_screen(diagnosis: Diagnosis, job: Job, *, language: str = "en", uni
         one of `atleak.common.wording.languages`: the customer's.
     units
         one of `atleak.common.units.SYSTEMS`.
+    visits
+        this result beside that of another visit of the unit.
 
     Raises
     ------
     InputError
         if language or units are unknown.
     """
-    return _Screen(PrintedNames(diagnosis, job, wording(language, units))).data
+    return _Screen(PrintedNames(diagnosis, job, wording(language, units)), visits).data
 
 
 class _Screen(PrintedPart):
     """The screen of one diagnosis and its job."""
+
+    def __init__(self, names: PrintedNames, visits: Comparison | None) -> None:
+        super().__init__(names)
+        known = visits is not None and _total_known(visits.before) and _total_known(visits.after)
+        leading = visits.leading if visits is not None and known else None
+        both = (None, None) if leading is None else (leading.before, leading.after)
+        self.is_later = visits is not None and visits.after is self.diagnosis
+        here, self.other = both[::-1] if self.is_later else both
+        self.worst = here or self.diagnosis.worst
+        share = None if leading is None else leading.share
+        self.changed = self.is_later and share is not None and share.significant is not False
 
     @property
     def data(self) -> dict[str, Any]:
@@ -69,23 +90,31 @@ class _Screen(PrintedPart):
             "headline": said["headline"],
             "urgency": " ".join(said["urgency"]),
             "picture": page.drawing(_ABREAST),
-            "sentence": next(page.held(), self.say("customer_screen.escapes") if page.valves else ""),
+            "sentence": self._sentence(page),
             "bars": [*self._bars()],
-            "bars_at": self.say("customer_screen.bars", condition=self.say.condition(self.diagnosis.worst.condition)),
+            "bars_at": self.say("customer_screen.bars", condition=self.say.condition(self.worst.condition)),
             "assumed": bool(self.diagnosis.provisional),
             "cost": self._cost(page),
         }
 
+    def _sentence(self, page: CustomerPage) -> str:
+        """Say what was lost at the visit before and is lost now, where that is not the measuring alone; else why."""
+        if self.other is not None and self.changed:
+            before, now = (self.say.number(each.share * PERCENT, 0) for each in (self.other, self.worst))
+            return self.say("customer_screen.since", before=before, now=now)
+        return next(page.held(), self.say("customer_screen.escapes") if page.valves else "")
+
     def _bars(self) -> Iterator[dict[str, Any]]:
-        """Yield how much of what the pump delivers is lost now, after the repairs and when new, where it is worst."""
-        diagnosis, words = self.diagnosis, self.names.estimate
-        worst, pump_known = diagnosis.worst, diagnosis.worst_total not in diagnosis.pump.lacking
-        if not diagnosis.judged or diagnosis.impossible or worst.pump_capacity <= 0.0 or not pump_known:
+        """Yield how much of what the pump delivers is lost now, at another visit, after the repairs and when new."""
+        words, worst = self.names.estimate, self.worst
+        if not _total_known(self.diagnosis) or worst.pump_capacity <= 0.0:
             return
         lost = {"now": worst.share}
+        if self.other is not None:
+            lost = {"before": self.other.share, **lost} if self.is_later else {**lost, "later": self.other.share}
         if words is not None and any(line.carried_out for line in words.estimate.lines):
             lost["after"] = next(at.share for at in words.estimate.ends if at.condition == worst.condition)
-        for name, share in (lost | {"new": diagnosis.new_at(worst).share}).items():
+        for name, share in (lost | {"new": self.diagnosis.new_at(worst).share}).items():
             litres = self.say.number(share * PERCENT, 0)
             yield {"name": self.say(f"customer_screen.{name}"), "litres": litres, "width": round(min(share, 1.0), 3)}
 
@@ -122,6 +151,13 @@ class _Screen(PrintedPart):
             "known": line.part is not None and line.work is not None,
             "agreed": {"approved": True, "declined": False}.get(state or ""),
         }
+
+
+def _total_known(diagnosis: Diagnosis) -> bool:
+    """Tell whether the total says something of the valve body, and not of a pump that is worn or not described."""
+    if not diagnosis.judged or diagnosis.impossible:
+        return False
+    return diagnosis.worst_total not in diagnosis.pump.lacking
 
 
 def _first_name(name: str) -> str:

@@ -12,8 +12,10 @@ from streamlit.testing.v1 import AppTest
 from atleak.job.case import Case, SourceFile
 from atleak.job.parts import job_parts
 from atleak.job_book.book import open_book
+from atleak.job_book.customer_links import links_of_job
 from atleak.measurements.job_card import Job
-from tests.unit.pages.conftest import texts
+from atleak.report.customer_screen import written
+from tests.unit.pages.conftest import go, press, texts
 
 SHEET = "component;part;plane;direction;diameter [mm]\n" + "".join(
     f"{component};{part};1;{direction};{{{name}}}\n"
@@ -40,6 +42,20 @@ def kept() -> Callable[..., str]:
         return open_book().save(job_parts(case.diagnose(), record, replace(case, remember=False))).id
 
     return keep
+
+
+@pytest.mark.page("1_Job")
+def test_the_customer_sees_the_visit_before_and_the_later_one(
+    app: AppTest, kept: Callable[..., str], sample_log: Path
+) -> None:
+    jobs = [kept(11.09, "2026-03-02", sample_log), kept(11.04, "2026-03-09", sample_log)]
+    for job, says in zip(jobs, ("at a later visit", "At the visit before, "), strict=True):
+        app.query_params["job"] = job
+        go(app, "4_Diagnosis")
+        press(app, "Show customer")
+        assert not app.exception
+        (link,) = links_of_job(open_book(), job)
+        assert says in written(link.screen)
 
 
 @pytest.mark.page("11_History?history=compare")

@@ -47,6 +47,32 @@ def asked(page: str) -> list[str]:
     return re.findall(r'name="([^"]+)" value="yes"', page)
 
 
+def shown(app: AppTest) -> str:
+    """Press the button on the page Diagnosis, and return the path of the screen that it opens."""
+    go(app, "4_Diagnosis")
+    press(app, "Show customer")
+    assert not app.exception
+    return re.findall(r"window\.open\('([^']+)'", "".join(each.proto.body for each in app.get("html")))[0]
+
+
+def test_the_screen_of_a_job_that_nobody_touched_is_shown_and_nothing_is_kept(app: AppTest) -> None:
+    page = asks("GET", shown(app))
+    assert page.status_code == 200
+    assert "The valve body needs repair." in page.text
+    assert not asked(page.text)
+    assert app.session_state["atleak"].in_book.id is None
+    app.run()
+    assert not any("window.open" in each.proto.body for each in app.get("html"))  # opened once
+
+
+def test_the_screen_of_a_job_in_the_book_has_an_address_that_is_used_until_the_job_changes(app: AppTest) -> None:
+    path = priced(app)
+    assert shown(app) == path == shown(app)
+    app.main.toggle[0].set_value(False).run()
+    assert (again := shown(app)) != path
+    assert asks("GET", again).text.count('data-counts="yes"') == asks("GET", path).text.count('data-counts="yes"') - 1
+
+
 def test_a_yes_and_a_no_on_the_phone_are_in_the_job_with_name_and_time(app: AppTest) -> None:
     path = priced(app)
     page = asks("GET", path)

@@ -5,13 +5,18 @@ from __future__ import annotations
 import datetime as dt
 import json
 import re
+from collections.abc import Callable
 
 import pytest
 
+from atleak.analysis.comparison import compare
+from atleak.catalogue.fluid import Fluid
+from atleak.catalogue.limits import Limits
 from atleak.common.translations import languages
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.measurements.job_card import Customer, EstimateTerms, Job, RepairDecision, Vehicle, Workshop
+from atleak.measurements.readings import Readings
 from atleak.report.customer_screen import Answer, asked_for, closed, shows_the_same, written
 from atleak.report.pdf.customer_screen import customer_screen
 
@@ -47,6 +52,25 @@ def test_it_says_what_is_wrong_what_it_costs_and_asks_about_what_is_not_done(uni
     widths = {bar["name"]: bar["width"] for bar in screen["bars"]}
     assert widths["now"] > widths["with these repairs"] > 0.0
     assert json.loads(json.dumps(screen)) == screen  # as the job book keeps it
+
+
+@pytest.mark.parametrize("worn", [60e-6, 35e-6])
+def test_beside_another_visit_it_says_what_was_lost_then_and_is_lost_now(
+    worn_clutch: Diagnosis, hipol: Fluid, limits: Limits, readings_of: Callable[..., Readings], worn: float
+) -> None:
+    controller = worn_clutch.controller
+    sizes = {land.key: land.nominal_diameter for land in controller.lands}
+    radial = {land.key: worn if land.component == "2" else land.new_clearance for land in controller.lands}
+    diameters = {key: (size, size + 2.0 * radial[key]) for key, size in sizes.items()}
+    other = diagnose(controller, hipol, limits, readings=readings_of(controller, diameters))
+    visits = compare(other, worn_clutch)
+    later, earlier = (customer_screen(each, Job(), visits=visits) for each in (worn_clutch, other))
+    assert visits.leading is not None
+    assert later["sentence"].startswith("At the visit before, ") == (visits.leading.share.significant is not False)
+    shown = [{bar["name"]: bar["litres"] for bar in screen["bars"]} for screen in (later, earlier)]
+    assert shown[0]["at the visit before"] == shown[1]["now"] == f"{visits.leading.share.before * 100:.0f}"
+    assert shown[0]["now"] == shown[1]["at a later visit"] == f"{visits.leading.share.after * 100:.0f}"
+    assert not shows_the_same(later, customer_screen(worn_clutch, Job()))
 
 
 def test_of_personal_data_it_holds_plate_and_first_name(unit: Diagnosis) -> None:
