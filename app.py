@@ -6,7 +6,9 @@ from atleak.common.memory import collect_soon
 from pages.shared import entrance, places, reader
 
 st.set_page_config("atleak", page_icon=places.PAGES / "shared" / "icon.svg", layout="wide")
-page = st.navigation(places.every_page(reader.say()), position="hidden")
+say = reader.say()
+pages = [st.Page(path, title=say.get("pages", places.name_of(path))) for path in (places.START, *places.EVERY)]
+page = st.navigation(pages, position="hidden")
 reader.mark_page()
 if not entrance.is_open():
     entrance.draw()

@@ -13,17 +13,15 @@ from starlette.responses import RedirectResponse
 from starlette.routing import Route
 
 from atleak.common.printable import printable_log
-from pages.shared import customer
+from pages.shared import customer, places
 from pages.shared.entrance import may_send_files
 from pages.shared.left_sessions import let_go_in_time
 from pages.shared.requests_let_in import bracketed, guards
 
-MOVED = {"Pressures": "In_the_car", "Road_test": "In_the_car"}  # pages of before, and which holds them now
-
 
 def moved(request: Request) -> RedirectResponse:
     """Lead from the address of a page of before to the one that holds it now."""
-    return RedirectResponse(f"{MOVED[request.url.path.rpartition('/')[2]]}?{request.url.query}".rstrip("?"))
+    return RedirectResponse(places.moved(request.url.path.rpartition("/")[2], request.url.query))
 
 
 @asynccontextmanager
@@ -42,7 +40,7 @@ app = st.App(
     Path(__file__).with_name("app.py"),
     lifespan=served,
     routes=[
-        *(Route(f"/{old}", moved) for old in MOVED),
+        *(Route(f"/{old}", moved) for old in places.MOVED),
         Route(f"{customer.PATH}/{{token}}", customer.screen, methods=["GET", "POST"]),
     ],
     middleware=guards(st.get_option("server.allowedHosts"), may_send_files),

@@ -12,7 +12,6 @@ say = reader.say()
 st.title(say("pages.Jobs"))
 try:
     jobs = book()
-    job_list.fault()
     query = job_list.asked(jobs)
     picked = job_list.listed(jobs, query)
     goal = job_list.actions(jobs, picked)

@@ -12,7 +12,6 @@ from pages.shared import (
     reader,
     show,
     transmission,
-    transmission_picture,
     workshop_data,
 )
 from pages.shared.cases import catalogue_list, own_faults, shown_name
@@ -71,10 +70,10 @@ def describe() -> None:
     transmission.draw_head(editing, checked)
     step = ask_step(editing, list(transmission.STEPS), lambda name: say(f"transmission.step_{name}"), say)
     draw_faults(editing, checked, say)
-    transmission_picture.draw_spools(step, checked)
+    transmission.draw_spools(step, checked)
     transmission.draw_tables(editing, step, checked)
     transmission.draw_learning(editing, step, checked)
-    transmission_picture.draw_flow(step, checked, diagnosis)
+    transmission.draw_flow(step, checked, diagnosis)
     st.subheader(say("transmission.keep"))
     transmission.draw_saving(editing, checked)
 

@@ -1,4 +1,4 @@
-"""Keep the job of this session in the job book, and bring a job of the book back into the session."""
+"""Keep the job of this session in the job book, and bring a job of the book, or of a fleet, into the session."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 import streamlit as st
 
-from atleak.common.errors import AtleakError, ChangedElsewhere, ErasedElsewhere
+from atleak.analysis.record_doubts import with_sheet
+from atleak.common.errors import AtleakError, ChangedElsewhere, ErasedElsewhere, FleetError
 from atleak.common.files import home
 from atleak.common.sentences import Sentence
 from atleak.job.parts import job_parts
 from atleak.job.result import judged_otherwise
-from pages.shared import fleet_job, reader
+from atleak.report.json.diagnosis import diagnosis_record
+from pages.shared import reader
 from pages.shared.cases import case_with_columns, diagnosis_of, held, opened_case
 from pages.shared.state import (
     JOB,
@@ -31,9 +33,10 @@ from pages.shared.state import (
     unsaved,
     way_back,
 )
-from pages.shared.undo import Left, Step, Steps
+from pages.shared.undo import Left, Step, Steps, Told
 
 if TYPE_CHECKING:
+    from atleak.fleet.sources import KeptUnit
     from atleak.job_book.book import Book
 
 
@@ -65,12 +68,12 @@ def job_id() -> str | None:
 
 def follow_address() -> None:
     """Open the job that the address names, where that is another one: after a reload, in a second tab, going back."""
-    wanted = st.query_params.get(JOB)
     in_book = session().in_book
-    if wanted is None:
-        fleet_job.follow_address(open_from_book)
-    elif wanted not in (in_book.id, in_book.unknown):
-        open_from_book(wanted)
+    if (wanted := st.query_params.get(JOB)) is not None:
+        if wanted not in (in_book.id, in_book.unknown):
+            open_from_book(wanted)
+    elif (unit := st.query_params.get(OF_FLEET)) is not None and unit not in (in_book.of_fleet, in_book.unknown):
+        _open_unit(unit)
 
 
 def open_from_book(id: str, steps: Steps | None = None) -> bool:
@@ -226,3 +229,64 @@ def show_theirs() -> None:
     """Open what somebody else saved meanwhile; for a callback."""
     if (id := job_id()) is not None:
         open_picked(id)
+
+
+# --- units of a fleet: the address names one as long as nothing of it is in the book
+
+
+def show_unit(kept: KeptUnit, folder: str, *, done: Told | None = None) -> None:
+    """Show the own job of a unit; the job book has it once it is changed.
+
+    Parameters
+    ----------
+    folder
+        id of the folder of results, as addresses name it.
+    done
+        what was done, by which the way back to the job shown before is offered; no way back unless given.
+
+    Raises
+    ------
+    AtleakError
+        it cannot be opened any more.
+    """
+    from atleak.fleet.columns import HASH
+
+    given, record = kept.opened()
+    case = opened_case(given)
+    diagnosis = diagnosis_of(case)
+    result = diagnosis_record(diagnosis)
+    result = {**result, "conditions": [{**each, "circuits": []} for each in result["conditions"]]}  # as a row holds it
+    otherwise = judged_otherwise(kept.result, result, numbers=True)
+    in_book = InBook(result_by=kept.unit["atleak"], judged_otherwise=otherwise, of_fleet=f"{folder}-{kept.unit[HASH]}")
+    steps = way_back(done) if done is not None else Steps()
+    show_job(case, with_sheet(record, diagnosis.readings) or record, in_book, steps)
+
+
+def _open_unit(wanted: str) -> None:
+    """Open the unit of a fleet that the address names; one from the book has no job of its own beside the book's."""
+    from atleak.fleet.units import BOOK
+
+    now = session()
+    try:
+        kept, folder = _kept(wanted)
+        reference = kept.unit["reference"]
+        if not reference.startswith(BOOK):
+            show_unit(kept, folder)
+        elif not open_from_book(reference.removeprefix(BOOK)):
+            now.in_book.unknown = wanted
+    except AtleakError as error:
+        now.refused["job"] = Refusal(reader.say()("fleet.of_address"), error)
+        now.in_book.unknown = wanted
+
+
+def _kept(wanted: str) -> tuple[KeptUnit, str]:
+    from atleak.fleet.folder import known_folders
+    from atleak.fleet.results import Results
+    from atleak.fleet.sources import kept_unit
+
+    id, _, sha256 = wanted.partition("-")
+    folder = next((each for each in known_folders() if each.id == id), None)
+    if folder is None:
+        problem = Sentence("the folder of results that the address names is not known on this computer")
+        raise FleetError(problem, expected=Sentence("the folder that 'atleak fleet run' was given for its results"))
+    return kept_unit(Results.open(folder.path), sha256), folder.id

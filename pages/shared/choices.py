@@ -60,7 +60,6 @@ def catalogue_entry(name: str) -> None:
 AT_40 = AskedNumber(Sentence("viscosity"), "mm²/s", 34.0, (0.5, 1e6), (10.0, 80.0), "viscosity")
 AT_100 = AskedNumber(Sentence("viscosity"), "mm²/s", 7.2, (0.5, 1e6), (2.7, 14.0), "viscosity")
 DENSITY = AskedNumber(Sentence("density"), "g/cm³", 0.85, (0.5, 1.5), (0.75, 0.95), "density")
-_REFUSED = "own-fluid-refused"
 
 
 def own_fluid() -> None:
@@ -78,8 +77,7 @@ def own_fluid() -> None:
                 label = say(f"settings.fluid_{key}", temperature=say.plain_quantity(_AT[key], "temperature"))
                 values[key] = fields.number(label, each, None, key=f"own-fluid-{key}", optional=True)
         st.button(say("settings.fluid_keep"), on_click=_keep_fluid, args=(name, source, values), key="own-fluid-keep")
-        if refused := st.session_state.pop(_REFUSED, None):
-            st.error(show.plain(refused))
+        show.refused("own-fluid")
 
 
 _AT = {"at_40": 40.0, "at_100": 100.0, "density": 15.0}  # °C
@@ -87,7 +85,7 @@ _AT = {"at_40": 40.0, "at_100": 100.0, "density": 15.0}  # °C
 
 def _keep_fluid(name: str, source: str, values: dict[str, float | None]) -> None:
     """Keep the fluid that was typed, and choose it; or say what is missing or wrong."""
-    try:
+    with show.refusing("own-fluid"):
         at_40, at_100 = values["at_40"], values["at_100"]
         if not id_from_name(name) or not source or at_40 is None or at_100 is None:
             expected = Sentence("a name, where the numbers come from, and the viscosities at 40 and 100 °C")
@@ -98,10 +96,7 @@ def _keep_fluid(name: str, source: str, values: dict[str, float | None]) -> None
         tables = tables_of_two_points(name, source, dt.date.today().isoformat(), at_40, at_100, values["density"])
         checked_fluid(tables, name)
         write_own("fluids", tables["id"], written_toml(tables, FluidFile))
-    except AtleakError as error:
-        st.session_state[_REFUSED] = error.sentence
-        return
-    pick("fluid", tables["id"])
+        pick("fluid", tables["id"])
 
 
 def controller() -> Controller:

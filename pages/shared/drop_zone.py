@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import streamlit as st
-from streamlit.runtime.scriptrunner import get_script_run_ctx
-from streamlit.runtime.uploaded_file_manager import UploadedFile
+from streamlit.typing import UploadedFile
 
 KEY = "drop-zone"  # how the keys begin: `page.css` knows the places by it
 
@@ -39,17 +38,7 @@ def draw(
     try:
         take(new)
     except Exception:  # Streamlit's own end of a run is none
-        _done(new, taken)
+        taken.update(each.file_id for each in new)
         raise
-    _done(new, taken)
+    taken.update(each.file_id for each in new)
     st.rerun()
-
-
-def _done(files: Sequence[UploadedFile], taken: set[str]) -> None:
-    """Offer files no more, and give back their memory where this Streamlit can: it keeps them for the whole visit."""
-    taken.update(file.file_id for file in files)
-    context = get_script_run_ctx()
-    remove = None if context is None else getattr(context.uploaded_file_mgr, "remove_file", None)
-    if context is not None and remove is not None:
-        for file in files:
-            remove(session_id=context.session_id, file_id=file.file_id)

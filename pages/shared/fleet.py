@@ -11,7 +11,7 @@ from functools import partial
 
 import streamlit as st
 
-from atleak.common.errors import AtleakError, InputError
+from atleak.common.errors import InputError
 from atleak.common.wording import Wording
 from atleak.fleet.folder import KnownFolder, forget, known_folders, set_aside
 from atleak.fleet.results import Results
@@ -38,7 +38,6 @@ SECTIONS = {
     "fleet-files": "take_along.title",
 }
 _SEEN = "fleet-seen"  # the state of every folder as this session read it last
-_FAULT = "fleet-fault"
 _LISTED = 1_000_000  # units: all of them
 
 
@@ -72,8 +71,7 @@ def _name(folder: KnownFolder, say: Wording) -> str:
 def _draw_gone(gone: Sequence[KnownFolder], say: Wording) -> None:
     """Say which folders hold no results any more, and offer to forget them."""
     with st.container():
-        if fault := st.session_state.pop(_FAULT, None):
-            st.error(show.plain(fault))
+        show.refused(FOLDER)
         for each in gone:
             text, button = st.columns([5, 1], vertical_alignment="center")
             text.warning(say("fleet.gone", folder=show.plain(each.path)))
@@ -81,10 +79,8 @@ def _draw_gone(gone: Sequence[KnownFolder], say: Wording) -> None:
 
 
 def _forget(folder: KnownFolder) -> None:
-    try:
+    with show.refusing(FOLDER):
         forget(folder)
-    except AtleakError as error:
-        st.session_state[_FAULT] = error
 
 
 def _pick(label: str, options: list[str], asked: str, name: str, words: Callable[[str], str]) -> str:

@@ -22,9 +22,8 @@ from atleak.fleet.sums import GROUP, SummedUnit
 from atleak.fleet.units import BOOK
 from atleak.report.tables.table import VERDICT, Column, Table
 from pages.shared import fields, reader, show
-from pages.shared.book import open_from_book
+from pages.shared.book import open_from_book, show_unit
 from pages.shared.fleet import heading_words, reads
-from pages.shared.fleet_job import show_unit
 from pages.shared.state import way_back
 
 PAGE = 50  # rows

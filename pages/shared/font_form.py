@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import streamlit as st
-from streamlit.runtime.uploaded_file_manager import UploadedFile
+from streamlit.typing import UploadedFile
 
 from atleak.common.errors import AtleakError
 from atleak.common.wording import Wording
@@ -24,8 +24,7 @@ def draw(say: Wording) -> None:
     try:
         drop_zone.draw("font", say("workshop_data.font_file"), _take, types=["ttf", "otf", "ttc"])
         with st.container():
-            if fault := st.session_state.pop(f"{_KEY}-fault", None):
-                st.error(show.plain(fault))
+            show.refused(_KEY)
         kept = kept_file()
         st.write(show.plain(say("workshop_data.font_kept", name=kept.name) if kept else say("workshop_data.font_none")))
         if st.button(say("workshop_data.font_forget"), disabled=kept is None, key=f"{_KEY}-forget"):
@@ -37,10 +36,8 @@ def draw(say: Wording) -> None:
 
 def _take(files: Sequence[UploadedFile]) -> None:
     for file in files:
-        try:
+        with show.refusing(_KEY):
             keep_font(file.getvalue(), file.name)
-        except AtleakError as error:
-            st.session_state[f"{_KEY}-fault"] = error
 
 
 def printing(write: Callable[..., bytes]) -> Callable[[], bytes]:

@@ -1,36 +1,32 @@
-"""Ask for the readings of a gauge study and how to judge them, and save its result as an own instrument."""
+"""Ask for the readings of a gauge study and how to judge them, and take its result as an own instrument."""
 
 from __future__ import annotations
 
 import datetime as dt
-import hashlib
 
 import streamlit as st
 
 from atleak.analysis.gauge_study import ALPHA, GaugeStudy, analysed, instrument_tables
-from atleak.catalogue.controller_file import written_toml
-from atleak.catalogue.entries import id_from_name, own_files, write_own
-from atleak.catalogue.instruments import InstrumentFile
+from atleak.catalogue.instruments import Instrument
 from atleak.catalogue.written_numbers import AskedNumber
-from atleak.common.errors import InputError, OutputError
+from atleak.common.errors import InputError
 from atleak.common.sentences import Sentence
 from atleak.common.units import UM
 from atleak.common.wording import Wording
-from atleak.job.case import SLOTS, SourceFile
+from atleak.job.case import SourceFile
 from atleak.readers.gauges.gauge_study import read_study
 from atleak.report.charts.gauge_study_figures import by_part_and_operator
 from atleak.report.sheets.gauge_study_form import write_study_form
 from atleak.report.tables.gauge_study import study_sections
-from pages.shared import fields, show
+from pages.shared import fields, show, workshop_data
 from pages.shared.cases import catalogue_list, shown_name
-from pages.shared.state import pick, session
+from pages.shared.state import session
 
 _FILE = "gauge-study-file"
 _UNITS = ("mm", "µm", "inch")
 _COUNTS = range(2, 61)  # of parts, people and repeats that a workbook is made for
 _ALPHAS = (ALPHA, 0.1, 0.25)
 TOLERANCE = AskedNumber(Sentence("tolerance"), "µm", 20.5, (1e-3, 1e6), (1.0, 1_000.0), "clearance")
-RESOLUTION = AskedNumber(Sentence("resolution"), "µm", 0.5, (1e-4, 1e4), (0.05, 10.0), "clearance")
 
 
 def draw(say: Wording) -> None:
@@ -125,56 +121,23 @@ def _study(
 
 
 def _draw_taking(study: GaugeStudy, say: Wording) -> None:
-    """Offer to save the study's result as an instrument of the user's own, and to measure with it."""
+    """Offer to go on with the study's result as an instrument of the user's own, which is named and saved there."""
     st.write(say("gauge_study.take_what"))
-    known = catalogue_list("spool_instrument").entries
-    places = st.columns(2)
-    in_job = session().case.spool_instrument
-    of = places[0].selectbox(
-        say("gauge_study.studied"),
-        list(known),
-        list(known).index(in_job) if in_job in known else 0,
-        format_func=lambda name: shown_name(known[name], say),
-        key="gauge-study-of",
-    )
-    name = places[1].text_input(say("gauge_study.name"), f"{known[of].name}, {study.readings.file}")
-    places = st.columns(2)
-    with places[0]:
-        step = known[of].resolution if study.readings.step is None else study.readings.step
-        key = f"gauge-study-resolution-{study.readings.sha256[:12]}"
-        resolution = fields.number(say("gauge_study.resolution"), RESOLUTION, round(step * UM, 4), key=key)
-    date = places[1].date_input(say("gauge_study.date"), "today", max_value="today", key="gauge-study-date")
-    id = id_from_name(name)
-    tables = instrument_tables(
-        study, known[of], id=id, name=name, resolution=resolution / UM, date=date or dt.date.today()
-    )
-    text = written_toml(tables, InstrumentFile)
-    own = own_files("instruments").get(id)
-    there = "" if own is None else hashlib.sha256(own.read_bytes()).hexdigest()
-    saved = there == hashlib.sha256(text.encode("utf-8")).hexdigest()
-    with st.container():
-        over = ""
-        label = show.plain(say("gauge_study.replace", file=f"{id}.toml"))
-        if there and not saved and st.checkbox(label, key=f"gauge-over-{id}"):
-            over = there
-    with st.container(horizontal=True):
-        st.button(
-            say("gauge_study.save"), type="primary", disabled=saved or not id, on_click=_save, args=(id, text, over)
+    known, in_job = catalogue_list("spool_instrument").entries, session().case.spool_instrument
+    with st.container(horizontal=True, vertical_alignment="bottom"):
+        of = st.selectbox(
+            say("gauge_study.studied"),
+            list(known),
+            list(known).index(in_job) if in_job in known else 0,
+            format_func=lambda name: shown_name(known[name], say),
+            key="gauge-study-of",
         )
-        for slot in SLOTS.values():
-            if slot.part in known[of].measures:
-                label = say("gauge_study.spools" if slot.part == "spool" else "gauge_study.sleeves")
-                st.button(label, disabled=not saved, on_click=pick, args=(slot.name, id))
-        st.download_button(say("gauge_study.toml"), text, f"{id or 'unnamed'}.toml", on_click="ignore")
-    with st.container():
-        if refused := st.session_state.pop("gauge-study-refused", None):
-            st.error(show.plain(refused))
-        elif saved:
-            st.caption(show.plain(say("gauge_study.saved", id=id)))
+        st.button(say("gauge_study.take"), type="primary", on_click=_take, args=(study, known[of]))
 
 
-def _save(id: str, text: str, over: str) -> None:
-    try:
-        write_own("instruments", id, text, over=over)
-    except OutputError as error:
-        st.session_state["gauge-study-refused"] = error.sentence
+def _take(study: GaugeStudy, of: Instrument) -> None:
+    name = f"{of.name}, {study.readings.file}"
+    step = of.resolution if study.readings.step is None else study.readings.step
+    tables = instrument_tables(study, of, id="", name=name, resolution=step, date=dt.date.today())
+    del tables["id"]  # which follows from the name that it is given there
+    workshop_data.go_on_with("instruments", tables)

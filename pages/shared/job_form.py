@@ -9,7 +9,7 @@ import pandas as pd
 import streamlit as st
 from pydantic import ValidationError
 from streamlit.delta_generator import DeltaGenerator
-from streamlit.runtime.uploaded_file_manager import UploadedFile
+from streamlit.typing import UploadedFile
 
 from atleak.analysis.record_doubts import decision_faults
 from atleak.catalogue.controller import Controller
@@ -226,24 +226,20 @@ def _as_printed(name: str, content: bytes) -> bytes:
 
 def _uploads(what: str, *, several: bool) -> None:
     """Offer to upload pictures."""
-    fault_key = f"{key(what)}-fault"
 
     def take(pictures: Sequence[UploadedFile]) -> None:
         names = ", ".join(picture.name for picture in pictures)
         remember(lambda say: say("done.taken_in", name=names))
         for picture in pictures:
             name, content = picture.name, picture.getvalue()
-            try:
+            with show.refusing(what):
                 printable_picture(name, content)
                 _put(job().with_photo(name, content) if several else job().with_logo(name, content))
-            except InputError as error:
-                st.session_state[fault_key] = error.sentence
 
     name = f"{what}-{session().in_book.place}"
     drop_zone.draw(name, reader.say()(f"job_form.{what}"), take, types=PICTURE_KINDS, several=several)
     with st.container():
-        if fault := st.session_state.pop(fault_key, None):
-            st.error(show.plain(fault))
+        show.refused(what)
 
 
 def _take_photo_away(file: str) -> None:

@@ -83,8 +83,9 @@ def asked(book: Book) -> Query:
 
 def listed(book: Book, query: Query) -> list[JobRow]:
     """Show the jobs that fit, page by page; return those that are picked."""
-    say, said = reader.say(), st.session_state.pop(_SAID, "")
-    if said:
+    say = reader.say()
+    show.refused(_TABLE)
+    if said := st.session_state.pop(_SAID, ""):
         st.success(said)
     count = book.count(query)
     if not count:
@@ -161,31 +162,21 @@ def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] 
     if unit:
         return "History", {"history": "unit", "unit": str(picked[0].unit)}
     if both:
-        before, after = sorted(picked, key=lambda row: (row.date or row.made_on, row.mileage_km or 0.0, row.changed_at))
+        before, after = sorted(picked, key=lambda row: row.order)
         return "History", {"history": "compare", "before": before.id, "after": after.id}
     return None
 
 
 def _done(act: Callable[[], str]) -> None:
     """Carry something out in a callback, and keep what is to be said of it."""
-    try:
+    with show.refusing(_TABLE):
         st.session_state[_SAID] = act()
-    except AtleakError as error:
-        st.session_state[_SAID] = ""
-        st.session_state["job-list-fault"] = error.sentence
 
 
 def _archived(book: Book, ids: Sequence[str], *, back: bool) -> str:
     for id in ids:
         book.archive(id, back=back)
     return reader.say()("job_book.brought_back" if back else "job_book.done_archived", count=len(ids))
-
-
-def fault() -> None:
-    """Show why the last click could not be carried out."""
-    said = st.session_state.pop("job-list-fault", "")
-    if said:
-        st.error(show.plain(said))
 
 
 # --- erasing

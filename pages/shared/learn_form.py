@@ -64,15 +64,7 @@ def learn_form(data: Mapping[str, Any], *, key: str = "learn") -> dict[str, Any]
         st.error(show.plain(error))
         return None
     _show(learned)
-    with st.container(horizontal=True):
-        taken = st.button(say("learning.take"), type="primary", key=f"{key}-take")
-        st.download_button(
-            say("learning.download"),
-            lambda: written_toml(tables),
-            f"{data['id']}.toml",
-            on_click="ignore",
-            key=f"{key}-file",
-        )
+    taken = st.button(say("learning.take"), type="primary", key=f"{key}-take")
     return tables if taken else None
 
 

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import streamlit as st
-from streamlit.runtime.uploaded_file_manager import UploadedFile
+from streamlit.typing import UploadedFile
 
 from atleak.catalogue.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
 from atleak.common.errors import ErasedElsewhere

@@ -6,7 +6,6 @@ import datetime as dt
 
 import streamlit as st
 
-from atleak.common.errors import OutputError
 from atleak.common.files import damaged_before
 from atleak.common.sentences import Sentence
 from atleak.common.wording import Wording
@@ -18,7 +17,6 @@ from pages.shared.cases import readings_of
 from pages.shared.state import choose, session
 
 _FORGOTTEN = "forgotten-columns"
-_FAULT = "forgotten-columns-fault"
 
 
 def draw() -> None:
@@ -28,8 +26,7 @@ def draw() -> None:
         if not place.open:
             return
         st.caption(say("remembered.help"))
-        if fault := st.session_state.pop(_FAULT, ""):
-            st.error(say("remembered.failed", why=show.plain(fault)))
+        show.refused(_FORGOTTEN)
         for file in damaged_before(default_path()):
             st.warning(say("remembered.set_aside", file=show.plain(str(file))))
         kept = recall_all(default_path())
@@ -95,17 +92,12 @@ def _forget(header: str, entry: RememberedColumns) -> None:
         readings = readings_of(now.good, sheet)  # this job keeps its sheet's columns
         if readings.columns:
             choose(sheet_columns=readings.columns, sheet_unit=now.case.sheet_unit or entry.units.get("value"))
-    try:
+    with show.refusing(_FORGOTTEN):
         forget_columns(default_path(), header)
         st.session_state[_FORGOTTEN] = (header, entry)
-    except OutputError as error:
-        st.session_state[_FAULT] = error.sentence
 
 
 def _undo() -> None:
-    header, entry = st.session_state.pop(_FORGOTTEN)
-    try:
-        restore_columns(default_path(), header, entry)
-    except OutputError as error:
-        st.session_state[_FORGOTTEN] = (header, entry)
-        st.session_state[_FAULT] = error.sentence
+    with show.refusing(_FORGOTTEN):
+        restore_columns(default_path(), *st.session_state[_FORGOTTEN])
+        del st.session_state[_FORGOTTEN]

@@ -115,6 +115,23 @@ def faults() -> Iterator[None]:
         st.error(plain(error if isinstance(error, AtleakError) else unexpected(error)))
 
 
+@contextmanager
+def refusing(what: str) -> Iterator[None]:
+    """Keep why something cannot be done in a callback, until `refused` says it on the page."""
+    try:
+        yield
+    except AtleakError as error:
+        st.session_state[f"refused-{what}"] = error
+
+
+def refused(what: str) -> bool:
+    """Say once why something could not be done; return whether there was anything to say."""
+    error = st.session_state.pop(f"refused-{what}", None)
+    if error is not None:
+        st.error(plain(error))
+    return error is not None
+
+
 def error_line(error: AtleakError) -> str:
     """Return where the first problem of an error stands; the whole text is at the head of the page."""
     problems = getattr(error, "problems", (error,))

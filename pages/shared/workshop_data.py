@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import streamlit as st
 
@@ -15,11 +16,11 @@ from atleak.catalogue.entries import own_files, remove_own, removed_own, restore
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.workbook.draft import Checked, draft_of
 from atleak.catalogue.workbook.subjects import SUBJECTS
-from atleak.common.errors import AtleakError, CatalogueError, OutputError, text_reason
+from atleak.common.errors import AtleakError, CatalogueError, text_reason
 from atleak.common.wording import Wording
 from atleak.job.case import SLOTS, Slot, SourceFile
 from atleak.report.charts.condition_figures import viscosity_curve
-from pages.shared import entry_tables, font_form, show
+from pages.shared import address, entry_tables, font_form, show
 from pages.shared.cases import catalogue_list, shown_name
 from pages.shared.editing import Desk, Editing, ask_step, ask_unit, checked_now, draw_faults
 from pages.shared.state import pick, session
@@ -57,6 +58,13 @@ def draw(say: Wording) -> None:
     _draw_curve(checked, say)
     st.subheader(say("workshop_data.keep"))
     draw_saving(desk, editing, checked, say)
+
+
+def go_on_with(kind: str, data: Mapping[str, Any]) -> None:
+    """Begin to type an entry of a kind with what is known of it, and show it; for a callback."""
+    DESKS[kind].take(draft_of(DESKS[kind].subject, data))
+    st.session_state[_KIND] = kind
+    address.keep("library", "workshop_data", of_job=False)
 
 
 def _choose_kind(say: Wording) -> Desk:
@@ -214,20 +222,17 @@ def _undo(desk: Desk, done: Done) -> None:
 
 def _tried(act: Callable[[str, str], None], kind: str, name: str) -> bool:
     """Do something with an own file; where that fails, keep why."""
-    try:
+    with show.refusing(_DONE):
         act(kind, name)
-    except OutputError as error:
-        st.session_state[f"{_DONE}-refused"] = error.sentence
-        return False
-    return True
+        return True
+    return False
 
 
 def draw_undo(desk: Desk, say: Wording) -> None:
     """Say what was deleted or renamed last, and offer to undo it."""
     done: Done | None = st.session_state.get(_DONE)
     with st.container():
-        if refused := st.session_state.pop(f"{_DONE}-refused", None):
-            st.error(show.plain(refused))
+        show.refused(_DONE)
         if done is not None and done.kind == desk.subject.kind:
             key = "workshop_data.renamed" if done.now else "workshop_data.deleted"
             with st.container(horizontal=True, vertical_alignment="center"):
@@ -306,16 +311,10 @@ def draw_saving(
     with st.container():
         if saved and _used_by(desk, name):
             st.caption(say("workshop_data.used"))
-    _draw_outcome(editing, path if saved else None, say, complete=complete)
-
-
-def _draw_outcome(editing: Editing, saved: Path | None, say: Wording, *, complete: bool) -> None:
-    """Say where it is saved, or why it is not."""
-    with st.container():
-        if refused := st.session_state.pop(editing.key("refused"), None):
-            st.error(show.plain(refused))
-        elif saved is not None:
-            st.caption(show.plain(say("typed_entries.saved", path=saved)))
+        if show.refused(editing.state):
+            return
+        if saved:
+            st.caption(show.plain(say("typed_entries.saved", path=path)))
         elif not complete:
             st.caption(say("typed_entries.not_yet"))
 
@@ -335,14 +334,11 @@ def _draw_uses(desk: Desk, editing: Editing, found: Checked, name: str, say: Wor
 
 
 def _save(editing: Editing, name: str, text: str, over: str, then: Callable[[str], None] | None) -> None:
-    try:
+    with show.refusing(editing.state):
         path: Path = write_own(editing.draft.subject.kind, name, text, over=over)
-    except OutputError as error:
-        st.session_state[editing.key("refused")] = error.sentence
-        return
-    editing.saved_as(name, _sha256(path.read_bytes()))
-    if then is not None:
-        then(name)
+        editing.saved_as(name, _sha256(path.read_bytes()))
+        if then is not None:
+            then(name)
 
 
 def _sha256(content: bytes) -> str:

@@ -17,7 +17,6 @@ from atleak.common.errors import DomainError, InputError
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
-from atleak.engine.projection import project
 from atleak.measurements.readings import Readings
 from atleak.report.tables.what_if import tried_circuit_table, tried_words
 from tests.unit.conftest import first_of

@@ -7,7 +7,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.instruments import load_instrument
-from tests.unit.pages.conftest import texts
+from tests.unit.pages.conftest import part_shown, press, texts
 
 pytestmark = pytest.mark.page("20_Library?library=gauge_study")
 
@@ -27,13 +27,14 @@ def test_a_study_is_judged_and_taken_as_an_instrument_of_the_job(app: AppTest) -
     upload.upload("micrometer.csv", study_file(), "text/csv").run()
     assert not app.exception
     assert "of the study's variation is of gauge and people" in texts(app)
-    next(each for each in app.text_input if each.label == "Name of the new instrument").set_value("Our mike").run()
-    next(each for each in app.button if each.label == "Save as own instrument").click().run()
-    assert "Saved as our_mike" in texts(app)
+    press(app, "Take it as an instrument")
+    assert part_shown(app) == "library=workshop_data"
+    next(each for each in app.main.text_input if each.label.startswith("Name")).set_value("Our mike").run()
+    press(app, "Save as own file")
     own = load_instrument("our_mike")
     assert own.repeatability == pytest.approx(1e-6, abs=0.3e-6)
     assert "micrometer.csv" in own.source
-    next(each for each in app.button if each.label == "Measure sleeves with it").click().run()
+    press(app, "Measure sleeves with it")
     assert not app.exception
     assert app.session_state["atleak"].case.sleeve_instrument == "our_mike"
 
