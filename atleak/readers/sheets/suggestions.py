@@ -203,8 +203,12 @@ class Guess:
         lands = self.names.controller.lands
         least = median(land.nominal_sleeve_diameter / land.nominal_diameter - 1.0 for land in lands) / 5.0
         most = 2.0 * NOMINAL_TOLERANCE / min(land.nominal_diameter for land in lands)
-        parts = [sleeve / spool - 1.0 if spool else 0.0 for spool, sleeve in pairs]
-        return bool(parts) and all(max(least, 1e-9) <= part <= most for part in parts)
+        some = False
+        for spool, sleeve in pairs:  # up to the first that cannot be: of 200 columns most do not fit in one another
+            some = bool(spool) and max(least, 1e-9) <= sleeve / spool - 1.0 <= most
+            if not some:
+                break
+        return some
 
     @cached_property
     def headed(self) -> tuple[HeadedColumn, ...]:
