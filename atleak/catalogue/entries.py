@@ -181,7 +181,10 @@ class Shelf(Generic[_Loaded]):
         CatalogueError
             if the file is missing or wrong; the message names file, table, key and value.
         """
-        return self.made_of(*read_tables(self.kind, id_or_path))
+        path = _resolve(self.kind, id_or_path)
+        if path == shipped_files(self.kind).get(path.stem):
+            return _shipped(self, path, path.stat().st_mtime_ns)
+        return self.made_of(*read_tables(self.kind, path))
 
     @own_errors_only(CatalogueError, "file")
     def checked(self, data: Mapping[str, Any], file: str = "this description") -> _Loaded:
@@ -197,6 +200,12 @@ class Shelf(Generic[_Loaded]):
     def usable(self) -> list[_Loaded]:
         """Return every entry that can be used, shipped or own."""
         return list(listed_entries(self.kind, self.load).entries.values())
+
+
+@cache  # pages and fleets ask for the same ones again and again
+def _shipped(shelf: Shelf[Any], path: Path, changed: int) -> Any:
+    """Return the entry of a file that ships with atleak, as it is since it was ``changed`` last [ns]."""
+    return shelf.made_of(*read_tables(shelf.kind, path))
 
 
 @cache  # they stay the same as long as a process, and a fleet asks for them with every unit
