@@ -139,7 +139,7 @@ class _Finder:
         # less than 1 % is not told apart by the draws, how much may be lost is
         circuits = sorted(self._circuits(), key=lambda each: (-round(each.probability, 2), -each.high))
         pump = self._pump()
-        return Evidence(
+        found = Evidence(
             lands=tuple(lands),
             circuits=tuple(circuits),
             pump=pump,
@@ -149,6 +149,8 @@ class _Finder:
             assumptions=self.assumptions,
             thin=None if self._tells(lands, circuits, pump) else _THIN,
         )
+        self.weighed.let_go()
+        return found
 
     def _lands(self) -> Iterator[LandEvidence]:
         groups = self._groups()
@@ -251,18 +253,18 @@ class _Finder:
 
     @cached_property
     def _pressure(self) -> list[tuple[str, dict[LandKey, float]]]:
-        return [(section, _of_lands(lost.split.lands)) for (section, _), lost in self.weighed.lost.items()]
+        return [(section, _of_lands(lost.split.lands)) for (section, _), lost in self.weighed.items()]
 
     @cached_property
     def _flow(self) -> dict[LandKey, float]:
         """Return what the wear of each land adds to the demand on the pump, as a share of its flow."""
-        at = next((each for each in self.weighed.lost if each[0] == LINE), None)
+        at = next((each for each in self.weighed if each[0] == LINE), None)
         if at is None:
             return {}
         point = at[1]
         supplied = point.engine_speed, point.main_pressure, point.temperature
         capacity = float(self.diagnosis.model.pump_capacity(*supplied)) or math.inf
-        return {key: each / capacity for key, each in _of_lands(self.weighed.lost[at].split.flows_of_lands).items()}
+        return {key: each / capacity for key, each in _of_lands(self.weighed[at].split.flows_of_lands).items()}
 
     def _groups(self) -> dict[LandKey, int]:
         """Return a number for every land that no gauge can tell from others: nobody measured them, and they see alike.
@@ -282,7 +284,7 @@ class _Finder:
     def _lost(self) -> Mapping[str, Lost]:
         """Return what every circuit has lost, there where it has most likely lost more than its first limit."""
         limit, worst = self._limit, dict[str, Lost]()
-        for (section, _), lost in self.weighed.lost.items():
+        for (section, _), lost in self.weighed.items():
             known = worst.get(section)
             if section != LINE and (known is None or lost.probability_over(limit) > known.probability_over(limit)):
                 worst[section] = lost

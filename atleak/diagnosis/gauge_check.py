@@ -188,6 +188,7 @@ def check_pressures(shown: AllEvidence, limits: Limits, guard_factor: float) -> 
     judged = tuple(each if each.decisions else checker.unjudged(each) for each in checked)
     patterns = find_patterns([checker.standing(each) for each in judged], checker.applied)
     messages = (*table.messages, *checker.messages(judged))
+    shown.weighed.let_go()
     return PressureCheck(table, judged, patterns, messages, logged, weighed=shown.weighed)
 
 
@@ -250,12 +251,11 @@ class _Checker:
         )
 
     def _lost(self, section: str, point: OperatingPoint | None) -> Lost | None:
-        return None if point is None else self.evidence.weighed.lost.get((section, point))
+        return None if point is None else self.evidence.weighed.get((section, point))
 
     def _doubted(self, section: str, point: OperatingPoint, lost: Lost) -> bool:
         """Return whether gauges contradict one another on a section, or on what was read of it with another one."""
-        others = self.evidence.weighed.lost.values()
-        return bool(lost.contradicted) or any((section, point) in each.contradicted for each in others)
+        return bool(lost.contradicted) or (section, point) in self.evidence.weighed.contradicted
 
     def with_missing(self, checked: CheckedReading) -> CheckedReading:
         """Return a reading with what is missing of its pressure."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -58,13 +58,80 @@ class Beside:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class Weighed:
-    """What all evidence together tells of a unit: of line and circuits, of the line by the log alone, of its parts."""
+class Weighed(Mapping[tuple[str, OperatingPoint], Lost]):
+    """What all evidence together tells of a unit: what line and circuits have lost, by section and operating point.
 
-    lost: Mapping[tuple[str, OperatingPoint], Lost]  # by section and operating point
-    in_log: Mapping[OperatingPoint, Lost]
-    told: tuple[Told, ...]
+    It is computed when it is asked for: most that is said of a unit rests on what was read of it alone.
+
+    Parameters
+    ----------
+    unit
+        before any gauge is read, at all operating points.
+    wanted
+        line and circuits, and where.
+    shown, flows
+        by gauges and in a jug.
+    in_log
+        main pressure as a log shows it.
+    """
+
+    def __init__(
+        self,
+        unit: PosteriorUnit,
+        wanted: Iterable[tuple[str, OperatingPoint]],
+        shown: Sequence[Shown],
+        flows: Sequence[FlowShown],
+        in_log: Sequence[Shown],
+    ) -> None:
+        self._unit, self._shown, self._flows, self._in_log = unit, shown, flows, in_log
+        self._lost: dict[tuple[str, OperatingPoint], Lost | None] = dict.fromkeys(wanted)
+
+    def __getitem__(self, at: tuple[str, OperatingPoint]) -> Lost:
+        lost = self._lost[at]
+        if lost is None:
+            lost = self._lost[at] = self._posterior.lost(*at)
+        return lost
+
+    def __iter__(self) -> Iterator[tuple[str, OperatingPoint]]:
+        return iter(self._lost)
+
+    def __len__(self) -> int:
+        return len(self._lost)
+
+    @cached_property
+    def _posterior(self) -> Posterior:
+        return Posterior(self._unit, self._shown, self._flows)
+
+    @cached_property
+    def in_log(self) -> Mapping[OperatingPoint, Lost]:
+        """Return what the line has lost where a log shows it.
+
+        A log tells of another drive, at other temperatures, by another sensor: it is weighed apart from the gauges, and
+        each of its gears and states by itself.
+        """
+        lost: dict[OperatingPoint, Lost] = {}
+        for name in dict.fromkeys(each.point.name for each in self._in_log):
+            alone = [each for each in self._in_log if each.point.name == name]
+            of_log = Posterior(self._unit, alone)
+            lost |= {each.point: of_log.lost(LINE_SECTION, each.point) for each in alone}
+        return lost
+
+    @cached_property
+    def contradicted(self) -> frozenset[tuple[str, OperatingPoint]]:
+        """Return taps that showed what the others, or those of another circuit, do not expect there."""
+        return frozenset().union(*(self._posterior.contradicted(section) for section, _ in self._lost))
+
+    @cached_property
+    def told(self) -> tuple[Told, ...]:
+        """Return what is known of the parts; it rests on the log only where no gauge read the line."""
+        if not self._in_log or any(each.tap == LINE_SECTION for each in self._shown):
+            return self._posterior.told()
+        return Posterior(self._unit, [*self._shown, *self._in_log], self._flows).told()
+
+    def let_go(self) -> None:
+        """Let go of the draws, some 40 MB: they are the same when they are drawn again."""
+        self.__dict__.pop("_posterior", None)
+        self._unit.let_go()
 
 
 class AllEvidence:
@@ -102,11 +169,6 @@ class AllEvidence:
         return self._weighed() if owner is None else kept_with(owner, "weighed", rests_on, self._weighed, most=1)
 
     def _weighed(self) -> Weighed:
-        """Return what line and circuits have lost wherever they were read, and the line where a log shows it.
-
-        A log tells of another drive, at other temperatures, by another sensor: it is weighed apart from the gauges, and
-        each of its gears and states by itself. What is told of the parts rests on it only where no gauge read the line.
-        """
         wanted: dict[tuple[str, OperatingPoint], None] = {}
         shown = []
         for reading in self.table.readings:
@@ -124,16 +186,7 @@ class AllEvidence:
         at = dict.fromkeys([*of_gauges, *of_flows, *(point for _, point in wanted)])
         projections = (self._at_hand[each] for each in at)
         unit = PosteriorUnit(self.model, self.card.sources, self.assumptions, projections, self.beside.shared)
-        by_log: dict[OperatingPoint, Lost] = {}
-        for name in dict.fromkeys(each.point.name for each in in_log):
-            alone = [each for each in in_log if each.point.name == name]
-            of_log = Posterior(unit, alone)
-            by_log |= {each.point: of_log.lost(LINE_SECTION, each.point) for each in alone}
-        posterior = Posterior(unit, shown, flows)
-        lost = {each: posterior.lost(*each) for each in wanted}
-        read = any(each.tap == LINE_SECTION for each in shown)
-        whole = posterior if read or not in_log else Posterior(unit, [*shown, *in_log], flows)
-        return Weighed(lost, by_log, whole.told())
+        return Weighed(unit, wanted, shown, flows, in_log)
 
     def _flows(self) -> Iterator[FlowShown]:
         """Yield every flow in a jug that tells what the line leaves for it."""

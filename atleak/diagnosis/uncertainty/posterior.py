@@ -196,6 +196,10 @@ class PosteriorUnit:
             self._before[draws] = self.draw(draws), {}
         return self._before[draws]
 
+    def let_go(self) -> None:
+        """Let go of these draws."""
+        self._before.clear()
+
     def draw(self, draws: int, *, as_judged: bool = False) -> UnitDraws:
         """Draw units; ``draws`` is a power of two.
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -155,7 +156,11 @@ class Posterior:
         point
             in whose gear it is applied.
         """
-        return self._by(frozenset() if section == LINE else frozenset([section])).lost(section, point)
+        return self._of(section).lost(section, point)
+
+    def contradicted(self, section: str) -> frozenset[tuple[str, OperatingPoint]]:
+        """Return taps that tell of a section and showed what none of the draws expects, and where."""
+        return self._of(section).contradicted
 
     def told(self) -> tuple[Told, ...]:
         """Return what is known of every land, those that are weighed together in one; the line's and the pump first."""
@@ -175,6 +180,9 @@ class Posterior:
         own = set(circuits)
         with_others = set().union(*(self.unit.fed_from(each) - {each} for each in own), self.unit.followed)
         return frozenset(own - with_others)
+
+    def _of(self, section: str) -> _WeighedDraws:
+        return self._by(frozenset() if section == LINE else frozenset([section]))
 
     def _by(self, circuits: frozenset[str]) -> _WeighedDraws:
         """Return the draws as weighed by what tells of some circuits, of none by what tells of the line."""
@@ -344,7 +352,7 @@ class _WeighedDraws:
         off = -2.0 * float(_normed(self._log_weight) @ self._log_likely)
         return off / max(len(self.evidence) + len(self.flows), 1)
 
-    @property
+    @cached_property
     def contradicted(self) -> frozenset[tuple[str, OperatingPoint]]:
         """Return where a gauge showed surely more, or less, than the units do that agree best with all gauges."""
         weights, errs = _flattened(self._log_weight), _errs(self.evidence, self.unit.assumptions.main_pressure)
