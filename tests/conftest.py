@@ -77,10 +77,11 @@ ON_POSTGRESQL = ("test_book.py", "test_erase.py", "test_safety.py")
 
 def pytest_collection_modifyitems(items: list[pytest.Function]) -> None:
     folders = [ROOT / "tests" / name for name in WHOLE]
+    whole = {path: any(path.is_relative_to(folder) for folder in folders) for path in {item.path for item in items}}
     for item in items:
         chosen = getattr(item, "callspec", None)  # of a test with parameters
         given = {} if chosen is None else chosen.params
-        if any(item.path.is_relative_to(folder) for folder in folders):
+        if whole[item.path]:
             item.add_marker("whole")
             language = given.get("language", "en")
             if language != "en" and not (language == "pl" and item.originalname in IN_POLISH_TOO):
