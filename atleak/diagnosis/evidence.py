@@ -251,20 +251,24 @@ class _Finder:
         complaint = self.diagnosis.complaint
         return _NAMED if complaint is not None and key in complaint.lands else 1.0
 
+    @property
+    def _every(self) -> list[tuple[str, Lost]]:
+        return [(section, self.weighed.lost(section, point)) for section, point in self.weighed.wanted]
+
     @cached_property
     def _pressure(self) -> list[tuple[str, dict[LandKey, float]]]:
-        return [(section, _of_lands(lost.split.lands)) for (section, _), lost in self.weighed.items()]
+        return [(section, _of_lands(lost.split.lands)) for section, lost in self._every]
 
     @cached_property
     def _flow(self) -> dict[LandKey, float]:
         """Return what the wear of each land adds to the demand on the pump, as a share of its flow."""
-        at = next((each for each in self.weighed if each[0] == LINE), None)
+        at = next((each for each in self.weighed.wanted if each[0] == LINE), None)
         if at is None:
             return {}
         point = at[1]
         supplied = point.engine_speed, point.main_pressure, point.temperature
         capacity = float(self.diagnosis.model.pump_capacity(*supplied)) or math.inf
-        return {key: each / capacity for key, each in _of_lands(self.weighed[at].split.flows_of_lands).items()}
+        return {key: each / capacity for key, each in _of_lands(self.weighed.lost(*at).split.flows_of_lands).items()}
 
     def _groups(self) -> dict[LandKey, int]:
         """Return a number for every land that no gauge can tell from others: nobody measured them, and they see alike.
@@ -284,7 +288,7 @@ class _Finder:
     def _lost(self) -> Mapping[str, Lost]:
         """Return what every circuit has lost, there where it has most likely lost more than its first limit."""
         limit, worst = self._limit, dict[str, Lost]()
-        for (section, _), lost in self.weighed.items():
+        for section, lost in self._every:
             known = worst.get(section)
             if section != LINE and (known is None or lost.probability_over(limit) > known.probability_over(limit)):
                 worst[section] = lost

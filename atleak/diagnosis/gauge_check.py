@@ -251,7 +251,8 @@ class _Checker:
         )
 
     def _lost(self, section: str, point: OperatingPoint | None) -> Lost | None:
-        return None if point is None else self.evidence.weighed.get((section, point))
+        weighed = self.evidence.weighed
+        return weighed.lost(section, point) if point is not None and (section, point) in weighed.wanted else None
 
     def _doubted(self, section: str, point: OperatingPoint, lost: Lost) -> bool:
         """Return whether gauges contradict one another on a section, or on what was read of it with another one."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -58,49 +58,26 @@ class Beside:
         )
 
 
-class Weighed(Mapping[tuple[str, OperatingPoint], Lost]):
-    """What all evidence together tells of a unit: what line and circuits have lost, by section and operating point.
+@dataclass(frozen=True, eq=False)
+class Weighed:
+    """What all evidence together tells of a unit, computed when it is asked for: most of it few readers want."""
 
-    It is computed when it is asked for: most that is said of a unit rests on what was read of it alone.
+    unit: PosteriorUnit  # before any gauge is read
+    wanted: Collection[tuple[str, OperatingPoint]]  # line and circuits, and where
+    shown: Sequence[Shown]
+    flows: Sequence[FlowShown]
+    log: Sequence[Shown]
+    _lost: dict[tuple[str, OperatingPoint], Lost] = field(default_factory=dict)
 
-    Parameters
-    ----------
-    unit
-        before any gauge is read, at all operating points.
-    wanted
-        line and circuits, and where.
-    shown, flows
-        by gauges and in a jug.
-    in_log
-        main pressure as a log shows it.
-    """
-
-    def __init__(
-        self,
-        unit: PosteriorUnit,
-        wanted: Iterable[tuple[str, OperatingPoint]],
-        shown: Sequence[Shown],
-        flows: Sequence[FlowShown],
-        in_log: Sequence[Shown],
-    ) -> None:
-        self._unit, self._shown, self._flows, self._in_log = unit, shown, flows, in_log
-        self._lost: dict[tuple[str, OperatingPoint], Lost | None] = dict.fromkeys(wanted)
-
-    def __getitem__(self, at: tuple[str, OperatingPoint]) -> Lost:
-        lost = self._lost[at]
-        if lost is None:
-            lost = self._lost[at] = self._posterior.lost(*at)
-        return lost
-
-    def __iter__(self) -> Iterator[tuple[str, OperatingPoint]]:
-        return iter(self._lost)
-
-    def __len__(self) -> int:
-        return len(self._lost)
+    def lost(self, section: str, point: OperatingPoint) -> Lost:
+        """Return what the line or a circuit has lost."""
+        if (section, point) not in self._lost:
+            self._lost[section, point] = self._posterior.lost(section, point)
+        return self._lost[section, point]
 
     @cached_property
     def _posterior(self) -> Posterior:
-        return Posterior(self._unit, self._shown, self._flows)
+        return Posterior(self.unit, self.shown, self.flows)
 
     @cached_property
     def in_log(self) -> Mapping[OperatingPoint, Lost]:
@@ -110,28 +87,28 @@ class Weighed(Mapping[tuple[str, OperatingPoint], Lost]):
         each of its gears and states by itself.
         """
         lost: dict[OperatingPoint, Lost] = {}
-        for name in dict.fromkeys(each.point.name for each in self._in_log):
-            alone = [each for each in self._in_log if each.point.name == name]
-            of_log = Posterior(self._unit, alone)
+        for name in dict.fromkeys(each.point.name for each in self.log):
+            alone = [each for each in self.log if each.point.name == name]
+            of_log = Posterior(self.unit, alone)
             lost |= {each.point: of_log.lost(LINE_SECTION, each.point) for each in alone}
         return lost
 
     @cached_property
     def contradicted(self) -> frozenset[tuple[str, OperatingPoint]]:
         """Return taps that showed what the others, or those of another circuit, do not expect there."""
-        return frozenset().union(*(self._posterior.contradicted(section) for section, _ in self._lost))
+        return frozenset().union(*(self._posterior.contradicted(section) for section, _ in self.wanted))
 
     @cached_property
     def told(self) -> tuple[Told, ...]:
         """Return what is known of the parts; it rests on the log only where no gauge read the line."""
-        if not self._in_log or any(each.tap == LINE_SECTION for each in self._shown):
+        if not self.log or any(each.tap == LINE_SECTION for each in self.shown):
             return self._posterior.told()
-        return Posterior(self._unit, [*self._shown, *self._in_log], self._flows).told()
+        return Posterior(self.unit, [*self.shown, *self.log], self.flows).told()
 
     def let_go(self) -> None:
         """Let go of the draws, some 40 MB: they are the same when they are drawn again."""
         self.__dict__.pop("_posterior", None)
-        self._unit.let_go()
+        self.unit.drawn.clear()
 
 
 class AllEvidence:

@@ -143,7 +143,8 @@ class PosteriorUnit:
         self.model, self.sources, self.assumptions = model, sources, assumptions
         self._own = replace(assumptions, temperature=assumptions.gauged_temperature, main_pressure=1.0)
         self.conditions = {each.condition: each for each in projections}
-        self._before: dict[int, tuple[UnitDraws, dict[OperatingPoint, Mapping[str, Any]]]] = {}
+        #: before any gauge is read, by their number
+        self.drawn: dict[int, tuple[UnitDraws, dict[OperatingPoint, Mapping[str, Any]]]] = {}
         self._demands: dict[OperatingPoint, DemandShape] = {}
         self._networks: dict[int, Network] = {}
         controller = model.controller
@@ -192,13 +193,9 @@ class PosteriorUnit:
 
     def before(self, draws: int) -> tuple[UnitDraws, dict[OperatingPoint, Mapping[str, Any]]]:
         """Return draws of the unit before any gauge is read, the same each time, and where to keep what they hold."""
-        if draws not in self._before:
-            self._before[draws] = self.draw(draws), {}
-        return self._before[draws]
-
-    def let_go(self) -> None:
-        """Let go of these draws."""
-        self._before.clear()
+        if draws not in self.drawn:
+            self.drawn[draws] = self.draw(draws), {}
+        return self.drawn[draws]
 
     def draw(self, draws: int, *, as_judged: bool = False) -> UnitDraws:
         """Draw units; ``draws`` is a power of two.
