@@ -17,7 +17,7 @@ try:
     words = fleet.summed(folder)
     fleet.draw_whole(words)
     if words.summary.bodies:
-        show.jumps(fleet.SECTIONS)
+        st.markdown(" · ".join(f"[{say(key)}](#{anchor})" for anchor, key in fleet.SECTIONS.items()))
         st.subheader(say("fleet.units_of_all"), anchor="fleet-units")
         unit = fleet_units.choose(words)
         if unit is not None:

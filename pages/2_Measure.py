@@ -35,7 +35,7 @@ if typing.open:
     with typing:
         plan = measuring_form.draw(case, diagnosis)
         fields = {} if case.sample else fields_of(state.job(), say.units)
-        language = reader.pick_language(st.container(), "template-language")
+        language = reader.pick_language("template")
         st.download_button(
             say("readings.template"),
             lambda: write_template(controller, plan=plan, fields=fields, language=language, units=say.units),
@@ -45,7 +45,7 @@ if typing.open:
         )
 if clearances.open:
     with clearances:
-        show.sheet_messages(diagnosis)
+        show.messages(show.remarks(diagnosis)["sheet"], say("about.sheet"))
         kinds = ["all", "flagged", "not_fully_measured"]
         kind = st.segmented_control(
             say("readings.lands"), kinds, format_func=lambda name: say(f"readings.{name}"), default="all"

@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from pages.shared import answer, fields, pairs, panel, plan, pressures, reader, road, show
+from pages.shared import answer, conditions, fields, pairs, panel, plan, reader, road, show
 
 case, diagnosis = panel.shown()
 say = reader.say()
@@ -20,7 +20,7 @@ else:
 answer.draw_reason(diagnosis)
 
 parts = {
-    "pressures": lambda: pressures.section(diagnosis, plan.ends(diagnosis)),
+    "pressures": lambda: conditions.pressures(diagnosis, plan.ends(diagnosis)),
     "lands": lambda: pairs.lands(diagnosis),
     "log": lambda: road.section(diagnosis),
     "remarks": lambda: show.basis(diagnosis),

@@ -27,10 +27,7 @@ def repairs() -> None:
     show.messages(record_doubts(job(), diagnosis), say("about.record"))
     conditions.order_of_repair(diagnosis)
     st.subheader(say("estimate_page.take_along"))
-    options = st.columns(2)
-    language = reader.pick_language(options[0], "estimate-language")
-    paper = reader.pick_paper(options[1], "estimate-paper")
-    record = job()
+    (language, paper), record = reader.pick_print("estimate"), job()
     name = show.named("estimate", record.number)
     printed = partial(write_pdf, diagnosis, record, language=language, paper=paper, sections=_SECTIONS, units=say.units)
     with st.container(horizontal=True):

@@ -23,9 +23,7 @@ name = show.named("atleak", record.number)
 
 conditions.undecided(diagnosis, closing=True)
 st.subheader(say("take_along.title"))
-options = st.columns(2)
-language = reader.pick_language(options[0], "report-language")
-paper = reader.pick_paper(options[1], "report-paper")
+language, paper = reader.pick_print("report")
 picked = st.pills(
     say("take_along.sections"),
     PDF_SECTIONS,

@@ -7,7 +7,7 @@ import streamlit as st
 from atleak.common.style import look_of
 from atleak.common.verdicts import Verdict
 from atleak.diagnosis.diagnosis import Diagnosis
-from atleak.report.tables.answer import answer_facts, missing_table
+from atleak.report.tables.answer import answer_facts
 from atleak.report.tables.first_sentence import first_sentence, shown_verdict
 from atleak.report.tables.sentences import caveat_marks
 from pages.shared import customer, places, reader, show
@@ -56,10 +56,3 @@ def draw_reason(diagnosis: Diagnosis) -> None:
     if any("mounting_clearance_um" in land.state.land.representative for land in diagnosis.flagged):
         said.append(say("diagnosis.new_assumed"))
     st.caption(show.plain(" ".join(said)))
-
-
-def missing(diagnosis: Diagnosis) -> None:
-    """Show what is missing of every measured pressure past a limit, split by cause."""
-    if diagnosis.missing_flagged:
-        st.subheader(reader.say()("answer.split"))
-        show.table(missing_table(diagnosis, reader.say()))

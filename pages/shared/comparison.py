@@ -162,9 +162,7 @@ def draw_logs(comparison: Comparison) -> None:
 
 def downloads(found: ComparedJobs) -> None:
     """Offer the page for the customer, and the record."""
-    say, columns = reader.say(), st.columns(2)
-    language = reader.pick_language(columns[0], "compare-language")
-    paper = reader.pick_paper(columns[1], "compare-paper")
+    say, (language, paper) = reader.say(), reader.pick_print("compare")
     printed = partial(
         write_comparison_pdf,
         found.comparison,

@@ -1,23 +1,33 @@
-"""Show what depends on the condition: totals, the matrix of lands, the customer's complaint, the order of repair."""
+"""Show what depends on the condition: pressures, totals, the matrix of lands, the complaint, the order of repair."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import streamlit as st
 
+from atleak.analysis.pressures import lowest_first, pressures_at
 from atleak.analysis.repair.plan import RepairPlan, plan_repairs
+from atleak.analysis.repair.totals import Total
 from atleak.common.units import DM3_MIN, KPA, RPM
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
+from atleak.report.charts.condition_figures import pump_speed_chart
+from atleak.report.charts.flows import flow_diagram, flow_svg, flow_table
+from atleak.report.tables.answer import missing_table
+from atleak.report.tables.before_opening import before_opening
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.estimate import open_words
 from atleak.report.tables.lands import leaking_worst_first, matrix_table
+from atleak.report.tables.pressures import conditions_section, held_section, pump_over_speed
 from atleak.report.tables.repairs import option_table, order_table, plan_ends, totals_table
 from atleak.report.tables.sentences import counted_in_speed, land_in_words, position_sentence, shares_add_up
 from pages.shared import fields, reader, show
 from pages.shared.show import plain
 from pages.shared.state import job, session
 
+_COLUMN = 135  # pixels of the drawing of flows, at which its words can be read
 MEASURE_FIRST = 8  # lands named for a complaint; the others are in a fold
 
 
@@ -40,7 +50,63 @@ def complaint(diagnosis: Diagnosis) -> None:
     st.caption(plain(say("diagnosis.complaint_source", source=say.name(diagnosis.complaint.source))))
 
 
-def total(diagnosis: Diagnosis, point: Projection) -> None:
+def pressures(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
+    """Show the pressures of a diagnosis: every condition in a table, one of them in full when it is asked for.
+
+    Beside them stands what gauges showed, what is missing of it, and what else was measured before it was opened.
+    """
+    say = reader.say()
+    if diagnosis.pressures is not None:
+        st.subheader(say("diagnosis.gauges"))
+        show.gauges(diagnosis.pressures)
+    if diagnosis.missing_flagged:
+        st.subheader(say("answer.split"))
+        show.table(missing_table(diagnosis, say))
+    for content in before_opening(diagnosis, say):
+        st.subheader(content.title)
+        show.section(content, content.name)
+    if diagnosis.without_sheet:
+        return
+    st.subheader(say("diagnosis.pressures"))
+    every = [pressures_at(diagnosis, each, repaired) for each in diagnosis.presented]
+    show.section(conditions_section(diagnosis, every, say), "pressures")
+    fold = fields.fold(say("circuits.in_full"), key=f"pressures-in-full-{session().generation}")
+    if fold.open:
+        with fold:
+            _in_full(diagnosis, repaired)
+
+
+@st.fragment
+@show.faults()
+def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
+    """Show one condition in full; another one is chosen without computing the rest of the page again."""
+    say = reader.say()
+    conditions = {each.condition.name: each for each in lowest_first(diagnosis)}
+    chosen = st.selectbox(
+        say("circuits.at"),
+        list(conditions),
+        format_func=lambda name: say.condition(conditions[name].condition),
+        key=f"pressures-at-{diagnosis.controller.id}",  # another valve body has other conditions
+    )
+    projection = conditions[chosen]
+    condition = say.condition(projection.condition)
+    _total(diagnosis, projection)
+    at = pressures_at(diagnosis, projection, repaired)
+    show.section(held_section(diagnosis, at, say), "pressures")
+    st.markdown(f"**{say('circuits.pump_over_speed')}**")
+    show.chart(pump_speed_chart(pump_over_speed(diagnosis, projection, say), say), "speed")
+    st.caption(plain(say("circuits.pump_caption", condition=condition)))
+    st.markdown(f"**{say('circuits.flow')}**")
+    leaks_only = st.toggle(say("circuits.leaks_alone"), key="leaks-alone")
+    diagram = flow_diagram(diagnosis, projection, leaks_only=leaks_only, say=say)
+    title = say("circuits.flow_title", condition=condition)
+    show.svg(flow_svg(diagram, title, say), title, least_width=_COLUMN * diagram.columns)
+    st.caption(plain(say("circuits.flow_caption")))
+    with st.expander(say("circuits.flow_table")):
+        show.table(flow_table(diagram, say))
+
+
+def _total(diagnosis: Diagnosis, point: Projection) -> None:
     """Say the total at a condition, and from which speed the pump covers the leakage."""
     say = reader.say()
     label = say.condition(point.condition)

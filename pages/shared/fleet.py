@@ -220,9 +220,7 @@ def heading_words(heading: str, say: Wording) -> str:
 
 def draw_files(words: FleetWords) -> None:
     """Offer the summary as PDF and workbook, each written when it is asked for."""
-    say, columns = words.say, st.columns(2)
-    language = reader.pick_language(columns[0], "fleet-language")
-    paper = reader.pick_paper(columns[1], "fleet-paper")
+    say, (language, paper) = words.say, reader.pick_print("fleet")
     name = show.named("fleet", words.summary.folder.replace("\\", "/").rpartition("/")[2])
     of_pdf = partial(
         write_summary_pdf, words.summary, language=language, paper=paper, units=say.units, letterhead=job()

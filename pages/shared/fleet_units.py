@@ -127,21 +127,12 @@ def _asked(words: FleetWords, label: Callable[[SummedUnit], str | None]) -> _Ask
 
 def _narrowed(label: str, options: Sequence[str], name: Hashable, words: Callable[[str], str]) -> str:
     """Let one of some options be asked for, or any, which comes first; what was asked for stays over another page."""
-    say, kept = reader.say(), st.session_state.setdefault("fleet-asked", {})
-    key = f"fleet-asked-{name}-{say.language}-{hash(tuple(options))}"
-
-    def asked() -> None:
-        kept[name] = st.session_state[key]
-
+    say = reader.say()
     return st.selectbox(
-        label,
-        options,
-        options.index(kept[name]) if kept.get(name) in options else 0,
-        lambda each: words(each) if each else say("job_book.any"),
-        key=key,
-        on_change=asked,
+        label, options, format_func=lambda each: words(each) if each else say("job_book.any"),
+        key=f"fleet-asked-{name}-{say.language}-{hash(tuple(options))}", persist_state="session",
         disabled=len(options) < 2,
-    )
+    )  # fmt: skip
 
 
 def _listed(words: FleetWords, label: Callable[[SummedUnit], str | None]) -> Table:

@@ -40,15 +40,12 @@ def step(name: str) -> Iterator[bool]:
             label = say(f"in_the_car.{'next' if done or name in _skipped() else 'skip'}")
             st.button(label, key=f"{_key(name)}-on", on_click=_go_on, args=(name,))
     adds = show.plain(say(f"in_the_car.{name}_adds"))
-    head.markdown(adds if last else _results().get(name) or f"{_not_done(name, say)} · {adds}")
+    open_yet = say("in_the_car.skipped" if name in _skipped() else "in_the_car.not_done")
+    head.markdown(adds if last else _results().get(name) or f"**○ {open_yet}** · {adds}")
 
 
 def _key(name: str) -> str:
     return f"step-{name}-{session().generation}"
-
-
-def _not_done(name: str, say: Wording) -> str:
-    return f"**○ {say('in_the_car.skipped' if name in _skipped() else 'in_the_car.not_done')}**"
 
 
 def _skipped() -> list[str]:

@@ -18,7 +18,7 @@ from atleak.job_book.erasure import erase, jobs_of_customer, same_vehicle
 from atleak.job_book.exchange import export_zip, import_job
 from atleak.job_book.merges import duplicates, merge, merged_rows, part
 from atleak.job_book.search import Query, controllers_held
-from atleak.report.tables.table import Column
+from atleak.report.tables.table import Column, Table
 from pages.shared import reader, show
 from pages.shared.book import job_id, open_from_book, open_picked
 from pages.shared.fields import kept
@@ -97,9 +97,9 @@ def listed(book: Book, query: Query) -> list[JobRow]:
     if pages > 1:
         page = st.selectbox(say("job_book.page", pages=pages), range(1, pages + 1), key=f"job-list-page-{pages}")
     rows = book.rows(replace(query, limit=PAGE, offset=PAGE * (page - 1)))
-    event = show.rows_table(
-        [_shown(row, say) for row in rows],
-        _COLUMNS,
+    event = show.table(
+        Table("", _COLUMNS, [_shown(row, say) for row in rows], say),
+        empty=True,
         key=f"{_TABLE}-{query}-{page}",
         on_select="rerun",
         selection_mode="multi-row",

@@ -30,7 +30,7 @@ from atleak.report.tables.lands import (
     pair_table,
 )
 from atleak.report.tables.names import component_words, has_number, land_number, land_words
-from atleak.report.tables.sentences import land_in_words
+from atleak.report.tables.sentences import fluid_in_state, land_in_words
 from atleak.report.tables.table import Column, Table, leveled, span
 from pages.shared import address, conditions, fields, reader, show
 from pages.shared.state import job, session
@@ -116,11 +116,15 @@ def lands(diagnosis: Diagnosis) -> None:
     st.subheader(say("diagnosis.flagged_pairs"))
     if diagnosis.flagged:
         table(pair_table(diagnosis, diagnosis.flagged, say).without(*ON_PAPER), "flagged", pressable=True)
-        show.what_is_shown(diagnosis)
+        said = [say("diagnosis.shares_of", fluid=fluid_in_state(diagnosis, say))]
+        said += [say("texts.decision")] if any(land.decision for land in diagnosis.flagged) else []
+        st.caption(show.plain(" ".join(said)))
     else:
         st.write(say("diagnosis.none_flagged") if diagnosis.judged else begun(say("diagnosis.nothing_measured")))
     conditions.complaint(diagnosis)
-    show.open_verdicts(advice(diagnosis, advised(diagnosis, say), say))
+    if lines := advice(diagnosis, advised(diagnosis, say), say):
+        with st.expander(say("show.open_verdicts", count=len(lines))):
+            st.markdown("\n".join(lines))
     st.subheader(say("diagnosis.matrix"))
     conditions.matrix(diagnosis)
     every = fields.fold(say("diagnosis.all_lands", count=len(diagnosis.lands)), key=f"all-lands-{session().generation}")

@@ -38,7 +38,10 @@ def draw() -> Diagnosis:
         in_job = st.container()
         with st.container():
             choices.catalogue_entry("controller")
-        _left_aside()
+        with st.container():
+            if faults := own_faults():
+                files = ", ".join(show.plain(fault.place.file) for fault in faults)
+                st.warning(say("panel.left_aside", files=files))
         choices.complaint("panel")
         _condition()
         jobs = st.container()
@@ -139,25 +142,10 @@ def _jobs() -> None:
     _in_book()
 
 
-def _left_aside() -> None:
-    """Say which files of the user's own catalogue cannot be used, and where they are explained."""
-    faults = own_faults()
-    with st.container():
-        if faults:
-            files = ", ".join(show.plain(fault.place.file) for fault in faults)
-            st.warning(reader.say()("panel.left_aside", files=files))
-
-
-def _start() -> PageCase:
-    """Return the first values of what belongs to the controller: none for one that was chosen since."""
-    now = session()
-    return now.start if now.start.controller == now.case.controller else PageCase()
-
-
 def _condition() -> None:
     say, now = reader.say(), session()
     controller = choices.controller()
-    start = _start()
+    start = now.start if now.start.controller == now.case.controller else PageCase()  # none for one chosen since
     point = start.point or controller.operating_points[0]
     with st.expander(say("panel.condition")):
         owner = f"{_key('at')}-{controller.sha256}"

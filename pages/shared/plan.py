@@ -312,7 +312,7 @@ def _sums(words: EstimateWords) -> None:
     names = [say(f"estimate_page.{name}") for name in ("state", "parts", "work", "net", "tax", "total")]
     rows = [dict(zip(names, words.sum_row(*each), strict=True)) for each in words.sums]
     if rows:
-        show.records(rows)
+        st.dataframe(rows, hide_index=True, width="stretch")
     st.caption(show.plain(words.rounding()))
     for sentence in words.missing():
         st.warning(show.plain(sentence))

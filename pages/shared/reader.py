@@ -66,21 +66,22 @@ def draw_choices() -> None:
     st.caption(f"{words('reader.kept')} {words('reader.messages')}")
 
 
-def pick_language(place: DeltaGenerator, key: str) -> str:
+def pick_language(key: str, place: DeltaGenerator | None = None) -> str:
     """Ask in which language a file is to be written: in the reader's own unless another one is picked."""
     words = say()
     names = {language: wording(language)("language.name") for language in languages()}
-    start = list(names).index(words.language)
-    key = f"{key}-{words.language}"
+    start, key = list(names).index(words.language), f"{key}-language-{words.language}"
+    place = place or st.container()
     return str(place.selectbox(words("reader.language"), list(names), start, names.__getitem__, key=key))
 
 
-def pick_paper(place: DeltaGenerator, key: str) -> str:
-    """Ask on which paper a file is to be printed: on that of the reader's units unless another one is picked."""
-    words = say()
+def pick_print(key: str) -> tuple[str, str]:
+    """Ask in which language, and on which paper, a file is to be printed: that of the reader's units otherwise."""
+    words, (left, right) = say(), st.columns(2)
     start = list(PAPERS).index("letter" if words.units == "us" else DEFAULT_PAPER)
-    label, key = words("take_along.paper"), f"{key}-{words.units}"
-    return str(place.selectbox(label, list(PAPERS), start, lambda name: PAPERS[name].label, key=key))
+    label, own = words("take_along.paper"), f"{key}-paper-{words.units}"
+    paper = right.selectbox(label, list(PAPERS), start, lambda name: PAPERS[name].label, key=own)
+    return pick_language(key, left), str(paper)
 
 
 def changes() -> int:

@@ -86,7 +86,7 @@ def leakage(diagnosis: Diagnosis) -> None:
         if diagnosis.road.circuit_ranges:
             show.table(circuit_table(diagnosis.road, reader.say()))
             st.caption(reader.say()("road_test.circuits_help"))
-    show.log_messages(diagnosis)
+    show.messages(show.remarks(diagnosis)["log"], reader.say()("about.log"))
 
 
 def leakage_chart(road: RoadLeakage, diagnosis: Diagnosis) -> None:

@@ -8,7 +8,7 @@ import math
 import os
 import re
 import traceback
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache, partial
@@ -34,7 +34,6 @@ from atleak.report.charts.drawing import on_dark
 from atleak.report.charts.figure import Figure
 from atleak.report.charts.screen import drawn
 from atleak.report.tables.assumed import assumed_section
-from atleak.report.tables.before_opening import before_opening as before_opening_of
 from atleak.report.tables.gauges import gauge_table
 from atleak.report.tables.sentences import caveats, fluid_in_state, profile_words, rule_name
 from atleak.report.tables.table import VERDICT, Column, Facts, Picture, Points, Section, Table, Text, with_sign
@@ -256,11 +255,6 @@ def section(content: Section, name: str) -> None:
             table(part)
 
 
-def rows_table(rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], **options: Any) -> Any:
-    """Show rows of plain values, in the units of atleak's records, as a table in the reader's language and units."""
-    return table(Table("", tuple(columns), rows, reader.say()), empty=True, **options)
-
-
 def _sorted_verdict(level: Verdict | Band, say: Wording) -> str:
     """Return sign and word of a verdict.
 
@@ -276,13 +270,6 @@ def gauges(check: PressureCheck) -> None:
     table(gauge_table(check, reader.say()))
 
 
-def before_opening(diagnosis: Diagnosis) -> None:
-    """Show what was measured before the unit was opened, besides gauge readings."""
-    for content in before_opening_of(diagnosis, reader.say()):
-        st.subheader(content.title)
-        section(content, content.name)
-
-
 def gauge_banner(check: PressureCheck) -> None:
     """Show the worst verdict on any gauge reading in a box of its colour, and what gave it."""
     say, verdict, deciding = reader.say(), check.verdict, check.deciding
@@ -296,68 +283,23 @@ def gauge_banner(check: PressureCheck) -> None:
     _BOX[look_of(verdict).box](f"**{say.signed(verdict)}**{plain(said)}")
 
 
-def records(rows: list[dict[str, Any]], **options: Any) -> None:
-    """Show plain rows; numbers have up to six digits."""
-    frame = pd.DataFrame(rows)
-    names = frame.columns.tolist()
-    numbers: list[Hashable] = [name for name in names if pd.api.types.is_numeric_dtype(frame[name])]
-    style = frame.style.format("{:.6g}", subset=numbers, na_rep="–")
-    st.dataframe(style, hide_index=True, width="stretch", placeholder="–", **options)
-
-
 def colours(verdict: Verdict | Band) -> str:
     """Return the ground and the ink of a verdict's cell as CSS; an empty text where it stays plain."""
     look = look_of(verdict)
     return f"background-color: {look.screen}; color: {look.on_screen}" if look.on_screen else ""
 
 
-def sheet_messages(diagnosis: Diagnosis) -> None:
-    """Show the messages of the measuring sheet and its clearances."""
-    messages(_of_sheet(diagnosis), reader.say()("about.sheet"))
-
-
-def _of_sheet(diagnosis: Diagnosis) -> list[Message]:
-    of_lands = (message for land in diagnosis.lands for message in land.messages)
-    return [*(diagnosis.readings.messages if diagnosis.readings else ()), *of_lands]
-
-
-def what_is_shown(diagnosis: Diagnosis) -> None:
-    """Say, below the flagged table, what its shares are of, and what a decision means."""
-    say = reader.say()
-    said = [say("diagnosis.shares_of", fluid=fluid_in_state(diagnosis, say))]
-    said += [say("texts.decision")] if any(land.decision for land in diagnosis.flagged) else []
-    st.caption(plain(" ".join(said)))
-
-
-def open_verdicts(lines: list[str]) -> None:
-    """Show the verdicts that the instruments leave open."""
-    if lines:
-        with st.expander(reader.say()("show.open_verdicts", count=len(lines))):
-            st.markdown("\n".join(lines))
-
-
-def log_messages(diagnosis: Diagnosis) -> None:
-    """Show the messages of the road-test log and of the leakage over it."""
-    messages(_of_log(diagnosis), reader.say()("about.log"))
-
-
-def _of_log(diagnosis: Diagnosis) -> list[Message]:
-    if diagnosis.log is None:
-        return []
-    of_leakage = diagnosis.road.messages if diagnosis.road is not None else ()
-    why = [each for each in diagnosis.messages if each.code == NO_LEAKAGE]
-    return [*diagnosis.log.road_test.messages, *of_leakage, *why]
-
-
 def remarks(diagnosis: Diagnosis) -> dict[str, list[Message]]:
     """Return all that is remarked, each remark once, by the key of what it is about."""
-    uncertain = diagnosis.uncertainty.messages if diagnosis.uncertainty else ()
     by_subject = {
-        "sheet": _of_sheet(diagnosis),
-        "uncertainty": list(uncertain),
-        "log": _of_log(diagnosis),
+        "sheet": [*(diagnosis.readings.messages if diagnosis.readings else ())],
+        "uncertainty": [*(diagnosis.uncertainty.messages if diagnosis.uncertainty else ())],
+        "log": [*(diagnosis.log.road_test.messages if diagnosis.log else ())],
         "rest": list(diagnosis.messages),
     }
+    by_subject["sheet"] += [message for land in diagnosis.lands for message in land.messages]
+    by_subject["log"] += diagnosis.road.messages if diagnosis.road else ()
+    by_subject["log"] += [each for each in diagnosis.messages if diagnosis.log and each.code == NO_LEAKAGE]
     said: set[Message] = set()
     for about, notes in by_subject.items():
         by_subject[about] = [note for note in dict.fromkeys(notes) if note not in said]
@@ -470,11 +412,6 @@ def svg(drawing: str, label: str, least_width: int = 640) -> None:
         f'<img alt="{html.escape(label)}" src="data:image/svg+xml;base64,{data}" '
         f'style="min-width:{least_width}px;width:100%;max-width:1100px;display:block;margin:auto"></div>'
     )
-
-
-def jumps(sections: Mapping[str, str]) -> None:
-    """Show links to sections further down, by their anchors and the keys of their headings."""
-    st.markdown(" · ".join(f"[{reader.say()(key)}](#{anchor})" for anchor, key in sections.items()))
 
 
 def named(what: str, number: str) -> str:

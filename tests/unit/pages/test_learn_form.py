@@ -16,7 +16,7 @@ def script() -> None:
     import streamlit as st
 
     from atleak.catalogue.entries import read_tables
-    from pages.shared.learn_form import learn_form
+    from pages.shared.transmission import learn_form
 
     taken = learn_form(read_tables("controllers", "minimal_example")[0])
     if taken is not None:

@@ -19,7 +19,7 @@ def page() -> None:
 
     from atleak.catalogue.written_numbers import TEMPERATURE
     from atleak.common.verdicts import Verdict
-    from atleak.report.tables.table import Column
+    from atleak.report.tables.table import Column, Table
     from pages.shared import fields, reader, show
 
     reader.mark_page()
@@ -27,7 +27,8 @@ def page() -> None:
         {"verdict": Verdict.CRITICAL, "clearance": 25.4, "held": 1000.0},
         {"verdict": None, "clearance": None, "held": None},
     ]
-    show.rows_table(rows, [Column("verdict", "verdict"), Column("clearance", "clearance"), Column("held", "pressure")])
+    columns = Column("verdict", "verdict"), Column("clearance", "clearance"), Column("held", "pressure")
+    show.table(Table("", columns, rows, reader.say()))
     st.text(reader.say().quantity(95.5, "temperature", 1))
     st.code(fields.number("T", TEMPERATURE, 80.0, key="t"))
     reader.draw_choices()
