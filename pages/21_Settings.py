@@ -21,5 +21,5 @@ st.subheader(say("settings.instruments"))
 for slot in SLOTS.values():
     if slot.part is not None:
         choices.catalogue_entry(slot.name)
-st.subheader(say("settings.engine"))
-choices.engine()
+with st.expander(say("settings.engine")):
+    choices.engine()

@@ -24,14 +24,11 @@ name = show.named("atleak", record.number)
 conditions.undecided(diagnosis, closing=True)
 st.subheader(say("take_along.title"))
 language, paper = reader.pick_print("report")
-picked = st.pills(
-    say("take_along.sections"),
-    PDF_SECTIONS,
-    selection_mode="multi",
-    default=PDF_SECTIONS,
-    format_func=lambda section: say(f"sections.{section}"),
-    key="report-sections",
-)
+with st.expander(say("take_along.sections")):
+    picked = st.pills(
+        say("take_along.sections"), PDF_SECTIONS, selection_mode="multi", default=PDF_SECTIONS, key="report-sections",
+        format_func=lambda section: say(f"sections.{section}"), label_visibility="collapsed",
+    )  # fmt: skip
 sections = [name for name in PDF_SECTIONS if name in picked]
 font_form.draw_missing([record])
 of_pdf = partial(write_pdf, diagnosis, record, language=language, paper=paper, sections=sections, units=say.units)

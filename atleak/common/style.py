@@ -100,6 +100,15 @@ LOOKS: dict[Verdict, Look] = {
 }  # fmt: skip
 
 
+QUIET_ON_DARK = {  # what stands out on white only: lands that are good or not measured, and their outlines
+    f'fill="{LOOKS[Verdict.OK].fill}"': 'fill="#1D3527"',
+    LOOKS[Verdict.OK].line: "#7CC796",
+    f'fill="{LOOKS[Verdict.NOT_MEASURED].fill}" stroke="{LOOKS[Verdict.NOT_MEASURED].line}"': (
+        'fill="#1B262E" stroke="#A9B4BD"'
+    ),
+}
+
+
 def look_of(level: Verdict | Band | str) -> Look:
     """Return how a verdict looks; a band looks as the verdict it counts as.
 
@@ -130,7 +139,7 @@ class Inks:
 PAPER_INKS = Inks(ink="#1B2733", soft="#5A6670", rule="#B8C2CB", leakage="#A3211B", pump="#1F4E79", share="#1B2733")
 SCREEN = Inks(ink="#16222b", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00")
 DARK = Inks(ink="#E8EEF2", soft="#7b8794", rule="#8793a0", leakage="#2a86d1", pump="#8793a0", share="#e07b00",
-            card="#1B262E")  # fmt: skip
+            card="#1B262E", metal="#4A5762")  # fmt: skip
 SHEET_OF_PAPER = "#FFFFFF"  # what lies under a drawing in black and white
 SUSPECT = LOOKS[Verdict.REPLACE].screen  # samples of a log that no result uses
 SPREADS = ("#E3EAF1", "#9DB7D5")  # on paper: where nine of ten units are, and where half of them are

@@ -41,7 +41,7 @@ def draw(controller: Controller) -> Job:
     say, record = reader.say(), job()
     values: dict[str, Any] = {name: getattr(record, name) for name in Job.model_fields}
     with fields.fold(say("job_form.who"), key=key("fold-job"), opened=True):
-        first, second, third = st.columns(4), st.columns(5), st.columns(4)
+        first, third, second = st.columns(4), st.columns(4), st.columns(5)  # the car before who approved what
         lines = zip(_LINES, (first[0], first[2], *second[2:]), strict=True)
         values |= {name: _line(place, name, getattr(record, name)) for name, place in lines}
         for name, place in zip(("date", "measured_on", "issued_on"), (first[1], *second[:2]), strict=True):
@@ -262,7 +262,7 @@ def _line(place: Any, name: str, value: str) -> str:
 
 
 def _text(place: Any, own: str, name: str, value: str, before: str = "") -> str:
-    label = reader.say()(f"job_field.{before}{name}")
+    label = reader.say()(f"job_field.{'tax_number' if own == 'workshop-registration' else before + name}")
     return (place.text_area if name in _LONG else place.text_input)(label, **fields.kept(key(own), value))
 
 

@@ -24,6 +24,7 @@ from pages.shared.cases import PageCase, catalogue_entry, catalogue_list, shown_
 from pages.shared.state import session
 
 _MOST_WEAR, _MOST_GROWTH = 5.0, 200  # that can be tried: times as measured, and %
+_CORNER = 0.03  # of a map: what falls there alone is said, as a picture of it would be empty
 _POSITIONS: tuple[float | str | None, ...] = (None, 0.0, 0.25, 0.5, 0.75, 1.0, UNKNOWN)
 _AS_IN_JOB: dict[str, Any] = {
     "point": None, "temperature": None, "speed": None, "gear": None, "wear": 1.0, "growth": 0, "fluid": None,
@@ -102,10 +103,14 @@ def _pressure(diagnosis: Diagnosis, over: Map, job: MapPlace, now: MapPlace) -> 
     if len(names) > 1:
         name = st.selectbox(say("what_if.pressure_of"), list(names), format_func=names.__getitem__, key="what-if-map")
     values = over.pressures[name]
-    low, high = np.nanmin(values), np.nanmax(values)
+    low, high = (say.quantity(float(end(values)) * KPA, "pressure") for end in (np.nanmin, np.nanmax))
     with st.container():
-        if high - low < 1.0:
-            st.write(say("what_if.holds_everywhere", pressure=say.quantity(float(high) * KPA, "pressure")))
+        if np.nanmean(values < 0.99 * np.nanmax(values)) < _CORNER:
+            st.write(
+                say("what_if.holds_everywhere", pressure=high)
+                if low == high
+                else say("what_if.holds_but", pressure=high, low=low)
+            )
         else:
             show.chart(pressure_map(over, name, job, now, say), f"what-if-{name}")
 

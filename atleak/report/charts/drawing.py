@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.common.sentences import Name, Sentence
-from atleak.common.style import DARK, EDGE, PAPER_INKS, Inks, look_of
+from atleak.common.style import DARK, EDGE, PAPER_INKS, QUIET_ON_DARK, Inks, look_of
 from atleak.common.units import MM
 from atleak.common.verdicts import Verdict, worst
 from atleak.common.wording import Wording, wording
@@ -247,8 +247,11 @@ def _axis_line(start: str, end: str) -> str:
 
 
 def on_dark(drawing: str) -> str:
-    """Return the same drawing for a dark ground: light words and lines, dark cards; the lands keep their shades."""
-    return drawing.replace(_card(PAPER_INKS), _card(DARK)).replace(PAPER_INKS.ink, DARK.ink)
+    """Return the same drawing for a dark ground: light words, dark cards, no land brighter than a bad one."""
+    dark = {_card(PAPER_INKS): _card(DARK), **QUIET_ON_DARK, PAPER_INKS.ink: DARK.ink, PAPER_INKS.metal: DARK.metal}
+    for light, ink in dark.items():
+        drawing = drawing.replace(light, ink)
+    return drawing
 
 
 def _card(inks: Inks) -> str:

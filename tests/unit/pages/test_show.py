@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import plotly.graph_objects as plotly_objects
 import pytest
 
-from atleak.common.style import PAPER_INKS
+from atleak.common.style import PAPER_INKS, look_of
+from atleak.common.verdicts import Verdict
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.charts.drawing import controller_svg, on_dark, spool_svg
@@ -69,3 +72,14 @@ def test_a_drawing_on_a_dark_ground_has_light_words(four_speed) -> None:
         assert PAPER_INKS.ink in drawing
         assert PAPER_INKS.ink not in on_dark(drawing)
         assert 'rx="4" fill="#FFFFFF"' not in on_dark(drawing)
+
+
+def test_on_a_dark_ground_no_land_is_brighter_than_one_to_be_replaced(four_speed) -> None:
+    verdicts = dict.fromkeys((land.key for land in four_speed.lands), Verdict.OK) | {("25", 1): Verdict.REPLACE}
+    verdicts |= {("25", 2): Verdict.NOT_MEASURED}
+
+    def brightness(ink: str) -> int:
+        return sum(int(ink[place : place + 2], 16) for place in (1, 3, 5))
+
+    fills = set(re.findall(r'<rect[^>]* fill="(#\w+)"', on_dark(spool_svg(four_speed, "25", verdicts, wording("en")))))
+    assert max(fills, key=brightness) == look_of(Verdict.REPLACE).fill
