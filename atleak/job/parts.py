@@ -199,6 +199,8 @@ def job_parts(diagnosis: Diagnosis, job: Job | None = None, case: Case | None = 
         "flows": diagnosis.flow_table,
     }
     own = {slot: _source(slot, getattr(case, slot), used[slot]) for slot in OWN_FILES if used[slot] is not None}
+    if case.readings is not None:
+        own.setdefault("readings", case.readings)  # one of which no reading counts yet: what was typed stays
     sources = {**own, **_catalogue_files(diagnosis, case)}
     choices = _choices(diagnosis, job, case, {slot: source.name for slot, source in sources.items()})
     pictures = {name: without_notes(content) for name, content in job.pictures.items()}

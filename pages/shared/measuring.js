@@ -39,6 +39,10 @@ class Grid {
         this.part = name => this.root.querySelector(`.${name}`)
         this.on_hide = () => this.hold()
         window.addEventListener("pagehide", this.on_hide)
+        this.on_full = () => document.fullscreenElement || this.bench(false)
+        document.addEventListener("fullscreenchange", this.on_full)
+        this.root.addEventListener("click", () => this.root.matches(".bench") && this.inputs.get(this.now)?.focus())
+        this.part("alone").addEventListener("click", () => this.bench(!this.root.matches(".bench")))
         for (const [name, act] of [["back", () => this.step(-1)], ["next", () => this.step(1)], ["undo", () => this.undo()]]) {
             this.part(name).addEventListener("pointerdown", event => event.preventDefault()) // the field keeps the focus
             this.part(name).addEventListener("click", () => {
@@ -143,6 +147,8 @@ class Grid {
         clearTimeout(this.waiting)
         clearTimeout(this.collecting)
         window.removeEventListener("pagehide", this.on_hide)
+        document.removeEventListener("fullscreenchange", this.on_full)
+        this.bench(false)
     }
 
     // What the server does not hold yet outlives another page and, once the job has a name, a reload of this tab.
@@ -174,8 +180,19 @@ class Grid {
 
     // --- where one is
 
+    bench(on) {
+        // one reading at a time, as large as the screen: the same fields, all but one unseen
+        if (on === this.root.matches(".bench")) return
+        this.root.classList.toggle("bench", on)
+        this.part("alone").textContent = on ? this.data.words.sheet : this.data.words.bench
+        if (on) this.root.requestFullscreen?.().catch(() => {}) // without it, over the page
+        else if (document.fullscreenElement) document.exitFullscreen()
+        this.go(this.now, on)
+    }
+
     go(name, focus = true) {
         if (!this.cells.has(name)) return false
+        this.ended = false
         const elsewhere = this.cells.get(name).component !== this.cells.get(this.now)?.component
         this.now = name
         if (elsewhere) {
@@ -220,7 +237,10 @@ class Grid {
         }
         else if (event.key === "Enter" || event.key === "Tab") {
             this.commit(name)
-            if (this.step(event.shiftKey ? -1 : 1) || event.key === "Enter") event.preventDefault()
+            const gone = this.step(event.shiftKey ? -1 : 1)
+            if (gone || event.key === "Enter") event.preventDefault()
+            this.ended = !gone && !event.shiftKey
+            this.light()
         } else if (event.key === "ArrowDown" || event.key === "ArrowUp") {
             event.preventDefault()
             this.commit(name)
@@ -256,6 +276,8 @@ class Grid {
         this.part("hint").textContent = words.hint
         for (const [name, text] of [["back", words.back], ["next", words.next], ["undo", words.undo]])
             this.part(name).textContent = text
+        this.part("alone").textContent = this.root.matches(".bench") ? words.sheet : words.bench
+        this.part("alone").hidden = this.data.readonly
         const parts = new Map()
         for (const [name, cell] of this.cells) {
             if (cell.component !== at) continue
@@ -435,8 +457,8 @@ class Grid {
     light() {
         const cell = this.cells.get(this.now)
         if (!cell) return
-        for (const input of this.inputs.values()) input.closest("tr").classList.remove("now")
-        this.inputs.get(this.now)?.closest("tr").classList.add("now")
+        for (const input of this.inputs.values()) for (const tag of ["table", "tr", "td"]) input.closest(tag).classList.remove("now")
+        for (const tag of ["table", "tr", "td"]) this.inputs.get(this.now)?.closest(tag).classList.add("now")
         const [, , plane, direction] = cell.key
         for (const line of this.part("drawing").querySelectorAll("[data-plane]"))
             line.classList.toggle("lit", line.dataset.plane === plane)
@@ -450,7 +472,9 @@ class Grid {
         const name = this.is_doubtful(this.now) ? this.now : this.doubtful()[0]
         const place = this.part("said")
         const cell = name && this.cells.get(name)
-        const text = !cell ? "" : name === this.now ? this.doubt(name) : `${this.where(name)}: ${this.doubt(name)}`
+        const open = this.order.filter(each => !this.text_of(each)).length
+        const end = this.ended ? `${this.data.words.last} ${open ? `${this.data.words.open} ${open}.` : ""}` : ""
+        const text = end || !cell ? end : name === this.now ? this.doubt(name) : `${this.where(name)}: ${this.doubt(name)}`
         if (place.textContent !== text) place.textContent = text
         place.dataset.now = this.now ? this.where(this.now) : "" // shown while there is no doubt
         place.className = `said ${cell ? (cell.counts ? "doubted" : "refused") : ""}`

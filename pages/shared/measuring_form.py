@@ -35,7 +35,7 @@ _GRID = st.components.v2.component(
 )
 _WORDS = (
     *("hint", "back", "next", "undo", "repeat", "kept", "under_way", "doubtful", "counts_not"),
-    *("land", "clearance", "wear", "ovality", "verdict"),
+    *("land", "clearance", "wear", "ovality", "verdict", "bench", "sheet", "last", "open"),
 )
 _TYPED_UNITS = ("mm", "µm", "inch")
 _UNITS = {"metric": "mm", "metric_bar": "mm", "us": "inch"}  # typed in, unless another is chosen

@@ -107,3 +107,28 @@ def test_six_lands_are_measured_by_keyboard_alone(page: Page, visit: Callable[[s
     expect(second.locator(".measuring .state")).to_have_text("48/48 · all in the job")
     expect(cell(second, "pressure regulator valve, Bore, plane 1, 0°, Repeat 1")).to_have_value(values[24])
     expect(cell(second, "pressure regulator valve, Spool, plane 2, 90°, Repeat 1")).to_have_value("12,3")
+
+
+@pytest.mark.page("2_Measure")
+@pytest.mark.usefixtures("six_lands")
+def test_at_the_bench_one_reading_fills_the_screen_and_the_last_one_says_so(page: Page) -> None:
+    page.reload()
+    box = page.get_by_test_id("stSidebar").get_by_role("combobox", name="Valve body")
+    box.fill("Six lands")
+    box.press("Enter")
+    state, field = page.locator(".measuring .state"), page.locator(".measuring input:visible")
+    expect(state).to_have_text("0/48 · all in the job")
+    page.get_by_role("button", name="One at a time, full screen").click()
+    expect(field).to_have_count(1)
+    expect(field).to_be_focused()
+    expect(field).to_have_css("font-size", "80px")
+    for value in entries()[:2]:
+        written(page, value)  # as a gauge sends it
+    expect(field).to_have_attribute("aria-label", "pressure regulator valve, Spool, plane 1, 90°, Repeat 1")
+    for _ in range(46):
+        page.keyboard.press("Enter")
+    said = page.locator(".measuring .said")
+    expect(said).to_have_text("That was the last reading of the sheet. Still empty: 46.")
+    page.get_by_role("button", name="Back to the sheet").click()
+    expect(page.locator(".measuring.bench")).to_have_count(0)
+    expect(state).to_have_text("2/48 · all in the job")

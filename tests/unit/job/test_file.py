@@ -31,8 +31,10 @@ from atleak.job.parts import JOB_FORMAT, entry_of
 from atleak.job.result import judged_otherwise
 from atleak.job.zip_file import read_job_file, write_job_file
 from atleak.measurements.job_card import Job
+from atleak.measurements.measuring_plan import Plan
 from atleak.readers.logs import read_road_test
 from atleak.readers.sheets.measuring_sheet import read_readings
+from atleak.readers.typed_sheet import TYPED_FILE, Typed, TypedEntry, written_sheet
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.version import __version__
 
@@ -423,3 +425,15 @@ def test_another_measuring_temperature_is_another_result():
     assert warm.diagnose().lands[0].state == case.diagnose().lands[0].state  # not measured
     cold, hot = ({land.key: land.state for land in each.diagnose().lands} for each in (case, warm))
     assert hot["6", 1].radial_clearance < cold["6", 1].radial_clearance
+
+
+def test_typed_readings_of_which_none_counts_yet_stay_in_the_job() -> None:
+    controller = load_controller("minimal_example")
+    content = written_sheet(Typed({Plan().cells(controller)[0]: TypedEntry("99,1")}), (), controller)
+    assert content is not None
+    case = Case(readings=SourceFile(TYPED_FILE, content), controller=controller.id)
+    unit = case.diagnose()
+    assert not unit.judged
+    held = read_job_file(write_job_file(unit, Job(), case)).case.readings
+    assert held is not None
+    assert held.content == content
