@@ -100,13 +100,11 @@ LOOKS: dict[Verdict, Look] = {
 }  # fmt: skip
 
 
+_OK, _OPEN = LOOKS[Verdict.OK], LOOKS[Verdict.NOT_MEASURED]
 QUIET_ON_DARK = {  # what stands out on white only: lands that are good or not measured, and their outlines
-    f'fill="{LOOKS[Verdict.OK].fill}"': 'fill="#1D3527"',
-    LOOKS[Verdict.OK].line: "#7CC796",
-    f'fill="{LOOKS[Verdict.NOT_MEASURED].fill}" stroke="{LOOKS[Verdict.NOT_MEASURED].line}"': (
-        'fill="#1B262E" stroke="#A9B4BD"'
-    ),
-}
+    f'fill="{_OK.fill}"': 'fill="#1D3527"', _OK.line: "#7CC796",
+    f'fill="{_OPEN.fill}" stroke="{_OPEN.line}"': 'fill="#1B262E" stroke="#A9B4BD"',
+}  # fmt: skip
 
 
 def look_of(level: Verdict | Band | str) -> Look:

@@ -25,12 +25,7 @@ _ABREAST = 3  # valves that are drawn beside one another: a phone is narrow
 
 
 def customer_screen(
-    diagnosis: Diagnosis,
-    job: Job,
-    *,
-    language: str = "en",
-    units: str = "metric",
-    visits: Comparison | None = None,
+    diagnosis: Diagnosis, job: Job, *, language: str = "en", units: str = "metric", visits: Comparison | None = None
 ) -> dict[str, Any]:
     """Return what the customer's screen shows, as JSON can keep it; `atleak.report.customer_screen` writes it.
 
@@ -66,26 +61,17 @@ class _Screen(PrintedPart):
         self.is_later = visits is not None and visits.after is self.diagnosis
         here, self.other = both[::-1] if self.is_later else both
         self.worst = here or self.diagnosis.worst
-        share = None if leading is None else leading.share
-        self.changed = self.is_later and share is not None and share.significant is not False
+        self.changed = leading is not None and leading.share is not None and leading.share.significant is not False
 
     @property
     def data(self) -> dict[str, Any]:
         page, job = CustomerPage(self.names, signed=False), self.job
-        said, look = page.data(), look_of(page.verdict)
+        said, look, day = page.data(), look_of(page.verdict), self.say.date(job.date) if job.date else ""
         return {
             "language": self.say.language,
             "closed": False,
             "workshop": job.workshop.name,
-            "about": joined(
-                (
-                    _first_name(job.customer.name),
-                    job.vehicle.registration,
-                    self.names.vehicle,
-                    self.say.date(job.date) if job.date else "",
-                ),
-                " · ",
-            ),
+            "about": joined((_first_name(job.customer.name), job.vehicle.registration, self.names.vehicle, day), " · "),
             "look": {"sign": look.sign, "tint": look.tint, "words": look.on_tint, "line": look.line},
             "headline": said["headline"],
             "urgency": " ".join(said["urgency"]),
@@ -99,7 +85,7 @@ class _Screen(PrintedPart):
 
     def _sentence(self, page: CustomerPage) -> str:
         """Say what was lost at the visit before and is lost now, where that is not the measuring alone; else why."""
-        if self.other is not None and self.changed:
+        if self.other is not None and self.changed and self.is_later:
             before, now = (self.say.number(each.share * PERCENT, 0) for each in (self.other, self.worst))
             return self.say("customer_screen.since", before=before, now=now)
         return next(page.held(), self.say("customer_screen.escapes") if page.valves else "")
