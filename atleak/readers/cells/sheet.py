@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import groupby
 from typing import Any
 
@@ -27,10 +27,12 @@ def text_of(cell: Cell) -> str:
     >>> text_of(8.0), text_of(" 12′ ")
     ('8', "12'")
     """
-    if isinstance(cell, float) and cell.is_integer():
-        return str(int(cell))
-    text = _SPACES.sub(" ", str(cell).replace("\u00a0", " ")).strip()
-    return re.sub(r"\s*[′’‘`´ʹ]", "'", text)
+    return _label(str(int(cell) if isinstance(cell, float) and cell.is_integer() else cell))
+
+
+@lru_cache(maxsize=8192)
+def _label(text: str) -> str:
+    return re.sub(r"\s*[′’‘`´ʹ]", "'", _SPACES.sub(" ", text.replace("\u00a0", " ")).strip())
 
 
 @dataclass(frozen=True)

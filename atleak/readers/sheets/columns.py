@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import cached_property, reduce
 from itertools import pairwise
 
 from atleak.common.errors import ReadingsError
@@ -36,13 +36,13 @@ class Columns:
     hidden_read: tuple[HeadedColumn, ...] = ()  # hidden diameters that are read because none does
     problems: list[ReadingsError] = field(default_factory=list)
 
-    @property
+    @cached_property
     def keys(self) -> tuple[HeadedColumn, ...]:
         """Return the columns that say what a diameter is of, and its unit."""
         keys = (self.component, *self.names, self.part, self.plane, self.land, self.direction, self.repeat, self.unit)
         return tuple(column for column in keys if column is not None)
 
-    @property
+    @cached_property
     def read(self) -> frozenset[int]:
         """Return the index of every column that something is read from."""
         values = (column for group in self.groups for column in group.values())

@@ -111,7 +111,7 @@ class ControllerNames:
 
     def __init__(self, controller: Controller) -> None:
         self.controller = controller
-        self._named: dict[str, bool] = {}
+        self._known: dict[str, str | None] = {}
         self._planes: dict[tuple[str, str], Land] = {
             (land.component, plain(plane)): land for land in controller.lands for plane in land.planes
         }
@@ -145,6 +145,11 @@ class ControllerNames:
     def component(self, cell: Cell) -> str | None:
         """Return the component that a cell names, by number or name, with or without lands; None where none is."""
         text = text_of(cell)
+        if text not in self._known:
+            self._known[text] = self._told(text)
+        return self._known[text]
+
+    def _told(self, text: str) -> str | None:
         first, _, rest = plain(text).partition(" ")
         named = rest if Words((first.rstrip(".:"),)).only("number", "component", "generic") else ""
         number = self._numbered(text)
@@ -182,9 +187,7 @@ class ControllerNames:
 
     def is_named(self, text: str) -> bool:
         """Return whether a text names a component by more than a bare number."""
-        if text not in self._named:
-            self._named[text] = any(letter.isalpha() for letter in text) and self.component(text) is not None
-        return self._named[text]
+        return any(map(str.isalpha, text)) and self.component(text) is not None
 
     def component_in(self, text: str) -> str | None:
         """Return the component in a title: its name alone or behind a colon, or its number behind "valve" …"""
