@@ -156,11 +156,11 @@ class Posterior:
         point
             in whose gear it is applied.
         """
-        return self._of(section).lost(section, point)
+        return self._by(frozenset({section} - {LINE})).lost(section, point)
 
     def contradicted(self, section: str) -> frozenset[tuple[str, OperatingPoint]]:
         """Return taps that tell of a section and showed what none of the draws expects, and where."""
-        return self._of(section).contradicted
+        return self._by(frozenset({section} - {LINE})).contradicted
 
     def told(self) -> tuple[Told, ...]:
         """Return what is known of every land, those that are weighed together in one; the line's and the pump first."""
@@ -180,9 +180,6 @@ class Posterior:
         own = set(circuits)
         with_others = set().union(*(self.unit.fed_from(each) - {each} for each in own), self.unit.followed)
         return frozenset(own - with_others)
-
-    def _of(self, section: str) -> _WeighedDraws:
-        return self._by(frozenset() if section == LINE else frozenset([section]))
 
     def _by(self, circuits: frozenset[str]) -> _WeighedDraws:
         """Return the draws as weighed by what tells of some circuits, of none by what tells of the line."""

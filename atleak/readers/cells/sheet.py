@@ -21,18 +21,17 @@ BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")  # and what stands in them
 _SPACES = re.compile(r"\s+")
 
 
+@lru_cache(maxsize=8192, typed=True)  # 1, 1.0 and True are not the same text
 def text_of(cell: Cell) -> str:
     """Return a cell as the label it is: 8.0 → "8", primes as one sign.
 
     >>> text_of(8.0), text_of(" 12′ ")
     ('8', "12'")
     """
-    return _label(str(int(cell) if isinstance(cell, float) and cell.is_integer() else cell))
-
-
-@lru_cache(maxsize=8192)
-def _label(text: str) -> str:
-    return re.sub(r"\s*[′’‘`´ʹ]", "'", _SPACES.sub(" ", text.replace("\u00a0", " ")).strip())
+    if isinstance(cell, float) and cell.is_integer():
+        return str(int(cell))
+    text = _SPACES.sub(" ", str(cell).replace("\u00a0", " ")).strip()
+    return re.sub(r"\s*[′’‘`´ʹ]", "'", text)
 
 
 @dataclass(frozen=True)

@@ -121,7 +121,8 @@ class ControllerNames:
         return tuple(dict.fromkeys(land.component for land in self.controller.lands))
 
     @cached_property
-    def _spellings(self) -> dict[str, str]:
+    def spellings(self) -> dict[str, str]:
+        """Return every name of a component with its id."""
         spelled: dict[str, str] = {}
         for language in languages():
             say = wording(language)
@@ -135,12 +136,13 @@ class ControllerNames:
 
     def spelled(self, component: str) -> list[str]:
         """Return the ways in which a component may be named."""
-        return [name for name, named in self._spellings.items() if named == component]
+        return [name for name, named in self.spellings.items() if named == component]
 
     @cached_property
     def by_length(self) -> list[tuple[str, str]]:
-        """Return every spelling of a component with its id, the longest first."""
-        return sorted(self._spellings.items(), key=lambda pair: -len(pair[0]))
+        """Return the names of components with lands and their ids, the longest first."""
+        named = ((name, of) for name, of in self.spellings.items() if any(map(str.isalpha, name)))
+        return sorted((pair for pair in named if pair[1] in self.with_lands), key=lambda pair: -len(pair[0]))
 
     def component(self, cell: Cell) -> str | None:
         """Return the component that a cell names, by number or name, with or without lands; None where none is."""
@@ -154,7 +156,7 @@ class ControllerNames:
         named = rest if Words((first.rstrip(".:"),)).only("number", "component", "generic") else ""
         number = self._numbered(text)
         number = number if self._by_name(plain(text)) <= {number} else None
-        return self._spellings.get(plain(text)) or self._spellings.get(named) or number
+        return self.spellings.get(plain(text)) or self.spellings.get(named) or number
 
     def _numbered(self, text: str, *, titled: bool = False) -> str | None:
         """Return the component whose number stands before a name, or behind it in brackets; None if two numbers are.
@@ -179,7 +181,7 @@ class ControllerNames:
 
     def _by_name(self, folded: str) -> set[str]:
         spaced = " ".join(["", *re.sub(r"[^\w/-]", " ", folded).split(), ""])
-        return {number for name, number in self._spellings.items() if len(name) > 3 and f" {name} " in spaced}
+        return {number for name, number in self.spellings.items() if len(name) > 3 and f" {name} " in spaced}
 
     def is_plane(self, cell: Cell) -> bool:
         """Return whether a cell names a plane of any component."""
@@ -213,12 +215,12 @@ class ControllerNames:
                 value=text,
                 expected=Sentence("one of {names}", names=_list(self.with_lands)),
             )
-        near = nearest_name(plain(text), [*map(plain, self.with_lands), *self._spellings])
+        near = nearest_name(plain(text), [*map(plain, self.with_lands), *self.spellings])
         raise ReadingsError(
             Sentence("unknown component of controller {controller}", controller=self.controller.id),
             value=text,
             expected=Sentence("one of {names}", names=_list(self.with_lands)),
-            nearest=self._spellings.get(near) if near else None,
+            nearest=self.spellings.get(near) if near else None,
         )
 
     def plane(self, component: str, cell: Cell) -> str:
@@ -295,12 +297,9 @@ def read_label(cell: Cell, names: ControllerNames, *, dotted: bool = False) -> L
 
 def _with_component(folded: str, names: ControllerNames, dotted: bool) -> Iterator[tuple[str, str]]:
     for name, component in names.by_length:
-        if component not in names.with_lands:
-            continue
-        if any(letter.isalpha() for letter in name):
-            match = re.search(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])", folded) if name in folded else None
-            if match is not None:
-                yield component, f"{folded[: match.start()]} {folded[match.end() :]}"
+        match = re.search(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])", folded) if name in folded else None
+        if match is not None:
+            yield component, f"{folded[: match.start()]} {folded[match.end() :]}"
     words = folded.replace("_", " ").split()
     sized = re.search(r"\d[.,]\d", folded) and not dotted  # "bore 12.1"
     placed = len(re.findall(r"\d+", folded)) > 1 and not sized

@@ -199,7 +199,7 @@ class Exclusions:
             return None
         if not self._beside_component and not letters(label).any("gauge", "calibration"):
             return None
-        near = nearest_name(plain(label), [name for name, _ in self.names.by_length])
+        near = nearest_name(plain(label), [*self.names.spellings])
         return repr(text_of(label)) if near is None and number_of(label) is None and letters(label) else None
 
     def _specification(self, row: int) -> str | None:

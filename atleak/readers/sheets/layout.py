@@ -295,7 +295,9 @@ def looks_measured(sheet: Sheet, names: ControllerNames, least: int = 1) -> bool
     for index in range(sheet.width):
         found: list[str] = []
         near: set[tuple[str, str]] = set()
-        for row in rows:
+        for place, row in enumerate(rows):
+            if len(rows) >= 2 * (len(found) + len(rows) - place):
+                break  # no more can become most
             component = (read_label(row[index] if index < len(row) else "", names) or {}).get("component", "")
             planes = {(component, plane) for land in names.controller.lands_of(component) for plane in land.planes}
             of = {at for at in planes if any(sizes.near_plane(size, UNITS, *at) for size in _exact(row))}
