@@ -74,11 +74,11 @@ def test_a_table_changes_the_key_of_a_job() -> None:
 @pytest.mark.parametrize("kind", ["alone", "beside a sheet", "tab", "tab alone"])
 def test_a_job_file_keeps_the_table_and_gives_the_same_result(kind: str, sample_readings: Path, four_speed) -> None:
     case = {
-        "alone": Case(pressures=gauges()),
-        "beside a sheet": Case(readings=SourceFile.at(sample_readings), pressures=gauges()),
-        "tab": Case(readings=sheet_with_tab(sample_readings.read_bytes(), 450.0)),
-        "tab alone": Case(readings=sheet_with_tab(write_template(four_speed), 300.0)),
-    }[kind]
+        "alone": lambda: Case(pressures=gauges()),
+        "beside a sheet": lambda: Case(readings=SourceFile.at(sample_readings), pressures=gauges()),
+        "tab": lambda: Case(readings=sheet_with_tab(sample_readings.read_bytes(), 450.0)),
+        "tab alone": lambda: Case(readings=sheet_with_tab(write_template(four_speed), 300.0)),
+    }[kind]()
     before = case.diagnose()
     opened = read_job_file(write_job_file(before, None, case))
     after = opened.diagnose()
