@@ -158,7 +158,7 @@ def _without_erased(step: Left) -> Steps:
 
 
 def keep(page: str) -> bool:
-    """Save the job where it has changed since it was saved; return whether there is news that the page must show.
+    """Save the job where it has changed since it was saved, the sample only when asked; return whether there is news.
 
     Parameters
     ----------
@@ -178,8 +178,8 @@ def keep(page: str) -> bool:
         with _faults_said(in_book):
             if state == in_book.state:
                 _look_for_others(in_book)
-            elif in_book.conflict is None:
-                _save(now, in_book.id, in_book.version)
+            elif in_book.conflict is None and (in_book.id is not None or not now.good.sample):
+                _save(now, in_book.id, in_book.version)  # the sample's only once somebody has it kept
         return in_book.news != before
 
 
@@ -223,6 +223,12 @@ def save_anyway(*, as_another: bool) -> None:
             book().refuse_erased(held, now.in_book.version)
         id = None if as_another else held
         _save(now, id, None if id is None else book().version(id))
+
+
+def keep_sample() -> None:
+    """Put the sample job, as it was changed here, into the book; for a callback."""
+    with session().in_book.saving, _faults_said(session().in_book):
+        _save(session(), None, None)
 
 
 def show_theirs() -> None:

@@ -357,6 +357,7 @@ class Grid {
 
     refresh_components() {
         const at = this.cells.get(this.now)?.component
+        const bar = this.part("components")
         const buttons = this.data.components.map((component, number) => {
             const names = this.order.filter(name => this.cells.get(name).component === number)
             const done = names.filter(name => this.text_of(name)).length
@@ -368,13 +369,14 @@ class Grid {
                     class: number === at ? "chosen" : "",
                     "aria-pressed": number === at ? "true" : "false",
                     title: component.title,
+                    tabindex: number === at ? 0 : -1, // one stop for Tab; arrows lead along
+                    onkeydown: event => bar.children[number + ({ ArrowRight: 1, ArrowLeft: -1 }[event.key] ?? NaN)]?.focus(),
                     onclick: () => this.go(names.find(name => !this.text_of(name)) ?? names[0]),
                 },
                 `${sign}${component.label} `,
                 made("small", {}, `${done}/${names.length}`),
             )
         })
-        const bar = this.part("components")
         const drawn = JSON.stringify(buttons.map(button => button.outerHTML))
         if (bar.drawn === drawn) return
         bar.drawn = drawn

@@ -179,7 +179,10 @@ def _condition() -> None:
 def _in_book() -> None:
     """Say under which name the job is kept."""
     say, in_book = reader.say(), session().in_book
-    if in_book.id is None:
+    if in_book.id is None and session().good.sample:
+        st.caption(say("panel.sample_not_kept"))
+        st.button(say("panel.keep_sample"), on_click=book.keep_sample, disabled=not book.unsaved(), width="stretch")
+    elif in_book.id is None:
         st.caption(say("panel.will_be_kept"))
     else:
         unsaved = any(in_book.news) and book.unsaved()

@@ -44,6 +44,8 @@ def test_a_killed_tab_and_a_killed_server_lose_no_digit_and_the_second_browser_i
     process, address = started(tmp_path, tmp_path / "home")
     try:
         page = visit(f"{address}/Job")
+        page.get_by_role("button", name="New, empty job").click()  # nothing of the sample is kept
+        expect(page.get_by_text("No measuring sheet yet")).to_be_visible()
         for label, text in TYPED.items():
             typed_in(page, label, text)
         page.wait_for_url("**job=*")

@@ -37,6 +37,7 @@ def priced(app: AppTest) -> str:
     for price, label in zip(("120,5", "80"), range(2), strict=True):
         fields = [each for each in app.main.text_input if each.label.startswith("Price")]
         fields[label].set_value(price).run()
+    press(app, "Keep it in the job book")
     go(app, "6_Report")
     press(app, "Make an address")
     assert not app.exception

@@ -18,7 +18,7 @@ from atleak.measurements.job_card import Job
 from pages.shared import book as kept_in
 from pages.shared.show import named
 from pages.shared.state import InBook
-from tests.unit.pages.conftest import go, number, texts, uploader
+from tests.unit.pages.conftest import go, number, press, texts, uploader
 
 pytestmark = pytest.mark.page("1_Job")
 
@@ -45,11 +45,23 @@ def test_nothing_is_kept_of_a_sample_that_is_only_looked_at(app: AppTest, book: 
     assert not book.rows()
 
 
+def test_of_a_sample_that_is_played_with_nothing_is_kept_unless_somebody_asks(app: AppTest, book: Book) -> None:
+    field(app, "Name").set_value("Example Workshop").run()
+    assert not book.rows()
+    assert field(go(go(app, "4_Diagnosis"), "1_Job"), "Name").value == "Example Workshop"
+    press(app, "Keep it in the job book")
+    (row,) = book.rows()
+    assert row.sample
+    field(app, "Job number").set_value("17").run()
+    assert [row.number for row in book.rows()] == ["17"]
+
+
 def test_a_job_is_kept_from_its_first_digit_on_and_its_address_brings_it_back(app: AppTest, book: Book) -> None:
+    press(app, "New, empty job")
     field(app, "Job number").set_value("2026-0417").run()
     number(app, "Mileage [km]").set_value("212345,5").run()
     (row,) = book.rows()
-    assert (row.number, row.mileage_km, row.sample) == ("2026-0417", 212345.5, True)
+    assert (row.number, row.mileage_km, row.sample) == ("2026-0417", 212345.5, False)
     assert app.query_params["job"] == row.id
     again = reloaded(app)
     assert not again.exception
@@ -92,6 +104,7 @@ def test_two_runs_of_one_session_at_once_keep_one_job(monkeypatch: pytest.Monkey
 def test_the_second_of_two_browsers_is_told_and_chooses(
     app: AppTest, book: Book, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    press(app, "New, empty job")
     field(app, "Technician").set_value("first").run()
     other = reloaded(app)
     field(other, "Technician").set_value("second").run()
@@ -135,6 +148,7 @@ def test_an_address_of_no_job_or_of_one_that_cannot_be_taken_is_refused_in_words
 
 
 def test_a_book_that_cannot_be_used_costs_no_work(app: AppTest, monkeypatch: pytest.MonkeyPatch) -> None:
+    press(app, "New, empty job")
     monkeypatch.setenv("ATLEAK_DATABASE_URL", "postgresql://shop:secret@127.0.0.1:1/book")
     field(app, "Job number").set_value("17").run()
     assert not app.exception

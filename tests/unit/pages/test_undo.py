@@ -98,6 +98,7 @@ def test_a_job_that_is_opened_offers_no_step_of_another_one(app: AppTest) -> Non
 
 def test_what_is_not_in_the_book_can_be_gone_back_to(app: AppTest) -> None:
     other = open_book().save(small_job(number="B-9"))
+    press_new(app)
     field(app, "Job number").set_value("A-3").run()
     (mine,) = (row for row in open_book().rows() if row.number == "A-3")
     changed = open_book().load(mine.id).file.job.model_copy(update={"notes": "elsewhere"})
