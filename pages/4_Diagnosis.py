@@ -2,6 +2,7 @@
 
 import streamlit as st
 
+from atleak.report.charts.land_figures import total_share
 from pages.shared import answer, conditions, fields, pairs, panel, plan, reader, road, show
 
 case, diagnosis = panel.shown()
@@ -16,7 +17,7 @@ else:
             plan.draw_switches(diagnosis)
         with st.container(key="drawn"):
             pairs.draw(diagnosis)
-            plan.draw_bar(diagnosis)
+            show.chart(total_share(diagnosis, say, repaired=plan.ends(diagnosis)), "share")
 answer.draw_reason(diagnosis)
 
 parts = {

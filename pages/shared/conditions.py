@@ -27,7 +27,6 @@ from pages.shared import fields, reader, show
 from pages.shared.show import plain
 from pages.shared.state import job, session
 
-_COLUMN = 135  # pixels of the drawing of flows, at which its words can be read
 MEASURE_FIRST = 8  # lands named for a complaint; the others are in a fold
 
 
@@ -100,7 +99,7 @@ def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     leaks_only = st.toggle(say("circuits.leaks_alone"), key="leaks-alone")
     diagram = flow_diagram(diagnosis, projection, leaks_only=leaks_only, say=say)
     title = say("circuits.flow_title", condition=condition)
-    show.svg(flow_svg(diagram, title, say), title, least_width=_COLUMN * diagram.columns)
+    show.svg(flow_svg(diagram, title, say), title, diagram.columns)
     st.caption(plain(say("circuits.flow_caption")))
     with st.expander(say("circuits.flow_table")):
         show.table(flow_table(diagram, say))

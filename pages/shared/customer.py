@@ -157,6 +157,8 @@ def _show(diagnosis: Diagnosis) -> None:
 
 def section(diagnosis: Diagnosis, name: str, language: str) -> None:
     """Offer the customer's screen as a file, and addresses of it; say what was answered."""
+    from atleak.job_book.customer_links import close_link, links_of_job, make_link
+
     say, in_book, made = reader.say(), session().in_book, _screen(diagnosis, language)
     with st.container(horizontal=True):
         st.download_button(
@@ -171,16 +173,14 @@ def section(diagnosis: Diagnosis, name: str, language: str) -> None:
         st.button(
             say("customer_link.make"),
             key="customer-make",
-            on_click=_make,
-            args=(made,),
+            on_click=_in_book,
+            args=(make_link, in_book.id, made),
             disabled=in_book.id is None,
             help=say("customer_link.make_help"),
         )
     if in_book.id is None:
         st.caption(say("customer_link.not_kept"))
         return
-    from atleak.job_book.customer_links import close_link, links_of_job
-
     try:
         links = links_of_job(book.book(), in_book.id)
     except AtleakError as error:
@@ -213,13 +213,6 @@ def section(diagnosis: Diagnosis, name: str, language: str) -> None:
                 counts = {"yes": yes, "no": len(link.answer.agreed) - yes, "moment": say.moment(link.answer.at)}
                 words.append(say("customer_link.answered_at", name=link.answer.name, **counts))
             st.caption(show.plain(" ".join(words)))
-
-
-def _make(made: Mapping[str, object]) -> None:
-    from atleak.job_book.customer_links import make_link
-
-    if (id := book.job_id()) is not None:
-        _in_book(make_link, id, made)
 
 
 def _in_book(act: Callable[..., object], *given: object) -> None:

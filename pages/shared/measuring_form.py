@@ -22,7 +22,8 @@ from atleak.readers.gauges.typed_values import TypedGauges
 from atleak.readers.typed_sheet import TYPED_FILE, JudgedEntry, Typed, judge, typed_in, written_sheet
 from atleak.report.measuring_grid import Grid, grid_record
 from atleak.report.tables.evidence import next_sentence
-from pages.shared import book, fields, pairs, reader, show
+from atleak.report.tables.names import land_words
+from pages.shared import book, fields, reader, show
 from pages.shared.cases import PageCase, controller_of, diagnosis_of, instruments_of, readings_of
 from pages.shared.state import new_job, put_file, remember, session
 
@@ -198,7 +199,7 @@ def _choices(typed: Typed, diagnosis: Diagnosis) -> None:
             say("measuring.lands"),
             [land.key for land in controller.lands],
             [*plan.lands],
-            lambda key: pairs.pair_name(controller, *key),
+            lambda key: land_words(controller, key, say),
             key=f"{owner}-lands",
             on_change=chosen,
             args=("lands",),

@@ -9,7 +9,6 @@ from typing import Any
 
 import streamlit as st
 
-from atleak.catalogue.controller import Controller
 from atleak.common.style import look_of
 from atleak.common.units import UM
 from atleak.common.verdicts import Verdict
@@ -29,7 +28,7 @@ from atleak.report.tables.lands import (
     opened_lands,
     pair_table,
 )
-from atleak.report.tables.names import component_words, has_number, land_number, land_words
+from atleak.report.tables.names import component_words, has_number, land_number
 from atleak.report.tables.sentences import fluid_in_state, land_in_words
 from atleak.report.tables.table import Column, Table, leveled, span
 from pages.shared import address, conditions, fields, reader, show
@@ -243,11 +242,6 @@ def _land(each: OpenedLand, say: Wording, advice: str) -> str:
 def advised(diagnosis: Diagnosis, say: Wording) -> Callable[[LandDiagnosis], str]:
     """Return what says in the reader's language how a land's open verdict can be decided."""
     return PrintedNames(diagnosis, job(), say).advice
-
-
-def pair_name(controller: Controller, component: str, land: int) -> str:
-    """Return component, land and name, so that a narrow column cuts the name only: ``25/1 main pressure valve``."""
-    return land_words(controller, (component, land), reader.say())
 
 
 def advice(diagnosis: Diagnosis, advised: Callable[[LandDiagnosis], str], say: Wording) -> list[str]:

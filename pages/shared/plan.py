@@ -31,7 +31,6 @@ from atleak.catalogue.written_numbers import HOURS, LABOUR_RATE, PRICE, TAX
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import EstimateTerms, Job, RepairDecision, RepairState, clean_text
-from atleak.report.charts import land_figures as figures
 from atleak.report.tables.estimate import EstimateWords
 from atleak.report.tables.repairs import effect_table, offered_words
 from pages.shared import fields, pairs, places, reader, show
@@ -90,11 +89,6 @@ def draw_switches(diagnosis: Diagnosis) -> None:
     more = len(offers) - _FIRST
     label = say("repair_plan.more", count=more) if more > 0 else say("repair_plan.priced")
     st.page_link(places.page("Plan"), label=label, width="content")
-
-
-def draw_bar(diagnosis: Diagnosis) -> None:
-    """Draw the totals as measured, new, and with the repairs that are switched on."""
-    show.chart(figures.total_share(diagnosis, reader.say(), repaired=ends(diagnosis)), "share")
 
 
 def draw(diagnosis: Diagnosis) -> Estimate:

@@ -61,18 +61,11 @@ def section(diagnosis: Diagnosis) -> None:
     """Show what the log says, and the leakage over it."""
     if diagnosis.log is None:
         st.write(reader.say()("diagnosis.no_log"))
-    elif diagnosis.without_sheet:
-        alone(diagnosis)
-    else:
-        findings(diagnosis)
-        leakage(diagnosis)
-
-
-def alone(diagnosis: Diagnosis) -> None:
-    """Show a road test without a measuring sheet: its findings are all there is."""
-    st.subheader(reader.say()("road_test.alone"))
-    findings(diagnosis, said_above=True)
-    if diagnosis.road is not None:
+        return
+    if diagnosis.without_sheet:  # its findings are all there is
+        st.subheader(reader.say()("road_test.alone"))
+    findings(diagnosis, said_above=diagnosis.without_sheet)
+    if diagnosis.without_sheet and diagnosis.road is not None:
         st.subheader(reader.say()("road_test.alone_over"))
     leakage(diagnosis)
 

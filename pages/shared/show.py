@@ -46,6 +46,7 @@ _ADDRESS = re.compile(r"(?<=:)(?=//)|(?<=\bwww)(?=\.)|(?<=\w@)(?=\w)", re.IGNORE
 _NO_BREAK = "\u2060"  # a sign without width
 _IN_CHART = re.compile(r"<(?!/?(?:br|b|extra)>)", re.IGNORECASE)  # what atleak itself writes there stays
 SHOWN = 12
+_COLUMN = 135  # pixels of a column of flows, at which its words can be read
 HAIR_SPACE = "\u200a"
 
 
@@ -404,13 +405,13 @@ def _spanned(key: str, on_span: Callable[[float, float], None]) -> None:
         on_span(ends[0], ends[-1])
 
 
-def svg(drawing: str, label: str, least_width: int = 640) -> None:
+def svg(drawing: str, label: str, columns: int = 0) -> None:
     """Show a drawing in the theme's ink, wide enough to be read; on a phone it scrolls inside its frame."""
     data = base64.b64encode((on_dark(drawing) if dark() else drawing).encode()).decode("ascii")
     st.html(
         f'<div style="padding:8px;overflow-x:auto">'
         f'<img alt="{html.escape(label)}" src="data:image/svg+xml;base64,{data}" '
-        f'style="min-width:{least_width}px;width:100%;max-width:1100px;display:block;margin:auto"></div>'
+        f'style="min-width:{_COLUMN * columns or 640}px;width:100%;max-width:1100px;display:block;margin:auto"></div>'
     )
 
 

@@ -39,7 +39,6 @@ _TYPES = ["xlsx", "xls", "ods", "csv", "tsv", "txt"]  # of sheets
 _BESIDE = 5  # components side by side
 _ROW, _HIGHEST = 130, 330  # pixels of one row of components, and of the picture; more of it scrolls
 _MEANT = 720  # pixels of the picture that explains
-_COLUMN = 135  # pixels of a column of the flows, at which its words can be read
 COMPONENTS, NEW_PARTS, PUMP = "components", "new_parts", "pump"
 STEPS = {
     "head": ("Head",),
@@ -128,7 +127,7 @@ def draw_flow(step: str, found: Checked, job: Diagnosis) -> None:
         except AtleakError as error:
             st.caption(say("transmission.no_flow", problem=show.plain(error)))
             return
-        show.svg(drawing, say("transmission.flow_goes"), least_width=_COLUMN * columns)
+        show.svg(drawing, say("transmission.flow_goes"), columns)
 
 
 @st.cache_resource(max_entries=8, show_spinner=False)

@@ -180,7 +180,7 @@ def test_a_finger_scrolls_over_a_chart_and_finds_what_it_touches(
 @pytest.mark.slow
 @pytest.mark.page("5_Plan?plan=what_if")
 def test_on_paper_stands_the_page_alone_and_nothing_is_cut(page: playwright_api.Page, tmp_path: Path) -> None:
-    page.locator(".js-plotly-plot").nth(1).wait_for()
+    page.locator(".js-plotly-plot").first.wait_for()
     page.locator("[data-testid=stApp][data-test-script-state=notRunning]").wait_for()
     target = tmp_path / "page.pdf"
     page.pdf(path=target, format="A4", print_background=True, margin=dict.fromkeys(("left", "right"), "10mm"))
