@@ -124,8 +124,8 @@ def lands(diagnosis: Diagnosis) -> None:
     if lines := advice(diagnosis, advised(diagnosis, say), say):
         with st.expander(say("show.open_verdicts", count=len(lines))):
             st.markdown("\n".join(lines))
-    with st.expander(say("diagnosis.matrix")):
-        conditions.matrix(diagnosis)
+    st.subheader(say("diagnosis.matrix"))
+    conditions.matrix(diagnosis)
     every = fields.fold(say("diagnosis.all_lands", count=len(diagnosis.lands)), key=f"all-lands-{session().generation}")
     if every.open:
         with every:
