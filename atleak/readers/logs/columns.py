@@ -9,7 +9,6 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
@@ -139,17 +138,6 @@ def map_columns(
     return candidates
 
 
-class Again(NamedTuple):
-    """A column's unit where its header, or a row of units, stands again among the rows; None where none stands there.
-
-    ``row`` counts from 0 and is the line's own; ``text`` is what it says.
-    """
-
-    unit: str | None
-    row: int
-    text: str
-
-
 def own_part_of(room: float) -> float:
     """Return how many bytes a log itself may take where this many may be taken in all."""
     return max(room - BESIDE, SMALL)
@@ -171,7 +159,6 @@ class Assigner:
     unreadable: set[str] = field(default_factory=set)  # columns whose cells are no numbers, which has been said
     messages: list[Message] = field(default_factory=list)
     base: np.ndarray | None = None  # stamps of signals that have none of their own
-    again: dict[int, Again] = field(default_factory=dict)  # by place of a column whose unit a later header states
 
     def error(
         self, problem: Sentence, value: object = None, expected: Sentence | None = None, column: str | None = None

@@ -1,13 +1,13 @@
 """Decides which lines are rows and reads a column's numbers; a column that cannot be read is refused, never guessed.
 
 A log in the middle of which another header, or another row of units, begins is refused: its columns change meaning. A
-unit that only one of two headers states is asked about, unless the numbers of the other part are in it, too.
+unit that only one of two headers states is asked about.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -18,14 +18,13 @@ from atleak.common.sentences import Sentence
 from atleak.measurements.road_test import QUANTITIES
 from atleak.readers.dates import words
 from atleak.readers.logs import names as words_as_numbers
-from atleak.readers.logs.clock import Clock
-from atleak.readers.logs.columns import Again, Assigner, Candidate
+from atleak.readers.logs.columns import Assigner, Candidate
 from atleak.readers.logs.delimited import numbers, words_of
 from atleak.readers.logs.headings import Heading
 from atleak.readers.logs.log_cells import HOLDS, MISSING, OFF, Decimal, cause, is_clock, is_destroyed, quoted
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.names import is_unit, match_name, split_unit
-from atleak.readers.logs.units import fit, same_unit
+from atleak.readers.logs.units import same_unit
 
 
 class _Cell(NamedTuple):
@@ -67,13 +66,14 @@ def refuse_another_header(lines: pd.DataFrame, used: list[Candidate], assigner: 
 
 
 def _compare_units(repeated: list[_Cell], row: int, assigner: Assigner) -> None:
-    """Refuse another unit in the names that a line repeats; note one that a whole header leaves out."""
+    """Refuse another unit in the names that a line repeats; ask about one that a whole header leaves out."""
     for cell in repeated:
-        unit = split_unit(cell.text).unit
+        unit, stated = split_unit(cell.text).unit, cell.column.unit
         if unit is not None and cell.text != cell.column.label:
             _refuse_another_unit(cell, unit, row, assigner)
-        elif unit is None and len(repeated) >= 2 and cell.column.unit is not None:
-            assigner.again.setdefault(cell.column.heading.index, Again(None, row, cell.text))
+        elif unit is None and len(repeated) >= 2 and stated and cell.column.quantity not in assigner.units:
+            problem = Sentence("its unit ({unit}) is not stated again from data row {row} on", row=row + 1, unit=stated)
+            raise _asked(problem, cell, stated, row, assigner)
 
 
 def _others(cells: list[_Cell], alone: bool) -> list[_Cell]:
@@ -93,7 +93,8 @@ def _refuse_another_unit(cell: _Cell, unit: str, row: int, assigner: Assigner) -
     quantity = cell.column.quantity
     stated, kind = cell.column.unit or assigner.units.get(quantity), QUANTITIES[quantity].unit_kind
     if kind is not None and stated is None:
-        assigner.again.setdefault(cell.column.heading.index, Again(unit, row, cell.text))
+        problem = Sentence("its unit is stated from data row {row} on only ({unit})", row=row + 1, unit=unit)
+        raise _asked(problem, cell, unit, row, assigner)
     if kind is None or stated is None or same_unit(stated, unit, kind):
         return
     problem = Sentence("the unit changes from {first} to {other} in the middle of the log", first=stated, other=unit)
@@ -101,62 +102,11 @@ def _refuse_another_unit(cell: _Cell, unit: str, row: int, assigner: Assigner) -
     raise assigner.error(problem, cell.text, expected, cell.column.label)
 
 
-def with_units_stated_again(
-    channels: list[Candidate], columns: Mapping[int, np.ndarray], place: Callable[[int], int], assigner: Assigner
-) -> list[Candidate]:
-    """Return the channels, with its unit each that a header in the middle of the log states for the first time.
-
-    ``place`` tells how many rows stand before a line.
-    """
-    result = []
-    for channel in channels:
-        again, kind = assigner.again.get(channel.heading.index), QUANTITIES[channel.quantity].unit_kind
-        if again is None or kind is None or channel.quantity in assigner.units:
-            result.append(channel)
-            continue
-        at, values = place(again.row), columns[channel.heading.index]
-        before, after = values[:at], values[at:]
-        silent, telling = (before, after) if again.unit is not None else (after, before)
-        unit = again.unit or channel.unit or ""
-        guess = fit(channel.quantity, None, silent, assigner.neighbours)
-        agrees = guess.unit is not None and guess.doubt is None and same_unit(guess.unit.name, unit, kind)
-        if np.isfinite(silent).any() and (not agrees or fit(channel.quantity, unit, telling).problem):
-            raise _asked(channel, again, unit, assigner)
-        if again.unit is not None:
-            text = Sentence(
-                "{column!r} states its unit from data row {row} on only; the numbers before are in {unit}, too"
-            )
-            assigner.say("unit_stated_later", text, "info", channel.label, row=again.row + 1, unit=unit)
-        result.append(replace(channel, unit=unit))
-    return result
-
-
-def check_clock_stated_again(
-    times: list[Candidate], clock: tuple[str, Clock], unit_before: Callable[[Candidate, int], str], assigner: Assigner
-) -> None:
-    """Refuse a clock for which a header in the middle of the log states, for the first time, another unit.
-
-    ``unit_before`` tells in which unit a column of numbers seems to be before a line.
-    """
-    label, chosen = clock
-    if chosen.form != "number" or "time" in assigner.units:
-        return
-    for column in times:
-        again = assigner.again.get(column.heading.index)
-        if again is None or again.unit is None or column.label != label:
-            continue
-        if not same_unit(unit_before(column, again.row), again.unit, "time"):
-            raise _asked(column, again, again.unit, assigner)
-
-
-def _asked(channel: Candidate, again: Again, unit: str, assigner: Assigner) -> RoadTestError:
+def _asked(problem: Sentence, cell: _Cell, unit: str, row: int, assigner: Assigner) -> RoadTestError:
     """Return the error that asks for the unit of the rows for which none is stated."""
-    problem = Sentence("its unit is stated from data row {row} on only ({unit})", row=again.row + 1, unit=unit)
-    if again.unit is None:
-        problem = Sentence("its unit ({unit}) is not stated again from data row {row} on", row=again.row + 1, unit=unit)
     expected = Sentence("the unit of all rows, such as {quantity} = {unit!r}; or the file split at data row {row}")
-    expected = expected.of(quantity=channel.quantity, unit=unit, row=again.row + 1)
-    return assigner.error(problem, again.text, expected, channel.label)
+    expected = expected.of(quantity=cell.column.quantity, unit=unit, row=row + 1)
+    return assigner.error(problem, cell.text, expected, cell.column.label)
 
 
 @dataclass
@@ -220,10 +170,6 @@ class LogRows(NamedTuple):
     def places(self) -> np.ndarray:
         """Return how many rows of the file stand before each, be they read or not."""
         return lines_of(self.frame) - (self.frame.index.to_numpy() - np.arange(self.number))
-
-    def before(self, line: int) -> int:
-        """Return how many rows stand before a line of the file."""
-        return int(lines_of(self.frame).searchsorted(line))
 
 
 def lines_of(frame: pd.DataFrame) -> np.ndarray:

@@ -20,7 +20,7 @@ from atleak.measurements.road_test import QUANTITIES, Segment
 from atleak.readers.dates import words
 from atleak.readers.logs import names as words_as_numbers
 from atleak.readers.logs.channels import say_strays
-from atleak.readers.logs.clock import Clock, Motion, numeric_clock
+from atleak.readers.logs.clock import Clock, Motion
 from atleak.readers.logs.columns import Assigner, Candidate, OfferedColumn, find_candidates, map_columns
 from atleak.readers.logs.delimited import Cells, numbers
 from atleak.readers.logs.headings import VALUE_HEADERS, Heading
@@ -30,11 +30,9 @@ from atleak.readers.logs.names import clean_unit, is_unit, match_name, split_uni
 from atleak.readers.logs.rows import (
     LeftOutRow,
     LogRows,
-    check_clock_stated_again,
     columns_of_numbers,
     holds_clocks,
     rows_of_log,
-    with_units_stated_again,
 )
 from atleak.readers.logs.time_column import (
     best_clock,
@@ -307,18 +305,12 @@ def _read_wide(table: LogTable, candidates: list[Candidate], assigner: Assigner)
     frame = rows.frame
     channels, unit_columns = with_units_beside(channels, table, frame.index, assigner)
     columns = columns_of_numbers(channels, frame, table.decimal, assigner)
-    channels = with_units_stated_again(channels, columns, rows.before, assigner)
     motions = motions_beside(channels, columns)
     clocks = own_times(table.headings, times, channels)
     if clocks is not None:
         return _read_own_times(clocks, rows, columns, channels, table, assigner, motions)
 
-    def unit_before(candidate: Candidate, line: int) -> str:
-        some = frame.iloc[: rows.before(line)]
-        return numeric_clock(numbers(some, candidate.heading.index, table.decimal).values, None).unit
-
     label, clock = best_clock(times, rows, table, assigner, motions)
-    check_clock_stated_again(times, (label, clock), unit_before, assigner)
     timeline = build_timeline(clock.seconds)
     if not len(timeline.time):
         raise no_time(table, assigner)

@@ -66,8 +66,9 @@ class Sizes:
         return self.near(value, UNITS, ROUNDED)
 
     def fill(self, cells: Collection[Cell]) -> bool:
-        """Return whether most of the cells hold a number of that size, in mm, µm or inches."""
-        return 2 * sum(any(self.near(value, UNITS) for value in numbers_of(cell)) for cell in cells) > len(cells)
+        """Return whether at least half of the cells hold a number of that size, in mm, µm or inches."""
+        sized = sum(any(self.near(value, UNITS) for value in numbers_of(cell)) for cell in cells)
+        return bool(sized) and 2 * sized >= len(cells)
 
     def near_plane(
         self, value: float, units: Iterable[Unit], component: str, plane: str, within: float = NOMINAL_TOLERANCE
@@ -265,6 +266,7 @@ LABELLED: Mapping[str, Role] = {  # what a cell may say; a number stands for a l
     **{role: role for role in ("component", "part", "land", "plane", "direction", "repeat", "unit")},
     "number": "plane",
 }
+_OUTER = ("od", "spool")  # diameter of which part; alone OD may be overdrive
 Label = dict[str, str]  # what one cell says of a diameter, each as a cell of its own column would say it
 
 
@@ -340,7 +342,7 @@ def _takes_rest(text: str, label: Label) -> bool:
             label["part"] = part
         elif token.isalpha() and len(token) > 3 and "direction" not in label and direction_of(token) is not None:
             label["direction"] = token
-        elif token not in sheet_vocabulary("number", "diameter", "of_repeat"):
+        elif token not in sheet_vocabulary("number", "diameter", "of_repeat") and (token, label.get("part")) != _OUTER:
             return False
         before = token
     return True

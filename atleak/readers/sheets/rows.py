@@ -121,6 +121,7 @@ class _Reader:
         self.exclusions = Exclusions(table, columns, names)
         self.blanks: dict[HeadedColumn, dict[int, None]] = defaultdict(dict)
         self.overridden: set[str] = set()
+        self.asked: set[tuple[int, str, str]] = set()  # of words of the sheet's own, by column
 
     def read(self, where: Mapping[str, str], said: Collection[int]) -> None:
         others = Sentence("other rows were chosen")
@@ -503,6 +504,10 @@ class _Reader:
         self.rows.problems.append(ReadingsError(problem, place=place, value=value, expected=expected))
 
     def _once(self, row: int, column: HeadedColumn, problem: ReadingsError) -> None:
+        """Report a problem of a cell, of a sheet's own word once and not in every row."""
         place = self.table.place(row, column)
-        if place not in {earlier.place for earlier in self.rows.problems[-8:]}:
-            self.rows.problems.append(at(place, problem))
+        word = (column.index, str(problem), problem.role)
+        if place in {earlier.place for earlier in self.rows.problems[-8:]} or (problem.role and word in self.asked):
+            return
+        self.asked.add(word)
+        self.rows.problems.append(at(place, problem))

@@ -87,6 +87,10 @@ def column_name(table: HeadedTable, index: int) -> str:
     return heading if unique else column_letter(table.sheet.derived.get(index, index))
 
 
+def _counting(last: int) -> list[str]:
+    return [str(number) for number in range(1, last + 1)]
+
+
 @dataclass(frozen=True)
 class Guess:
     """Which column of a table most likely is what."""
@@ -115,6 +119,8 @@ class Guess:
         found: dict[str, int] = {}
         headed = {role: [column.index for column in table.of(ROLES[role])] for role in says}
         headed["plane"] += [column.index for column in table.of("land")]
+        counted = {index for index in cells if list(map(text_of, cells[index])) == _counting(len(cells[index]))}
+        headed["component"] = [index for index in headed["component"] if index not in counted]
         for role, is_one in says.items():  # a heading whose cells say it, then any such cells
             shares = {index: sum(map(is_one, cells[index])) / max(len(cells[index]), 1) for index in cells}
             fits = [index for index in cells if shares[index] > 0.5 and index not in found.values()]
@@ -160,7 +166,7 @@ class Guess:
             fine = unit is not None and unit.factor < NOMINAL_TOLERANCE
             if sizes.fill([cell for cell in cells if fine or not is_whole(cell)]):
                 numbers = {row: numbers_of(cell) for row, cell in self.table.cells(index).items()}
-                found[index] = {row: of_cell[0] for row, of_cell in numbers.items() if of_cell}
+                found[index] = {row: of[0] for row, of in numbers.items() if of and sizes.near(of[0], UNITS)}
         return found
 
     @cached_property
@@ -338,8 +344,8 @@ class Guess:
             texts = [re.findall(r"\d+|\D+", text) for text in headed]
             numbers = ["".join(part for part in text if part.isdigit()) for text in texts]
             alike = {plain(" ".join(part for part in text if not part.isdigit())) for text in texts} or {""}
-            counted = [str(number + 1) for number in range(len(columns))]
-            if len(alike) > 1 or "" in alike or (sorted(numbers) != counted if place == "repeat" else "" in numbers):
+            counted = sorted(numbers) == _counting(len(columns)) if place == "repeat" else "" not in numbers
+            if len(alike) > 1 or "" in alike or not counted:
                 return
             told = all(any(map(part_of, letters(text))) for text in headed)  # "bore 1"
             besides = (besides_numbers(tokens_of(unit_of_heading(text)[0])) for text in headed)
@@ -381,7 +387,9 @@ class Guess:
                 name = next(text_of(cell) for cell in sheet.rows[row] if not is_blank(cell))
             values = [numbers[row] for numbers in self._sized.values() if row in numbers]
             if name and values:
-                found[name]["" if plane is None else text_of(sheet.filled(row, plane))] += values
+                place = "" if plane is None else text_of(sheet.filled(row, plane))
+                said = read_label(place, self.names, dotted=True) or {}  # "bore, land 2"
+                found[name][said.get("plane") or said.get("land") or place] += values
         return found
 
     def _lines(self) -> dict[str, str]:
