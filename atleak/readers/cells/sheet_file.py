@@ -20,7 +20,6 @@ from atleak.readers.process.parent import WORKBOOK, read_apart
 from atleak.readers.process.workbooks import first_rows, measuring_sheets, stray_cells
 
 _WANTED = Sentence("a measuring sheet as .xlsx workbook or .csv text")
-Knows = Callable[[str], bool]  # whether sheets of this kind use a word
 
 _ALIGNED, _WORDS = "aligned", "words"
 _DELIMITERS = {
@@ -35,27 +34,24 @@ _LOOKED_AT = 400  # lines that are read to choose encoding and delimiter
 _LOOKED_AT_NEXT = 4000  # the same, where nothing is found in those
 _COMPLETE = 4.0  # score of headings that say what a diameter is of
 _MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
-_USUAL = ("cp1252", "cp1250")
-_CODE_PAGES = ("cp1252", "cp1250", "cp1251", "cp850", "cp852", "cp866")
+ONE_BYTE = ("cp1252", "cp1250", "cp1251", "cp1253", "cp1254", "cp850", "cp852", "cp866")  # for each letter
+_CODE_PAGES = (*ONE_BYTE, "gb18030", "shift_jis", "euc_kr")
+_MOST_LIKELY = 4  # of them that are tried
 _RULE = re.compile(r"\s*:?[-=]{2,}:?\s*")  # between the headings and the rows of a table in Markdown
 _MARK = rf'"?(?:{"|".join(OWN_FORMS)})"?'
 _BESIDE_MARK = re.compile(rf"([;|,\t]){_MARK}|{_MARK}([;|,\t])")  # what parts the cells of a form of atleak's own
-_WORD = re.compile(r"[^\W\d_]+")
-_SIGNS = tuple(map(re.compile, (r"(?<!\w)µm", r"\d°", r"(?<!\w)[Øø](?!\w)", "±")))
-_UNREADABLE = re.compile(r"[\ufffd\x80-\x9f\u2500-\u259f]|(?<=\d)[øш](?!\w)")  # "0°" of another code page ends in ø
 
 
-def read_text(data: bytes, file: str, score: Callable[[Sheet], float], knows: Knows | None = None) -> Sheet:
+def read_text(data: bytes, file: str, score: Callable[[Sheet], float]) -> Sheet:
     """Read a text file; encoding and delimiter are those with the highest `score`.
 
-    ``knows`` says whether sheets of this kind use a word, which tells code pages with one byte per letter apart:
-    without it only the two most usual ones are tried. A `ReadingsError` refuses what is no text, or no table.
+    A `ReadingsError` refuses what is no text, or no table.
     """
     if len(data) > MOST_TEXT:
         problem = Sentence("this text has {size} MB", size=len(data) >> 20)
         raise ReadingsError(problem, place=Place(file), expected=EXPECTED)
     ways: list[tuple[float, str, str, str]] = []
-    for encoding, text in _decoded(data, file, knows):
+    for encoding, text in _decoded(data, file):
         lines = text.splitlines(keepends=True)
         likeliest = _best_delimiter("".join(lines[:_LOOKED_AT]), file, score)
         if likeliest[0] <= 0.0 and len(lines) > _LOOKED_AT:
@@ -118,7 +114,7 @@ def stated_encoding(data: bytes) -> str | None:
     return marked or next(told, None)
 
 
-def _decoded(data: bytes, file: str, knows: Knows | None) -> Iterator[tuple[str, str]]:
+def _decoded(data: bytes, file: str) -> Iterator[tuple[str, str]]:
     stated = stated_encoding(data)
     if stated is None and b"\0" in data[:4000]:
         raise _not_text(file)
@@ -127,24 +123,16 @@ def _decoded(data: bytes, file: str, knows: Knows | None) -> Iterator[tuple[str,
     except UnicodeDecodeError as error:
         if stated is not None:
             raise _not_text(file) from error
-        # with one byte per letter, the words show which encoding is meant
-        for encoding in _USUAL if knows is None else _by_words(data, knows):
+        for encoding in code_pages(data)[:_MOST_LIKELY]:
             yield encoding, data.decode(encoding, "replace")
 
 
-def _by_words(data: bytes, knows: Knows) -> Sequence[str]:
-    """Return the code pages in which most of the words with other letters than English ones are known."""
-    lines = (line for line in data.splitlines()[:_LOOKED_AT_NEXT] if not line.isascii())
-    start = b"\n".join(lines)[: 1 << 16]
-    scores = {encoding: _known(start.decode(encoding, "replace"), knows) for encoding in _CODE_PAGES}
-    best = max(scores.values())
-    return [encoding for encoding, score in scores.items() if score == best][: len(_USUAL)]
+def code_pages(data: bytes, among: Sequence[str] = _CODE_PAGES) -> list[str]:
+    """Return the code pages in which a text may be that is no UTF-8, the likeliest first."""
+    from charset_normalizer import from_bytes  # of such texts alone
 
-
-def _known(text: str, knows: Knows) -> int:
-    words = {word for word in _WORD.findall(text) if len(word) > 2 and not word.isascii()}
-    signs = sum(sign.search(text) is not None for sign in _SIGNS)
-    return sum(map(knows, words)) + signs - len(set(_UNREADABLE.findall(text)))
+    lines = b"\n".join(line for line in data[: 1 << 20].splitlines() if not line.isascii())
+    return [each.encoding for each in from_bytes(lines[: 1 << 14], cp_isolation=[*among])] or [among[0]]
 
 
 def _not_text(file: str) -> ReadingsError:
@@ -241,9 +229,7 @@ def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str
         raise ReadingsError(problem, place=Place(str(path)), expected=_WANTED) from None
 
 
-def read_sheets(
-    data: bytes, file: str, score: Callable[[Sheet], float], knows: Knows | None = None, *, only_look: bool = False
-) -> list[Sheet]:
+def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float], *, only_look: bool = False) -> list[Sheet]:
     """Read all sheets of a file; a `ReadingsError` refuses what is neither workbook nor text, or too much of it."""
     place = Place(file)
     if not data.strip(b"\0 \t\r\n\xef\xbb\xbf"):
@@ -258,7 +244,7 @@ def read_sheets(
         problem = Sentence("this is a web page or XML file, whatever its name says")
         expected = Sentence("the same table opened in a spreadsheet program and saved as .xlsx")
         raise ReadingsError(problem, place=place, expected=expected)
-    return [read_text(data, file, score, knows)]
+    return [read_text(data, file, score)]
 
 
 def read_workbook(data: bytes, file: str, *, only_look: bool = False) -> list[Sheet]:

@@ -330,14 +330,15 @@ class _UnitName:
     is_sheet: bool
 
 
-def units_apart(read: Sequence[SheetRows]) -> list[ReadingsError]:
+def units_apart(read: Sequence[SheetRows], said: SheetMapping) -> list[ReadingsError]:
     """Return the error where titles, names of sheets or a column call what is read more than one unit.
 
-    The parts of two units fit each other well enough to pass for one: nothing else would show it.
+    A title that is ``said`` to be the name of a valve is none. The parts of two units fit each other well enough to
+    pass for one: nothing else would show it.
     """
     by_word: dict[str, dict[str, _UnitName]] = defaultdict(dict)
     for rows in read:
-        for unit_name in _titles(rows):
+        for unit_name in _titles(rows, said):
             by_word[unit_name.word].setdefault(unit_name.which, unit_name)
     for named in by_word.values():
         if len(named) > 1:
@@ -346,14 +347,14 @@ def units_apart(read: Sequence[SheetRows]) -> list[ReadingsError]:
     return [] if column is None else [column]
 
 
-def _titles(rows: SheetRows) -> Iterator[_UnitName]:
+def _titles(rows: SheetRows, said: SheetMapping) -> Iterator[_UnitName]:
     sheet = rows.table.sheet
     last = max(entry.row for entry in rows.entries)
     lines = [row for row in range(rows.table.last + 1, last) if is_single(sheet, row)]
     texts = [(" ".join(map(text_of, sheet.rows[row])).strip(), sheet.place(row), False) for row in lines]
     texts.append((rows.table.title, sheet.place(max(rows.table.first - 1, 0)), False))
     for text, place, is_sheet in (*texts, (sheet.name or "", sheet.place(), True)):
-        for match in _NAMED.finditer(text):
+        for match in _NAMED.finditer(text) if said.named("component", text) is None else ():
             if plain(match[1]) in sheet_vocabulary("whole_unit"):
                 yield _UnitName(plain(match[1]), match[2].strip("./-"), text, place, is_sheet)
 

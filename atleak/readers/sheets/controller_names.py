@@ -267,6 +267,7 @@ LABELLED: Mapping[str, Role] = {  # what a cell may say; a number stands for a l
     "number": "plane",
 }
 _OUTER = ("od", "spool")  # diameter of which part; alone OD may be overdrive
+PLACES = {"plane", "land"}
 Label = dict[str, str]  # what one cell says of a diameter, each as a cell of its own column would say it
 
 
@@ -295,6 +296,21 @@ def read_label(cell: Cell, names: ControllerNames, *, dotted: bool = False) -> L
         if _takes_rest(other, label) and _is_placed(label, names) and label:
             return {name: label[name] for name in LABELLED if name in label}
     return None
+
+
+def label_apart(cell: Cell, names: ControllerNames) -> Label:
+    """Return what a cell says, also of a component by a name that nobody knows.
+
+    >>> from atleak.catalogue.controller_file import load_controller
+    >>> label_apart("Reg valve L1", ControllerNames(load_controller("four_speed_2023")))
+    {'component': 'Reg valve', 'land': '1'}
+    """
+    text, label = text_of(cell), read_label(cell, names, dotted=True)
+    for match in re.finditer(r"[\s_/,;:]+(?:[–-]\s+)?", text) if label is None else ():
+        rest = read_label(text[match.end() :], names) or {}
+        if match.start() and PLACES & rest.keys() and "component" not in rest:
+            return {"component": text[: match.start()], **rest}
+    return label or {}
 
 
 def _with_component(folded: str, names: ControllerNames, dotted: bool) -> Iterator[tuple[str, str]]:

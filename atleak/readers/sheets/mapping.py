@@ -67,7 +67,7 @@ def is_role(name: str) -> bool:
     """
     match = _NAME.fullmatch(name)
     return match is not None and (
-        match[1] in ("value", "deviation", "rows", *_NAMED) or (not match[2] and match[1] in {*ROLES, *ABOUT})
+        match[1] in ("value", "deviation", "new", "rows", *_NAMED) or (not match[2] and match[1] in {*ROLES, *ABOUT})
     )
 
 
@@ -222,20 +222,22 @@ class SheetMapping:
                 place, text = table.heading_place(column.index), text.of(heading=column.name)
                 table = replace(table, messages=(*table.messages, Message("info", "means_as_readings", text, place)))
         for name in (name for name in self._values if name.startswith("deviation")):
-            table = with_sums(table, at[name], at.get("new"))
+            table = with_sums(table, at[name], at.get(f"new {self._values[name].part}", at.get("new")))
         for index in dict.fromkeys(at.values()):
             names_of = [name for name in at if at[name] == index]
             if len(names_of) > 1 and not self._values.keys().isdisjoint(names_of):
                 problem = Sentence("one column is named for several: {names}", names=tuple(names_of))
                 raise _refused(problem, column_letter(index), Sentence("a column of its own for each diameter"))
-            table = split(table, index, names) if len(names_of) > 1 else table
+            if len(names_of) > 1:
+                table = split(table, index, names)
+                table = replace(table, sheet=self._as_said(table.sheet, table.columns, last + 1))
         return table
 
     def _all_columns(self, texts: Sequence[str], at: Mapping[str, int]) -> tuple[HeadedColumn, ...]:
         heading = dict(enumerate(texts))
         named = []
         for name, index in at.items():
-            role_of = self._values.get(name) or HeadedColumn(0, "", ROLES[name], rank=9)
+            role_of = self._values.get(name) or HeadedColumn(0, "", _role(name), rank=9)
             text = heading.get(index, "")
             named.append(replace(role_of, index=index, heading=text, unit=unit_of_heading(text)[1]))
         values = [column for column in named if column.holds_value]

@@ -55,7 +55,7 @@ from atleak.readers.sheets.repeats import require_known
 from atleak.readers.sheets.rows import SheetRows, read_rows
 from atleak.readers.sheets.suggestions import Guess, column_name, likely_table, suggest
 from atleak.readers.sheets.table import HeadedTable, best_header
-from atleak.readers.sheets.words import is_word, text_of
+from atleak.readers.sheets.words import text_of
 
 _OWN = 100.0  # score of a form of atleak's own, more than any headings have
 
@@ -142,7 +142,7 @@ def read_readings(
     given_unit = None if unit is None else unit_named(unit, "length")
     data, file = read_bytes(source, name)
     of_gauges = likeness_of(controller)
-    sheets = read_sheets(data, file, lambda page: max(_score(page), of_gauges(page)), is_word)
+    sheets = read_sheets(data, file, lambda page: max(_score(page), of_gauges(page)))
     tabs = find_tabs(sheets, controller)
     pressures = tabs.read(file, data)
     sheets = [page for page in sheets if page not in tabs]
@@ -209,7 +209,7 @@ class _Measurement:
         self.first = next((rows.table for rows in self.filled), chosen.tables[0])
         problems = [problem for rows in self.rows for problem in rows.problems]
         problems += require_one_measurement(self.rows, chosen.file)
-        problems += [] if problems else agreement.units_apart(self.filled)
+        problems += [] if problems else agreement.units_apart(self.filled, said)
         for sheet in self.given if not problems else ():
             problems += agreement.lines_that_change(sheet, self.filled, said)
         entries = [entry for rows in self.filled for entry in rows.entries]
@@ -378,7 +378,7 @@ def look_at(
     """
     data, file = read_bytes(source, name)
     names, chosen = ControllerNames(controller), SheetMapping(mapping or {})
-    pages = read_sheets(data, file, _score, is_word)
+    pages = read_sheets(data, file, _score)
     pages = [page for page in pages if not page.hidden] or pages
     page = next((page for page in pages if page.name == sheet), max(pages, key=_score))
     understood = any(table.readable and not find_columns(table, names).problems for table in find_tables(page, names))
@@ -400,7 +400,7 @@ def look_at(
 def forget_sheet(source: str | Path | bytes, path: Path, name: str | None = None) -> None:
     """Delete the columns that are remembered at a path for sheets with this one's headings."""
     data, file = read_bytes(source, name)
-    earlier = recalled(path, read_sheets(data, file, _score, is_word))
+    earlier = recalled(path, read_sheets(data, file, _score))
     if earlier is not None:
         forget_columns(path, earlier.key)
 

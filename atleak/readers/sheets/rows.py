@@ -414,16 +414,15 @@ class _Reader:
 
     def _plane(self, row: int, component: str | None, value: HeadedColumn) -> str | None:
         """Return the plane as the controller spells it: of the planes or lands that columns or the heading name."""
-        of_land, land_cell = self._named(row, value, value.land, self.columns.land)
-        of_plane, plane_cell = self._named(row, value, value.plane, self.columns.plane, needed=of_land is None)
+        lands = () if component is None else self.names.controller.lands_of(component)
+        several = len(lands) != 1  # of a component with one land nothing need name it
+        of_land, land_cell = self._named(row, value, value.land, self.columns.land, several)
+        of_plane, plane_cell = self._named(row, value, value.plane, self.columns.plane, several and of_land is None)
         if component is None:
             return None  # reported already, and what of its place is missing too
         column = of_land or of_plane
-        if column is None:  # of a component with one land nothing need name it
-            lands = self.names.controller.lands_of(component)
-            return lands[0].planes[0] if len(lands) == 1 else None
-        if (plane_cell if of_land is None else land_cell) is None:
-            return None
+        if column is None or (plane_cell if of_land is None else land_cell) is None:
+            return None if several else lands[0].planes[0]
         try:
             land = None if of_land is None else self.names.land(component, land_cell)
             if land is not None and plane_cell is None:
@@ -442,7 +441,7 @@ class _Reader:
             return None
 
     def _named(
-        self, row: int, value: HeadedColumn, headed: str | None, column: HeadedColumn | None, needed: bool = True
+        self, row: int, value: HeadedColumn, headed: str | None, column: HeadedColumn | None, needed: bool
     ) -> tuple[HeadedColumn | None, Cell | None]:
         """Return what a value's heading names, or else the cell of its row, and the column; None where it is empty."""
         if headed is not None:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import islice, permutations, product, zip_longest
+from itertools import islice, product
 from statistics import fmean, median
 
 from atleak.common.errors import InputError, ReadingsError
@@ -20,7 +20,16 @@ from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.measurements.readings import Readings
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter
 from atleak.readers.sheets.column_headings import HeadedColumn, besides_numbers, tokens_of, unit_of_heading
-from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, is_whole, numbers_of, read_label
+from atleak.readers.sheets.controller_names import (
+    PLACES,
+    UNITS,
+    ControllerNames,
+    Sizes,
+    is_whole,
+    label_apart,
+    numbers_of,
+    read_label,
+)
 from atleak.readers.sheets.layout import is_single, mapped_tables, turned
 from atleak.readers.sheets.mapping import ROLES, SheetMapping, diameter_role
 from atleak.readers.sheets.table import COLUMNS, HeadedTable, best_header, header_of
@@ -33,6 +42,8 @@ _MOST_CELLS = 20_000  # of sheets on which suggestions are tried
 _MOST_TRIED = 12  # offers
 _LEFT = ("column_aside", "sheet_aside", "not_read")  # what is said where a diameter may have been left aside
 _MOST_PARTS = 3  # words in a column that says spool or bore
+_MOST_LANDS = 8  # of a valve
+_OF_ONE_STATE = 4e-4  # of a diameter: by how much its repeats may differ, 4 µm of 10 mm
 _FEWEST = 4  # rows of a column that tell what its numbers are
 _IN_UM = 1000.0  # a whole number from here on may be a diameter
 _ROUNDED = 6e-5  # of a diameter: how far a mean may be rounded
@@ -57,23 +68,29 @@ def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
             for value in numbers_of(cell)
         )
 
-    for row, cells in enumerate(sheet.rows[:_FIRST]):
-        filled = [cell for cell in cells if not is_blank(cell)]
-        named = any(read_label(cell, names) or names.component(cell) in names.with_lands for cell in filled)
-        if named and measured(cells):
-            while row and measured(sheet.rows[row - 1]):  # of a valve by a name that nobody knows
-                row -= 1
-            above = [at for at in range(row) if _filled(sheet, at) and not is_single(sheet, at)][-2:]
-            if table is not None and [table.last] == above[-1:]:
-                return table
-            for first in reversed(above):
-                rows = sheet.rows[first : above[-1] + 1]
-                numbered = any(number_of(text_of(cell)) for cells in rows for cell in cells)
-                headed = sum(any(row) for row in zip_longest(*rows, fillvalue=""))
-                if not numbered and headed >= len(filled) - 1 and first > above[-1] - len(above):
-                    return header_of(sheet, first, above[-1])
-            return HeadedTable(sheet, row - 1, row - 1, (), ("",) * sheet.width)
-    return table or HeadedTable(sheet, -1, -1, (), ())
+    def named(cells: Sequence[Cell]) -> bool:
+        return any(
+            read_label(cell, names) or names.component(cell) in names.with_lands for cell in cells if not is_blank(cell)
+        )
+
+    rows = [row for row, cells in enumerate(sheet.rows[:_FIRST]) if measured(cells)]
+    of_valve = (row for row in rows if named(sheet.rows[row]))
+    row = next(of_valve, next((row for row in rows if row + 1 in rows), -1))
+    if row < 0:
+        return table or HeadedTable(sheet, -1, -1, (), ())
+    while row - 1 in rows:  # of a valve by a name that nobody knows
+        row -= 1
+    above = [at for at in range(row) if _filled(sheet, at) and not is_single(sheet, at)][-2:]
+    if table is not None and [table.last] == above[-1:]:
+        return table
+    headers = [header_of(sheet, first, above[-1]) for first in reversed(above) if first > above[-1] - len(above)]
+    for header in headers:
+        texts = [text for text in header.texts if text]
+        numbered = any(number_of(text_of(cell)) for cells in sheet.rows[header.first : row] for cell in cells)
+        told_apart = len(set(texts)) == len(texts) or header is headers[-1]
+        if not numbered and told_apart and len(texts) >= _filled(sheet, row) - 1:
+            return header
+    return HeadedTable(sheet, row - 1, row - 1, (), ("",) * sheet.width)
 
 
 def _filled(sheet: Sheet, row: int) -> int:
@@ -100,10 +117,23 @@ class Guess:
 
     @cached_property
     def _cells(self) -> dict[int, list[Cell]]:
-        every, sheet = range(self.table.sheet.width), self.table.sheet
-        lines = {row for row in self.table.rows if is_single(sheet, row)}
-        found = {index: self.table.cells(index).items() for index in every}
-        return {index: [cell for row, cell in cells if row not in lines][:_LOOKED_AT] for index, cells in found.items()}
+        sheet = self.table.sheet
+        lines = {row for row in self._rows if is_single(sheet, row)}
+        found = {index: self.table.cells(index).items() for index in range(sheet.width)}
+        return {
+            index: [cell for row, cell in cells if row in self._rows and row not in lines][:_LOOKED_AT]
+            for index, cells in found.items()
+        }
+
+    @cached_property
+    def _rows(self) -> range:
+        """Return the rows down to the last one that holds a diameter: below stand notes and names."""
+        sizes, rows = Sizes(self.names.controller), self.table.rows
+        for row in reversed(rows):
+            cells = (cell for cell in self.table.sheet.rows[row] if not is_whole(cell))
+            if any(sizes.near(value, UNITS) for cell in cells for value in numbers_of(cell)):
+                return range(rows.start, row + 1)
+        return rows
 
     @cached_property
     def labels(self) -> dict[str, int]:
@@ -135,14 +165,14 @@ class Guess:
             meanings = Counter(
                 "plane" if name in ("land", "number") else name
                 for cell in cells[index]
-                for name in read_label(cell, names, dotted=True) or {}
+                for name in label_apart(cell, names)
             )
-            most = {name for name, count in meanings.items() if 2 * count > len(cells[index])} - {"unit"}
+            most = {name for name, count in meanings.items() if 2 * count >= len(cells[index])} - {"unit"}
             found |= dict.fromkeys(sorted(most), index) if len(most) > 1 else {}
         words = {text_of(cell) for cell in cells.get(found.get("part", -1), ())}
-        if len(words) > _MOST_PARTS and not any(map(part_in, words)):
+        if len(words) > _MOST_PARTS and 2 * sum(part_in(word) is not None for word in words) < len(words):
             del found["part"]
-        lines = any(is_single(table.sheet, row) for row in table.rows)  # which may say it
+        lines = any(is_single(table.sheet, row) for row in self._rows)  # which may say it
         if "component" not in found and not lines:
             texts = {
                 index: [text_of(cell) for cell in cells[index]]
@@ -153,9 +183,54 @@ class Guess:
             kinds = {index: len(set(of)) for index, of in texts.items() if index not in told}
             if max(kinds.values(), default=0) > _MOST_PARTS:
                 found["component"] = max(kinds, key=lambda index: (len(texts[index]), kinds[index], -index))
+        if "plane" not in found and (ordered := self._in_order(found)):
+            found["plane"] = ordered[0]
         if "part" not in found and (own := self._part_by_size([*found.values()])):
             found["part"] = own[0]
         return found
+
+    def _valves(self, labels: Mapping[str, int], name: str = "") -> dict[int, str]:
+        """Return by row the name of the valve that it is of, which may stand in the first of its rows or above them."""
+        sheet, component, found = self.table.sheet, labels.get("component"), dict[int, str]()
+        for row in sorted({*(() if name else range(max(self.table.first, 0))), *self.table.rows}):
+            if component is not None:
+                text = text_of(sheet.filled(row, component)) if row in self.table.rows else ""
+                name = label_apart(text, self.names).get("component") or text or name
+            elif is_single(sheet, row):
+                name = next(text_of(cell) for cell in sheet.rows[row] if not is_blank(cell))
+            found[row] = name
+        return found
+
+    def _in_order(self, labels: Mapping[str, int]) -> tuple[int, list[str]] | None:
+        """Return a column in which the words for the lands of all valves come in one order, with these words."""
+        valves = self._valves(labels)
+        for index in [labels["plane"]] if "plane" in labels else self._cells.keys() - {*labels.values(), *self._sized}:
+            of_valve: dict[str, dict[str, None]] = defaultdict(dict)
+            for row, cell in self.table.cells(index).items():
+                if (
+                    row in self._rows
+                    and valves[row]
+                    and not is_single(self.table.sheet, row)
+                    and text_of(cell) != self.table.heading(index)
+                ):
+                    of_valve[valves[row]][text_of(cell)] = None
+            orders = [list(words) for words in of_valve.values()]
+            every = max(orders, key=len, default=[])
+            in_order = all(order == every[: len(order)] for order in orders)
+            if in_order and 1 < len(every) <= _MOST_LANDS and len(set(map(len, orders))) > 1:
+                return index, every
+        return None
+
+    @cached_property
+    def _lands(self) -> dict[str, str]:
+        """Return the sheet's own words for lands, each with its number: that in it, or else by their order."""
+        cells = self._cells[self.labels["plane"]] if "plane" in self.labels else ()
+        known = all(self.names.is_plane(cell) or PLACES & label_apart(cell, self.names).keys() for cell in cells)
+        ordered = None if known else self._in_order(self.labels)
+        words = ordered[1] if ordered else []
+        numbers = [re.findall(r"\d+", word) for word in words]
+        told = len({tuple(each) for each in numbers}) == len(words) and all(len(each) == 1 for each in numbers)
+        return {word: numbers[at][0] if told else str(at + 1) for at, word in enumerate(words)}
 
     @cached_property
     def _sized(self) -> dict[int, dict[int, float]]:
@@ -188,20 +263,24 @@ class Guess:
         )
 
     def _part_by_size(self, place: Sequence[int]) -> tuple[int, str, str] | None:
-        """Return a column with two words: first that always at the smaller diameter, the spool's, then the bore's."""
+        """Return a column of words of which one is always at the smaller diameter, with those of spools and of bores."""
         for index in self._cells:
-            words = {row: text_of(cell) for row, cell in self.table.cells(index).items()}
-            if index in place or index in self._sized or len(place) < 2 or len(set(words.values())) != 2:
+            words = {row: text_of(cell) for row, cell in self.table.cells(index).items() if row in self._rows}
+            kinds = len(set(words.values()))
+            if index in place or index in self._sized or len(place) < 2 or not 1 < kinds <= 2 * _MOST_PARTS:
                 continue
             stations: dict[tuple[str, ...], dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
             sized = ((row, value) for of in self._sized.values() for row, value in of.items() if row in words)
             for row, value in sized:
                 at = tuple(text_of(self.table.sheet.filled(row, label)) for label in place)
                 stations[at][words[row]].append(value)
-            pairs = [found for found in stations.values() if len(found) == 2]
-            for spool, sleeve in permutations(dict.fromkeys(words.values())):
-                if self._fit((fmean(found[spool]), fmean(found[sleeve])) for found in pairs):
-                    return index, spool, sleeve
+            pairs = [
+                sorted((fmean(values), word) for word, values in of.items()) for of in stations.values() if len(of) == 2
+            ]
+            spools, sleeves = (dict.fromkeys(pair[at][1] for pair in pairs) for at in (0, 1))
+            told = 2 * len(pairs) > len(stations) and spools.keys().isdisjoint(sleeves)
+            if told and self._fit((spool, sleeve) for (spool, _), (sleeve, _) in pairs):
+                return index, "|".join(spools), "|".join(sleeves)
         return None
 
     def _fit(self, pairs: Iterable[tuple[float, float]]) -> bool:
@@ -249,7 +328,7 @@ class Guess:
     def roles(self) -> dict[str, int]:
         """Return the column of each role; of several diameters which is which, only a person may know."""
         values, first = self.diameters, next(self._sayings(), {})
-        if "new" in first or len(values) == len(first):
+        if any(role.startswith("new") for role in first) or len(values) == len(first):
             return self.labels | first
         roles = dict(self.labels)
         for number, index in enumerate(values, 1):
@@ -288,8 +367,12 @@ class Guess:
             if len(deviations) == 2 and (None in headed_parts or len(set(headed_parts)) == 2):
                 in_order = headed_parts == ["spool", "sleeve"] or sum(a - b for a, b in self._beside(*deviations)) < 0.0
                 spool, sleeve = deviations if in_order else reversed(deviations)
-                yield {"new": new[0].index, "deviation spool": spool, "deviation sleeve": sleeve}
-            yield {"new": new[0].index, "deviation": deviations[0]}
+                of_part = {f"new {part_in(column.heading)}": column.index for column in new}
+                of_both = {"new": new[0].index} if len(new) == 1 else of_part
+                if of_both.keys() in ({"new"}, {"new spool", "new sleeve"}):
+                    yield {**of_both, "deviation spool": spool, "deviation sleeve": sleeve}
+            if len(new) == 1:
+                yield {"new": new[0].index, "deviation": deviations[0]}
             return
         if deviations and not new and unheaded:
             return  # of sizes beside deviations only a person knows whether they are new ones or measured
@@ -301,6 +384,8 @@ class Guess:
             return
         if len(headed) > 1 or (headed and not unheaded):
             yield headed
+            if "plane" not in self.labels:
+                yield {role.replace("repeat", "plane"): index for role, index in headed.items()}
         if len(every) == 2 and unheaded and "part" not in self.labels:
             if parts:
                 known = headed.popitem()[1]
@@ -349,11 +434,16 @@ class Guess:
                 return
             told = all(any(map(part_of, letters(text))) for text in headed)  # "bore 1"
             besides = (besides_numbers(tokens_of(unit_of_heading(text)[0])) for text in headed)
-            if place == "repeat" and not told and any(besides):
+            if place == "repeat" and not told and any(besides) and not self._alike(columns):
                 return  # "shift 1": whether these are repeats, only a person knows
             found |= {f"{role} {place} {number}": index for number, index in zip(numbers, columns, strict=True)}
         if len(found) == sum(map(len, groups.values())):
             yield found
+
+    def _alike(self, columns: Sequence[int]) -> bool:
+        """Return whether the diameters of columns differ so little that they are of one state, whatever they are."""
+        rows = [[self._sized[index][row] for index in columns if row in self._sized[index]] for row in self._rows]
+        return all(max(of_row) - min(of_row) <= _OF_ONE_STATE * max(of_row) for of_row in rows if of_row)
 
     def _beside(self, left: int, right: int) -> Iterator[tuple[float, float]]:
         others = self.table.cells(right)
@@ -365,9 +455,15 @@ class Guess:
         """Return the sheet's own words: for the parts, by size, and for no reading."""
         own = self._part_by_size([index for role, index in self.labels.items() if role != "part"])
         said = {"spool": own[1], "sleeve": own[2]} if own and own[0] == self.labels.get("part") else {}
+        lands = {f"plane {number}": word for word, number in self._lands.items()}
         cells = {text_of(cell) for index in self.diameters for cell in self._cells[index]}.difference(self.table.texts)
         missing = [text for text in sorted(cells) if text.strip() and not any(map(str.isdigit, text))]
-        return {**said, **({"missing": "|".join(missing)} if 0 < len(missing) < _FEWEST else {}), **self.valves}
+        return {
+            **said,
+            **({"missing": "|".join(missing)} if 0 < len(missing) < _FEWEST else {}),
+            **lands,
+            **self.valves,
+        }
 
     @cached_property
     def valves(self) -> dict[str, str]:
@@ -376,33 +472,15 @@ class Guess:
 
     def measured(self, name: str = "") -> dict[str, dict[str, list[float]]]:
         """Return the diameters under each name of a valve, by plane; ``name`` is that of the whole table."""
-        sheet, component, plane = self.table.sheet, self.labels.get("component"), self.labels.get("plane")
-        found: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
-        rows = {*range(max(self.table.first, 0)), *self.table.rows} if not name else set()
-        lines = {row for row in rows if is_single(sheet, row)}
-        for row in sorted(lines | {*self.table.rows}):
-            if component is not None:
-                name = text_of(sheet.filled(row, component))
-            elif row in lines:
-                name = next(text_of(cell) for cell in sheet.rows[row] if not is_blank(cell))
+        plane, found = self.labels.get("plane"), dict[str, dict[str, list[float]]]()
+        for row, valve in self._valves(self.labels, name).items():
             values = [numbers[row] for numbers in self._sized.values() if row in numbers]
-            if name and values:
-                place = "" if plane is None else text_of(sheet.filled(row, plane))
-                said = read_label(place, self.names, dotted=True) or {}  # "bore, land 2"
-                found[name][said.get("plane") or said.get("land") or place] += values
+            if valve and values:
+                place = "" if plane is None else text_of(self.table.sheet.filled(row, plane))
+                said = label_apart(place, self.names)  # "bore, land 2"
+                place = self._lands.get(place) or said.get("plane") or said.get("land") or place
+                found.setdefault(valve, {}).setdefault(place, []).extend(values)
         return found
-
-    def _lines(self) -> dict[str, str]:
-        """Return the lines between the rows that hold the number of a component, as words of the sheet for it."""
-        named: dict[str, list[str]] = defaultdict(list)
-        sheet = self.table.sheet
-        for row in self.table.rows if "component" not in self.labels else ():
-            if is_single(sheet, row):
-                text = next(text_of(cell) for cell in sheet.rows[row] if not is_blank(cell))
-                ids = [word for word in re.findall(r"\d+'?", text) if word in self.names.with_lands]
-                if len(ids) == 1 and self.names.component_in(text) is None and text not in named[f"component {ids[0]}"]:
-                    named[f"component {ids[0]}"].append(text)
-        return {role: "|".join(texts) for role, texts in named.items() if texts}
 
     def offers(self, pages: Sequence[Sheet]) -> Iterator[dict[str, str]]:
         """Yield what may be said of the sheet, in the order in which it is likely."""
@@ -416,7 +494,7 @@ class Guess:
             roles = {role: column_name(self.table, index) for role, index in (self.labels | said).items()}
             named = self._names(pages)
             own = {role: word for role, word in self.words.items() if not (named and role.startswith("component "))}
-            mapping = {**header, **roles, **self._lines(), **named, **own}
+            mapping = {**header, **roles, **named, **own}
             yield mapping
             if "part" not in roles and not any("spool" in role for role in roles):
                 yield from self._by_titles(mapping, pages)
@@ -475,8 +553,12 @@ def options(said: Mapping[str, str], down: bool = False) -> Sentence:
     if "spool" in said:  # by their sizes
         template = Sentence("which column is what, {spool!r} being the spool, as it is always smaller: {options}")
     told = template.of(spool=said.get("spool", ""), options=Option("map", text=typed))
-    named = any(role.startswith("component ") for role in said)
-    return Sentence("check which valve each name means, taken by sizes and words; {told}", told=told) if named else told
+    named = any(role.startswith(("component ", "plane ")) for role in said)
+    return (
+        Sentence("check which valve and land each word means, told by sizes and order; {told}", told=told)
+        if named
+        else told
+    )
 
 
 def to_fill_in(sheet: Sheet, names: ControllerNames) -> Sentence:

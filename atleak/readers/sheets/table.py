@@ -30,7 +30,7 @@ from atleak.readers.sheets.column_headings import (
     tokens_of,
     unit_of_heading,
 )
-from atleak.readers.sheets.controller_names import LABELLED, MILLIMETRE, ControllerNames, read_label
+from atleak.readers.sheets.controller_names import LABELLED, MILLIMETRE, ControllerNames, label_apart
 from atleak.readers.sheets.words import (
     direction_of,
     is_blank,
@@ -513,7 +513,7 @@ def split(table: HeadedTable, index: int, names: ControllerNames) -> HeadedTable
     A cell that is not understood stays as a whole in the first of the new columns, to be refused there.
     """
     filled = table.sheet.filled
-    labels = {row: read_label(cell, names, dotted=True) or {} for row, cell in table.cells(index).items()}
+    labels = {row: label_apart(cell, names) for row, cell in table.cells(index).items()}
     wanted = list(dict.fromkeys(name for label in labels.values() for name in label)) or ["component"]
     columns = [(HeadedColumn(0, table.heading(index), LABELLED[name], rank=9), index) for name in wanted]
 

@@ -303,7 +303,7 @@ def test_remarks_and_headers_among_the_rows_are_met_though_they_are_no_row_that_
 
 
 @pytest.mark.parametrize("blocks", [False, True])
-def test_a_unit_stated_later_is_asked_about_with_its_row_of_the_file(monkeypatch: pytest.MonkeyPatch, blocks: bool) -> None:
+def test_a_unit_stated_later_is_asked_about_with_its_row(monkeypatch: pytest.MonkeyPatch, blocks: bool) -> None:
     if blocks:
         in_blocks(monkeypatch)
     lines = [f"{row / 10:.1f},{800 + row},{60 + row / 10}" for row in range(300)]
