@@ -183,6 +183,8 @@ class _Reader:
         return left_out, breaks
 
     def _read_row(self, row: int) -> bool:
+        if self._says_nothing(row):
+            return False
         values, rows = list(self._raw_values(row)), self.rows
         if values:
             self._report_overlong(row)
@@ -195,6 +197,12 @@ class _Reader:
                 rows.of_row.setdefault(row, []).append(key)
                 rows.cells |= dict.fromkeys(((row, column.index) for column in group.values()), _DIAMETER_OF[key.part])
         return bool(values) or row in self.exclusions.struck
+
+    def _says_nothing(self, row: int) -> bool:
+        """Return whether a row has no label, and no number where diameters stand: who measured, below a table."""
+        labels = [self.sheet.filled(row, column.index) for column in self.columns.keys]
+        values = [self.sheet.cell(row, column.index) for group in self.columns.groups for column in group.values()]
+        return bool(labels) and all(map(is_blank, labels)) and not any(map(str.isdigit, "".join(map(str, values))))
 
     def _title(self, row: int) -> str:
         column = self.columns.component

@@ -263,7 +263,7 @@ class Guess:
         )
 
     def _part_by_size(self, place: Sequence[int]) -> tuple[int, str, str] | None:
-        """Return a column of words of which one is always at the smaller diameter, with those of spools and of bores."""
+        """Return a column of words of which one is always at the smaller diameter: spools' words, then bores'."""
         for index in self._cells:
             words = {row: text_of(cell) for row, cell in self.table.cells(index).items() if row in self._rows}
             kinds = len(set(words.values()))
@@ -567,6 +567,7 @@ def to_fill_in(sheet: Sheet, names: ControllerNames) -> Sentence:
     found = {role: column_name(guess.table, index) for role, index in guess.roles.items()} | guess.words
     needed = {"component", "plane", "part", "value"}
     needed -= {"part"} if any("spool" in role for role in found) else set()
+    needed -= {"plane"} if any(" plane " in role for role in found) else set()
     needed -= {"value"} if any(role.startswith(("deviation", "value ")) for role in found) else set()
     return options(found | dict.fromkeys(sorted(needed - found.keys()), "COLUMN"))
 

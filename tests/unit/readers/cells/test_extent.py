@@ -106,7 +106,7 @@ def test_hundreds_of_tables_on_one_sheet_are_refused(doors):
 
 
 def test_after_hundreds_of_faults_the_rest_of_a_file_is_not_read(doors):
-    rows = [["8", "spool", "Z", "0", str(row)] for row in range(400)]
+    rows = [["8", "spool", f"Z{row}", "0", str(row)] for row in range(400)]
     with soon(), pytest.raises(ReadingsError) as refused:
         doors["sheet"](text([HEADS["sheet"], *rows]))
     assert extent.FAULTS < len(refused.value.problems) < extent.FAULTS + 20

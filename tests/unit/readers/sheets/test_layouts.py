@@ -127,7 +127,6 @@ def test_a_sheet_names_the_right_cells_of_a_turned_table(example):
         ((";;bore;18.041", ";;bore;18.041\n;;bore;17.041"), "nominal"),
         (("tcc_regulator;1;spool;10.998\n;;sleeve;11.031", ";1;piston;17.996\n;;bore;18.043"), "already"),
         (("tcc_regulator;1;spool", "\n;1;spool"), "Valve"),
-        (("tcc_regulator;1;spool", "tcc_regulator;;spool"), "Land"),
     ],
 )
 def test_a_row_that_cannot_go_on_with_the_one_above_is_refused(example, changed, word):

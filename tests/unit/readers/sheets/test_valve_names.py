@@ -77,15 +77,119 @@ def sheet(names: dict[str, str], *, bores: bool = True) -> bytes:
 
 
 CALLED = {"pressure_regulator": "Hauptdruckventil", "boost_valve": "Verstärker", "shift_1_2": "Umschalter 1-2"}
+MORE = CALLED | {"low_servo_modulator": "Servo", "manual_valve": "Handschieber", "solenoid_regulator": "Magnetregler"}
+
+
+def printed(error: ReadingsError) -> dict[str, str]:
+    """The options that a refusal prints."""
+    said = re.search(r"which column is what[^:]*:((?: --map (?:\"[^\"]+\"|\S+))+)", str(error))
+    words = shlex.split(said[1] if said else "")
+    return dict(word.split("=", 1) for word in words if word != "--map")
+
+
+Sizes = dict[tuple[str, int, str], float]
+SIZES: Sizes = {  # [mm] by valve, land and part
+    (text, land.land, part): round(size, 3)
+    for component, text in MORE.items()
+    for land in body("ford_4r70w").lands_of(component)
+    for part, size in (
+        ("spool", 1e3 * land.nominal_diameter - 0.012),
+        ("sleeve", 1e3 * land.nominal_sleeve_diameter + 0.031 * land.land),
+    )
+}
+LANDS = list(dict.fromkeys((text, land) for text, land, _ in SIZES))
+
+
+def by_letters() -> bytes:
+    """Lands by letters, worn bores by a word of their own, and a name of who measured below."""
+    rows = [
+        f"{text};{'ABC'[land - 1]};{word};{size:.3f};{'ja' if land == 1 or part == 'spool' else 'nein'}"
+        for (text, land, part), size in SIZES.items()
+        for word in (("Kolli",) if part == "spool" else ("Reikä",))
+    ]
+    return "\n".join(["Venttiili;Kohta;Kappale;Mitta;Hyvä", *rows, ";;;Mittaaja;"]).encode()
+
+
+def all_in_one_cell() -> bytes:
+    """Valve, part and land in one cell, roundness in every second row, numbers counted in the first column."""
+    rows = [
+        f"{{}};{text}_{'Spool' if part == 'spool' else 'Bore'}_Land{land}_{what};{{:.4f}}".format(
+            2 * at + more, 0.003 if more else size
+        )
+        for at, ((text, land, part), size) in enumerate(SIZES.items(), 1)
+        for more, what in enumerate(("Diameter", "Roundness"))
+    ]
+    return "\n".join(["No.;Characteristic;Actual [mm]", *rows]).encode()
+
+
+def from_nominal() -> bytes:
+    """Deviations [µm] of spool and bore, each from its own nominal size."""
+    rows = []
+    for text, land in LANDS:
+        spool, bore = SIZES[text, land, "spool"], SIZES[text, land, "sleeve"]
+        new, new_bore = spool + 0.012, bore - 0.031 * land
+        rows.append(f"{text};{land};{new:.3f};-12;{new_bore:.3f};{31 * land}")
+    head = "Valve;Land;Spool drawing size (mm);Spool deviation (µm);Bore drawing size (mm);Bore deviation (µm)"
+    return "\n".join([head, *rows]).encode()
+
+
+def across() -> bytes:
+    """A row for each valve, under headings of two rows in words that nobody knows."""
+    book, target = Workbook(), io.BytesIO()
+    sheet = book.active
+    sheet.append(["밸브", "랜드 1", "", "랜드 2", "", "랜드 3", ""])
+    sheet.append(["", *["스풀", "보어"] * 3])
+    for first in "BDF":
+        sheet.merge_cells(f"{first}1:{chr(ord(first) + 1)}1")
+    for text in MORE.values():
+        sheet.append([text, *(SIZES.get((text, land, part)) for land in (1, 2, 3) for part in ("spool", "sleeve"))])
+    book.save(target)
+    return target.getvalue()
+
+
+def in_shift_jis() -> bytes:
+    in_japanese = dict(
+        zip(MORE.values(), ("主圧弁", "昇圧弁", "1-2シフト弁", "低速サーボ弁", "手動弁", "電磁調整弁"), strict=True)
+    )
+    rows = [
+        f"{in_japanese[text]},第{land}ランド,{SIZES[text, land, 'spool']},{SIZES[text, land, 'sleeve']}"
+        for text, land in LANDS
+    ]
+    return "\n".join(["部品名,ランド,外径,内径", *rows]).encode("shift_jis")
+
+
+@pytest.mark.parametrize("content", [by_letters(), all_in_one_cell(), from_nominal(), across(), in_shift_jis()])
+def test_a_sheet_of_a_shop_s_own_is_read_by_the_options_that_its_refusal_prints(content: bytes) -> None:
+    ford, mapping = body("ford_4r70w"), dict[str, str]()
+    for _ in range(2):
+        try:
+            read = read_readings(content, ford, name="own", mapping=mapping)
+            break
+        except ReadingsError as error:
+            mapping |= printed(error)
+    found = {(each.component, each.plane, str(each.part)): round(1e3 * each.diameter, 3) for each in read.readings}
+    valves = {text: component for component, text in MORE.items()}
+    assert found == {(valves[text], str(land), part): size for (text, land, part), size in SIZES.items()}
+
+
+def test_a_column_of_verdicts_is_no_column_of_parts() -> None:
+    with pytest.raises(ReadingsError) as caught:
+        read_readings(by_letters().replace(b"Kappale", b"Hm"), body("ford_4r70w"), name="own.csv")
+    assert printed(caught.value)["part"] == "Hm"
+
+
+def test_the_land_of_a_valve_with_one_land_may_be_left_empty() -> None:
+    table = "Valve;Land;Spool [mm];Bore [mm]\naccumulator_1_2;;21.99;22.03\nboost_valve;1;9.49;9.53\n"
+    assert len(read_readings(table.encode(), body("ford_4r70w")).readings) == 4
+    with pytest.raises(ReadingsError, match="'Land' is empty"):
+        read_readings(table.replace(";1;", ";;").encode(), body("ford_4r70w"))
 
 
 def test_the_refusal_prints_the_names_that_settle_the_sheet_word_for_word() -> None:
     content = sheet(CALLED)
     with pytest.raises(ReadingsError, match="check which valve") as caught:
         read_readings(content, body("ford_4r70w"), name="own.csv")
-    said = str(caught.value).partition("which column is what:")[2]
-    words = shlex.split(re.match(r"(?: --map (?:\"[^\"]+\"|\S+))+", said)[0])
-    mapping = dict(word.split("=", 1) for word in words if word != "--map")
+    mapping = printed(caught.value)
     assert mapping == {f"component {component}": text for component, text in CALLED.items()}
     readings = read_readings(content, body("ford_4r70w"), name="own.csv", mapping=mapping)
     assert {reading.component for reading in readings.readings} == set(CALLED)
