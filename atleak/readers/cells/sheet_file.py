@@ -36,7 +36,7 @@ _COMPLETE = 4.0  # score of headings that say what a diameter is of
 _MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 ONE_BYTE = ("cp1252", "cp1250", "cp1251", "cp1253", "cp1254", "cp850", "cp852", "cp866")  # for each letter
 _CODE_PAGES = (*ONE_BYTE, "gb18030", "shift_jis", "euc_kr")
-_MOST_LIKELY = 4  # of them that are tried
+_WESTERN = ("cp1252", "cp1250")
 _RULE = re.compile(r"\s*:?[-=]{2,}:?\s*")  # between the headings and the rows of a table in Markdown
 _MARK = rf'"?(?:{"|".join(OWN_FORMS)})"?'
 _BESIDE_MARK = re.compile(rf"([;|,\t]){_MARK}|{_MARK}([;|,\t])")  # what parts the cells of a form of atleak's own
@@ -123,16 +123,17 @@ def _decoded(data: bytes, file: str) -> Iterator[tuple[str, str]]:
     except UnicodeDecodeError as error:
         if stated is not None:
             raise _not_text(file) from error
-        for encoding in code_pages(data)[:_MOST_LIKELY]:
+        for encoding in code_pages(data):
             yield encoding, data.decode(encoding, "replace")
 
 
 def code_pages(data: bytes, among: Sequence[str] = _CODE_PAGES) -> list[str]:
-    """Return the code pages in which a text may be that is no UTF-8, the likeliest first."""
+    """Return the code pages in which a text may be that is no UTF-8: the likeliest, or two that are easily confused."""
     from charset_normalizer import from_bytes  # of such texts alone
 
-    lines = b"\n".join(line for line in data[: 1 << 20].splitlines() if not line.isascii())
-    return [each.encoding for each in from_bytes(lines[: 1 << 14], cp_isolation=[*among])] or [among[0]]
+    best = from_bytes(data[: 1 << 14], cp_isolation=[*among]).best()
+    likely = _WESTERN[0] if best is None else best.encoding
+    return sorted(_WESTERN, key=lambda name: name != likely) if likely in _WESTERN else [likely]
 
 
 def _not_text(file: str) -> ReadingsError:

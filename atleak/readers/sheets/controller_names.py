@@ -266,7 +266,7 @@ LABELLED: Mapping[str, Role] = {  # what a cell may say; a number stands for a l
     **{role: role for role in ("component", "part", "land", "plane", "direction", "repeat", "unit")},
     "number": "plane",
 }
-_OUTER = ("od", "spool")  # diameter of which part; alone OD may be overdrive
+_OF_SIDE = {"od": "spool", "id": "sleeve"}  # behind a land or part: before them OD may be overdrive
 PLACES = {"plane", "land"}
 Label = dict[str, str]  # what one cell says of a diameter, each as a cell of its own column would say it
 
@@ -306,9 +306,10 @@ def label_apart(cell: Cell, names: ControllerNames) -> Label:
     {'component': 'Reg valve', 'land': '1'}
     """
     text, label = text_of(cell), read_label(cell, names, dotted=True)
-    for match in re.finditer(r"[\s_/,;:]+(?:[–-]\s+)?", text) if label is None else ():
+    for match in re.finditer(r"[\s_/,;:]+(?:[–-]\s+)?(?=([^\s_/,;:]*))", text) if label is None else ():
         rest = read_label(text[match.end() :], names) or {}
-        if match.start() and PLACES & rest.keys() and "component" not in rest:
+        of_valve = letters(match[1]).only("component", "generic")  # "valve" is no word for the spool here
+        if match.start() and PLACES & rest.keys() and "component" not in rest and not of_valve:
             return {"component": text[: match.start()], **rest}
     return label or {}
 
@@ -342,7 +343,8 @@ def _takes_rest(text: str, label: Label) -> bool:
     if part is not None:
         label["part"] = part
         return True
-    spot, others = spot_of_heading(tokens_of(text.replace(".", " ").replace("°", "° ")))
+    tokens = tokens_of(text.replace(".", " ").replace("°", "° "))
+    spot, others = spot_of_heading(tokens)
     label |= spot
     before = ""
     for token in others:
@@ -358,7 +360,9 @@ def _takes_rest(text: str, label: Label) -> bool:
             label["part"] = part
         elif token.isalpha() and len(token) > 3 and "direction" not in label and direction_of(token) is not None:
             label["direction"] = token
-        elif token not in sheet_vocabulary("number", "diameter", "of_repeat") and (token, label.get("part")) != _OUTER:
+        elif token in _OF_SIDE and _OF_SIDE[token] == label.get("part", _OF_SIDE[token]) and tokens[0] != token:
+            label["part"] = _OF_SIDE[token]
+        elif token not in sheet_vocabulary("number", "diameter", "of_repeat"):
             return False
         before = token
     return True

@@ -18,7 +18,7 @@ from atleak.readers.cells.extent import FAULTS
 from atleak.readers.cells.sheet import Cell, column_letter, rows_named
 from atleak.readers.sheets.column_headings import HeadedColumn, Role
 from atleak.readers.sheets.columns import Columns, find_columns
-from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames, read_label
+from atleak.readers.sheets.controller_names import MILLIMETRE, ControllerNames, label_apart, read_label
 from atleak.readers.sheets.diameters import FILL_DOWN, DiameterCell, PlaceKey, RawValue, broken_blocks
 from atleak.readers.sheets.exclusions import Exclusions, mark_messages
 from atleak.readers.sheets.repeats import Break, repeat_messages, rows_left_out, states_question
@@ -375,7 +375,7 @@ class _Reader:
 
     def _settled(self, cell: Cell, column: HeadedColumn, error: ReadingsError) -> ReadingsError:
         """Say how a column is named whose cells say several things at once, or what stands in it for one thing."""
-        if len((read_label(cell, self.names) or {}).keys() - {"unit"}) > 1 and not self.table.mapped:
+        if len(label_apart(cell, self.names).keys() - {"unit"}) > 1 and not self.table.mapped:
             error.role = COLUMNS
         elif column.role in _OWN_WORDS and "=" not in text_of(cell):
             error.role = column.role
@@ -423,14 +423,14 @@ class _Reader:
     def _plane(self, row: int, component: str | None, value: HeadedColumn) -> str | None:
         """Return the plane as the controller spells it: of the planes or lands that columns or the heading name."""
         lands = () if component is None else self.names.controller.lands_of(component)
-        several = len(lands) != 1  # of a component with one land nothing need name it
+        several = len(lands) > 1  # of a component with one land nothing need name it
         of_land, land_cell = self._named(row, value, value.land, self.columns.land, several)
         of_plane, plane_cell = self._named(row, value, value.plane, self.columns.plane, several and of_land is None)
         if component is None:
             return None  # reported already, and what of its place is missing too
         column = of_land or of_plane
         if column is None or (plane_cell if of_land is None else land_cell) is None:
-            return None if several else lands[0].planes[0]
+            return lands[0].planes[0] if len(lands) == 1 else None
         try:
             land = None if of_land is None else self.names.land(component, land_cell)
             if land is not None and plane_cell is None:

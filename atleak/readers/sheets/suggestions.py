@@ -195,7 +195,8 @@ class Guess:
         for row in sorted({*(() if name else range(max(self.table.first, 0))), *self.table.rows}):
             if component is not None:
                 text = text_of(sheet.filled(row, component)) if row in self.table.rows else ""
-                name = label_apart(text, self.names).get("component") or text or name
+                own = label_apart(text, self.names).get("component") if component == labels.get("plane") else None
+                name = own or text or name
             elif is_single(sheet, row):
                 name = next(text_of(cell) for cell in sheet.rows[row] if not is_blank(cell))
             found[row] = name
@@ -614,7 +615,9 @@ def suggest(
     if not columns and not valves:
         return
     likely = islice(offers(sheets, names), _MOST_TRIED) if columns else [valves]
-    found = _tried(likely, said, read)
+    found = None
+    with suppress(InputError):  # headings may say what no role is
+        found = _tried(likely, said, read)
     if found is None:
         typed = to_fill_in(page, names) if columns else options(valves)
     else:

@@ -77,6 +77,7 @@ def sheet(names: dict[str, str], *, bores: bool = True) -> bytes:
 
 
 CALLED = {"pressure_regulator": "Hauptdruckventil", "boost_valve": "Verstärker", "shift_1_2": "Umschalter 1-2"}
+JAPANESE = ("主圧弁", "昇圧弁", "1-2シフト弁", "低速サーボ弁", "手動弁", "電磁調整弁")  # the same valves as in MORE
 MORE = CALLED | {"low_servo_modulator": "Servo", "manual_valve": "Handschieber", "solenoid_regulator": "Magnetregler"}
 
 
@@ -148,9 +149,7 @@ def across() -> bytes:
 
 
 def in_shift_jis() -> bytes:
-    in_japanese = dict(
-        zip(MORE.values(), ("主圧弁", "昇圧弁", "1-2シフト弁", "低速サーボ弁", "手動弁", "電磁調整弁"), strict=True)
-    )
+    in_japanese = dict(zip(MORE.values(), JAPANESE, strict=True))
     rows = [
         f"{in_japanese[text]},第{land}ランド,{SIZES[text, land, 'spool']},{SIZES[text, land, 'sleeve']}"
         for text, land in LANDS
@@ -161,12 +160,14 @@ def in_shift_jis() -> bytes:
 @pytest.mark.parametrize("content", [by_letters(), all_in_one_cell(), from_nominal(), across(), in_shift_jis()])
 def test_a_sheet_of_a_shop_s_own_is_read_by_the_options_that_its_refusal_prints(content: bytes) -> None:
     ford, mapping = body("ford_4r70w"), dict[str, str]()
-    for _ in range(2):
+    for _ in range(3):
         try:
             read = read_readings(content, ford, name="own", mapping=mapping)
             break
         except ReadingsError as error:
             mapping |= printed(error)
+            for text in re.findall(r'component …=([^"]+)"', str(error)):  # which only a person knows
+                mapping |= {f"component {list(MORE)[JAPANESE.index(text)]}": text} if text in JAPANESE else {}
     found = {(each.component, each.plane, str(each.part)): round(1e3 * each.diameter, 3) for each in read.readings}
     valves = {text: component for component, text in MORE.items()}
     assert found == {(valves[text], str(land), part): size for (text, land, part), size in SIZES.items()}
