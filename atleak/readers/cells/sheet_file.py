@@ -37,6 +37,7 @@ _MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf
 ONE_BYTE = ("cp1252", "cp1250", "cp1251", "cp1253", "cp1254", "cp850", "cp852", "cp866")  # for each letter
 _CODE_PAGES = (*ONE_BYTE, "gb18030", "shift_jis", "euc_kr")
 _WESTERN = ("cp1252", "cp1250")
+_BARE_R = re.compile(r"(?<!\w)[Řř](?!\w)")  # which is Ø in the other one
 _RULE = re.compile(r"\s*:?[-=]{2,}:?\s*")  # between the headings and the rows of a table in Markdown
 _MARK = rf'"?(?:{"|".join(OWN_FORMS)})"?'
 _BESIDE_MARK = re.compile(rf"([;|,\t]){_MARK}|{_MARK}([;|,\t])")  # what parts the cells of a form of atleak's own
@@ -132,7 +133,7 @@ def code_pages(data: bytes, among: Sequence[str] = _CODE_PAGES) -> list[str]:
     from charset_normalizer import from_bytes  # of such texts alone
 
     best = from_bytes(data[: 1 << 14], cp_isolation=[*among]).best()
-    likely = _WESTERN[0] if best is None else best.encoding
+    likely = _WESTERN[0] if best is None or _BARE_R.search(str(best)) else best.encoding
     return sorted(_WESTERN, key=lambda name: name != likely) if likely in _WESTERN else [likely]
 
 

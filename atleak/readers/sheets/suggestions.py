@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice, product
 from statistics import fmean, median
+from string import ascii_lowercase
 
 from atleak.common.errors import InputError, ReadingsError
 from atleak.common.sentences import Option, Sentence
@@ -86,9 +87,10 @@ def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
     headers = [header_of(sheet, first, above[-1]) for first in reversed(above) if first > above[-1] - len(above)]
     for header in headers:
         texts = [text for text in header.texts if text]
+        sized = [at for at, cell in enumerate(sheet.rows[row]) if measured([cell])]
         numbered = any(number_of(text_of(cell)) for cells in sheet.rows[header.first : row] for cell in cells)
         told_apart = len(set(texts)) == len(texts) or header is headers[-1]
-        if not numbered and told_apart and len(texts) >= _filled(sheet, row) - 1:
+        if not numbered and told_apart and texts and all(map(header.heading, sized)):
             return header
     return HeadedTable(sheet, row - 1, row - 1, (), ("",) * sheet.width)
 
@@ -149,8 +151,9 @@ class Guess:
         found: dict[str, int] = {}
         headed = {role: [column.index for column in table.of(ROLES[role])] for role in says}
         headed["plane"] += [column.index for column in table.of("land")]
-        counted = {index for index in cells if list(map(text_of, cells[index])) == _counting(len(cells[index]))}
-        headed["component"] = [index for index in headed["component"] if index not in counted]
+        running = {index for index in cells if all(map(str.isdigit, map(text_of, cells[index])))}
+        running -= {index for index in running if any(names.component(cell) for cell in cells[index])}
+        headed["component"] = [index for index in headed["component"] if index not in running]
         for role, is_one in says.items():  # a heading whose cells say it, then any such cells
             shares = {index: sum(map(is_one, cells[index])) / max(len(cells[index]), 1) for index in cells}
             fits = [index for index in cells if shares[index] > 0.5 and index not in found.values()]
@@ -425,17 +428,22 @@ class Guess:
                 found |= {f"{role} {said}": index for said, index in zip(directions, columns, strict=True)}
                 continue
             headed = [self.table.heading(index) for index in columns]
+            counting = _counting(len(columns))
+            in_order = place == "plane" and list(map(plain, headed)) == [*ascii_lowercase[: len(columns)]]
+            if in_order or (place == "repeat" and self._alike(columns)):
+                found |= {f"{role} {place} {number}": index for number, index in zip(counting, columns, strict=True)}
+                continue
             if len(columns) > 2:  # of two, I and II may be directions, or before and after
                 headed = [_ROMAN.sub(lambda found: str(len(found[0])), text) for text in headed]
             texts = [re.findall(r"\d+|\D+", text) for text in headed]
             numbers = ["".join(part for part in text if part.isdigit()) for text in texts]
             alike = {plain(" ".join(part for part in text if not part.isdigit())) for text in texts} or {""}
-            counted = sorted(numbers) == _counting(len(columns)) if place == "repeat" else "" not in numbers
+            counted = sorted(numbers) == counting if place == "repeat" else "" not in numbers
             if len(alike) > 1 or "" in alike or not counted:
                 return
             told = all(any(map(part_of, letters(text))) for text in headed)  # "bore 1"
             besides = (besides_numbers(tokens_of(unit_of_heading(text)[0])) for text in headed)
-            if place == "repeat" and not told and any(besides) and not self._alike(columns):
+            if place == "repeat" and not told and any(besides):
                 return  # "shift 1": whether these are repeats, only a person knows
             found |= {f"{role} {place} {number}": index for number, index in zip(numbers, columns, strict=True)}
         if len(found) == sum(map(len, groups.values())):
