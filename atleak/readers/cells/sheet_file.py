@@ -17,7 +17,7 @@ from atleak.readers.cells.extent import EXPECTED, MOST_TEXT, bounded, excess
 from atleak.readers.cells.sheet import NO_WIDTH, Cell, Sheet
 from atleak.readers.cells.workbook_marks import CellRange, Marks
 from atleak.readers.process.parent import WORKBOOK, read_apart
-from atleak.readers.process.workbooks import first_rows, measuring_sheets, stray_cells
+from atleak.readers.process.workbooks import first_rows, measuring_sheets
 
 _WANTED = Sentence("a measuring sheet as .xlsx workbook or .csv text")
 
@@ -266,7 +266,7 @@ def read_workbook(data: bytes, file: str, *, only_look: bool = False) -> list[Sh
             hidden=worksheet["hidden"],
             marks=Marks(**worksheet["marks"]),
         )
-        for worksheet in read_apart(read, data, file, ReadingsError, WORKBOOK, stray_cells)
+        for worksheet in read_apart(read, data, file, ReadingsError, WORKBOOK)
     ]
 
 

@@ -29,13 +29,10 @@ _PLAIN = re.compile(r"|rgb (?:00|FF)(?:000000|FFFFFF)|theme [01]|indexed (?:8|9|
 _REFERENCE = re.compile(r"([A-Z]{1,3})(\d{1,9})", re.IGNORECASE)
 _AREA = re.compile(r"\$?[A-Z]{1,3}\$?(\d{1,7}):\$?[A-Z]{1,3}\$?(\d{1,7})")
 _YES = {"1", "true"}
-_PLAIN_IN_ODS = re.compile(r"|transparent|#0{6}|#f{6}", re.IGNORECASE)
 _TABLE = "{urn:oasis:names:tc:opendocument:xmlns:table:1.0}"
 _STYLE = "{urn:oasis:names:tc:opendocument:xmlns:style:1.0}"
 _OFFICE = "{urn:oasis:names:tc:opendocument:xmlns:office:1.0}"
 _TEXT_OF = "{urn:oasis:names:tc:opendocument:xmlns:text:1.0}"
-_FO = "{urn:oasis:names:tc:opendocument:xmlns:xsl-fo-compatible:1.0}"
-_SEEN = ("background-color", "color")  # of a cell's ground and its letters
 
 
 @dataclass(frozen=True)
@@ -244,32 +241,21 @@ def _ods(root: Element) -> dict[str, Marks]:
         if "none" not in (kind := [text.get(f"{_STYLE}text-line-through-{name}") for name in ("style", "type")])
         and any(kind)
     }
-    colours: dict[str | None, str] = {
-        style.get(f"{_STYLE}name"): "".join(
-            f"{name} {properties.get(f'{_FO}{name}')};"
-            for properties in style
-            for name in _SEEN
-            if not _PLAIN_IN_ODS.fullmatch(properties.get(f"{_FO}{name}", ""))
-        )
-        for style in root.iter(f"{_STYLE}style")
-    }
-    return {table.get(f"{_TABLE}name", ""): _ods_sheet(table, struck, colours) for table in root.iter(f"{_TABLE}table")}
+    return {table.get(f"{_TABLE}name", ""): _ods_sheet(table, struck) for table in root.iter(f"{_TABLE}table")}
 
 
-def _ods_sheet(table: Element, struck: set[str | None], colours: dict[str | None, str]) -> Marks:
+def _ods_sheet(table: Element, struck: set[str | None]) -> Marks:
     rows: dict[int, Hiding] = {}
-    coloured: dict[tuple[int, int], str] = {}
     comments: dict[tuple[int, int], str] = {}
     merged: list[CellRange] = []
-    styles: dict[int, str | None] = {}  # of the cells of a column that name none, by the column's end
     columns: set[int] = set()
     cells: set[tuple[int, int]] = set()
     folded = {id(line) for group in table.iter(f"{_TABLE}table-row-group") for line in group.iter(f"{_TABLE}table-row")}
     for first, element in _placed(table.iter(f"{_TABLE}table-column"), "columns"):
-        end = first + _repeated(element, "columns")
         if element.get(f"{_TABLE}visibility", "visible") != "visible":
-            columns.update(range(first, min(end, _COLUMNS)))  # empty past the last column
-        styles[end] = element.get(f"{_TABLE}default-cell-style-name")
+            columns.update(
+                range(first, min(first + _repeated(element, "columns"), _COLUMNS))
+            )  # empty past the last column
     for row, line in _placed(table.iter(f"{_TABLE}table-row"), "rows"):
         placed_cells = list(_placed(line, "columns"))
         for column, cell in placed_cells:
@@ -281,16 +267,12 @@ def _ods_sheet(table: Element, struck: set[str | None], colours: dict[str | None
         if shown != "visible" and filled:
             rows[row] = _hiding(shown == "filter", id(line) in folded)
         for column, cell in filled:
-            if (own := cell.get(f"{_TABLE}style-name")) in struck:
+            if cell.get(f"{_TABLE}style-name") in struck:
                 cells.add((row, column))
-            style = own or line.get(f"{_TABLE}default-cell-style-name")
-            style = style or next((named for end, named in styles.items() if column < end), None)
-            if colour := colours.get(style):
-                coloured[row, column] = colour
             for note in cell.iter(f"{_OFFICE}annotation"):
                 words = "\n".join("".join(paragraph.itertext()) for paragraph in note.iter(f"{_TEXT_OF}p"))
                 comments[row, column] = words.strip()[:_WORDS]
-    return Marks(rows, frozenset(columns), frozenset(cells), coloured, comments, merged=merged)
+    return Marks(rows, frozenset(columns), frozenset(cells), comments=comments, merged=merged)
 
 
 def _placed(elements: Iterable[Element], what: str) -> Iterator[tuple[int, Element]]:

@@ -24,7 +24,7 @@ from atleak.readers.logs.log_file import LogFile
 from atleak.readers.logs.log_table import Layout, LogTable, find_table
 from atleak.readers.logs.names import match_name, split_unit
 from atleak.readers.process.parent import WORKBOOK, read_apart
-from atleak.readers.process.workbooks import log_blocks, stray_cells
+from atleak.readers.process.workbooks import log_blocks
 
 _Cell = object  # str, float, int, bool, date or time; None where empty
 _Column = bytes | list[_Cell]  # packed floats where every cell is a number or empty (NaN), else a list of cells
@@ -164,7 +164,7 @@ def _column(cells: list[object]) -> pd.Series:
 def open_log_sheets(source: LogFile) -> list[LogSheet]:
     """Return every sheet of a workbook that holds a table."""
     by_name: dict[str, SheetCells] = {}
-    blocks = read_apart(log_blocks, source.data, source.file, RoadTestError, WORKBOOK, stray_cells)
+    blocks = read_apart(log_blocks, source.data, source.file, RoadTestError, WORKBOOK)
     for name, count, columns in blocks:
         by_name.setdefault(name, SheetCells()).blocks.append((count, columns))
     sheets = [_sheet(name, cells) for name, cells in by_name.items()]

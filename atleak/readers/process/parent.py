@@ -21,7 +21,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Generator, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, BinaryIO, Literal, TypeVar, cast
@@ -40,7 +40,6 @@ IDLE = 4  # children that are kept for the next file, of all kinds together
 KEPT = 300 << 20  # bytes above which a child is ended after its file: memory once used is not given back
 START = 30.0  # [s] a child may take to start: it takes 0.02, on a cold disk behind a virus scanner a hundred times that
 CHECK_INTERVAL = 0.02  # [s] between two checks: memory fills at 2 GB/s at most, so a limit is passed by 40 MB
-EXPLAIN = 10.0  # [s] that may be spent on a better reason for a refusal
 LEAVE = 5.0  # [s] a child may take to end by itself when it is no longer needed
 
 
@@ -102,7 +101,6 @@ def read_apart(
     file: str,  # its name in messages
     error: type[InputError],  # says why the file is refused
     budget: ProcessBudget,
-    explain: Callable[..., Iterator[object]] | None = None,  # refuses a file that ended its reader, for a better reason
     **asked: Any,  # what else the function is to know, plain data too
 ) -> list[_Item]:
     """Call a reading function in a child process and return all it yields about a file.
@@ -113,7 +111,7 @@ def read_apart(
         of type ``error``: where the function refuses the file, a library fails on it or atleak itself does, where
         reading it takes more than its budget or ends the child, and where no child can be started.
     """
-    return list(read_apart_in_parts(function, source, file, error, budget, explain, streamed=False, **asked))
+    return list(read_apart_in_parts(function, source, file, error, budget, streamed=False, **asked))
 
 
 def read_apart_in_parts(
@@ -122,7 +120,6 @@ def read_apart_in_parts(
     file: str,
     error: type[InputError],
     budget: ProcessBudget,
-    explain: Callable[..., Iterator[object]] | None = None,
     *,
     streamed: bool = True,
     **asked: Any,
@@ -135,16 +132,14 @@ def read_apart_in_parts(
     memory, seconds = budget.limits(len(source) if isinstance(source, bytes) else source.stat().st_size)
     kind, content = "end", dict[str, Any]()
     try:
-        for kind, content in _pool.read(_request(function, memory, seconds, asked), source, streamed=streamed):
+        request = Request(function.__module__, function.__qualname__, memory, seconds, asked)
+        for kind, content in _pool.read(request, source, streamed=streamed):
             if kind == "item":
                 yield content
     except _ChildGone as gone:
-        better = None if explain is None or gone.reason == "time" else _explained(explain, source, memory)
-        if better is None:
-            limit = seconds if gone.reason == "time" else memory >> 20
-            problem = _GONE[gone.reason].of(kind=budget.kind, limit=limit, suspicion=budget.suspicion)
-            raise error(problem, place=Place(file), expected=budget.expected) from None
-        kind, content = better
+        limit = seconds if gone.reason == "time" else memory >> 20
+        problem = _GONE[gone.reason].of(kind=budget.kind, limit=limit, suspicion=budget.suspicion)
+        raise error(problem, place=Place(file), expected=budget.expected) from None
     except OSError as fault:
         text = Sentence("a {kind} is read by a second Python process, and none can be started: {reason}")
         expected = Sentence("a plain Python installation, or the table as .csv, which needs no second process")
@@ -157,18 +152,6 @@ def read_apart_in_parts(
     if kind == "damaged":
         text = Sentence("this {kind} is damaged or of a kind that cannot be read ({reason})")
         raise error(text.of(kind=budget.kind, reason=content), place=Place(file), expected=budget.expected)
-
-
-def _request(function: Callable[..., Any], memory: int, seconds: float, asked: Mapping[str, Any]) -> Request:
-    return Request(function.__module__, function.__qualname__, memory, seconds, dict(asked))
-
-
-def _explained(explain: Callable[..., Iterator[object]], source: bytes | Path, memory: int) -> tuple[str, Any] | None:
-    """Return how ``explain`` ended and the reason for which it refuses the file; None where it gives none."""
-    with contextlib.suppress(_ChildGone, OSError):
-        *_, ending = _pool.read(_request(explain, memory, EXPLAIN, {}), source)
-        return ending if ending[0] in ("refused", "fault") else None
-    return None
 
 
 class FaultOfChild(Exception):

@@ -7,13 +7,12 @@ import itertools
 import zipfile
 from array import array
 from collections.abc import Iterable, Iterator
-from typing import IO, Any, TypedDict
-from xml.parsers import expat
+from typing import Any, TypedDict
 
 from atleak.common.sentences import Sentence
 from atleak.readers.cells.extent import COLUMNS as WIDTH
 from atleak.readers.cells.extent import EXPECTED, MOST_SHEETS, excess, trimmed
-from atleak.readers.cells.workbook_marks import CellRange, Marks, marks, place_of_cell, sheet_paths
+from atleak.readers.cells.workbook_marks import CellRange, Marks, marks
 from atleak.readers.process.child import Refused, of_library
 
 NativeCell = Any  # str, float, int, bool, date or time; "" where empty
@@ -108,38 +107,6 @@ def _packed(column: tuple[NativeCell, ...]) -> bytes | list[NativeCell | None]:
         return array("d", [_NAN if cell == "" else cell for cell in column]).tobytes()
     except TypeError:
         return [None if cell == "" else cell for cell in column]
-
-
-def stray_cells(data: bytes) -> Iterator[None]:
-    """Refuse a workbook (xlsx) whose outermost cells span more than memory can hold.
-
-    calamine lays a sheet out from its first cell to its last: one cell in the last corner makes it ask for half a
-    terabyte, which ends the process. This looks at the XML instead, which is slower, so it runs only afterwards.
-    """
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        sheets = {path: name for name, path in sheet_paths(archive).items()}
-        for path in archive.namelist():
-            if path.startswith("xl/worksheets/") and path.endswith(".xml"):
-                with archive.open(path) as stream:
-                    rows, columns = _outermost(stream)
-                _refuse_vast(rows, columns, sheets.get(path), rows * columns > LOG_CELLS)
-    yield None
-
-
-def _outermost(stream: IO[bytes]) -> tuple[int, int]:
-    """Return the number of rows and columns up to the outermost cells of a sheet's XML."""
-    rows = columns = 0
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal rows, columns
-        place = place_of_cell(attributes.get("r", "")) if tag.rpartition(":")[2] == "c" else None
-        if place is not None:
-            rows, columns = max(rows, place[0] + 1), max(columns, place[1] + 1)
-
-    parser = expat.ParserCreate()
-    parser.StartElementHandler = start
-    parser.ParseFile(stream)
-    return rows, columns
 
 
 def _worksheets(data: bytes) -> Iterator[tuple[str, bool, Any]]:

@@ -317,7 +317,7 @@ def _agree(stated: float, computed: float) -> bool:
 
 _QUOTED = 4  # marks that a message names
 _LONGEST = 80  # characters of a comment or legend that are quoted
-_FEW = 0.01, 0.1  # part of the readings: so many that are coloured otherwise are marked, also without a legend
+_FEW = 0.01, 0.25  # part of the readings: so many that are coloured otherwise are marked
 
 At = tuple[int, int]  # row, column
 
@@ -364,7 +364,7 @@ def _comments(table: HeadedTable, rows: Collection[int]) -> Iterator[Message]:
 
 
 def _colours(table: HeadedTable, read: Sequence[Sequence[At]]) -> Iterator[Message]:
-    """Say which readings are coloured otherwise than most in their column, where they are few or a legend names it."""
+    """Say which readings are coloured otherwise than most in their column, where they are few."""
     sheet, colours = table.sheet, table.sheet.marks.colours
     by_column: dict[int, Counter[str]] = {}
     for at in (at for cells in read for at in cells):
@@ -372,41 +372,15 @@ def _colours(table: HeadedTable, read: Sequence[Sequence[At]]) -> Iterator[Messa
     usual = {column: counted.most_common(1)[0][0] for column, counted in by_column.items()}
     unusual = ([at for at in cells if colours.get(at, "") != usual[at[1]]] for cells in read)
     others = [cells[0] for cells in unusual if cells]
-    legend = _legend(table, {colours[at] for at in others if at in colours}) if others else None
     part = len(others) / len(read)
-    if not others or part > 0.5 or (legend is None and not _FEW[0] <= part <= _FEW[1]):
+    if not _FEW[0] <= part <= _FEW[1]:
         return
-    template = Sentence(
+    text = Sentence(
         "coloured otherwise than the rest of their column, {count} of {all} readings: {cells}. They count all the "
         "same: cross out what is not to count"
     )
-    if legend is not None:
-        template = Sentence(
-            "coloured otherwise than the rest of their column, {count} of {all} readings: {cells}; the sheet says "
-            "{legend!r}. They count all the same: cross out what is not to count"
-        )
-    cells, quoted = _listed([_named(table, at) for at in others]), (legend or "")[:_LONGEST]
-    text = template.of(count=len(others), all=len(read), cells=cells, legend=quoted)
+    text = text.of(count=len(others), all=len(read), cells=_listed([_named(table, at) for at in others]))
     yield Message("warning", "readings_coloured", text, sheet.place(*others[0]))
-
-
-def _legend(table: HeadedTable, colours: Collection[str]) -> str | None:
-    """Return what on the sheet says what a colour means: it names one, or is a word for what counts not in that one."""
-    for row, cells in enumerate(table.sheet.rows):
-        for column, cell in enumerate(cells):
-            if not isinstance(cell, str):
-                continue
-            words = letters(cell)
-            rejected = words.any("counts_not")
-            named = next((word for word in words if word in words.of("colour")), None)
-            explained = named and re.search(rf"{re.escape(named)}(?: \w+)?\s*[=:–—-]", plain(cell))
-            if (
-                (named and rejected)
-                or explained
-                or (rejected and table.sheet.marks.colours.get((row, column)) in colours)
-            ):
-                return " ".join(cell.split())
-    return None
 
 
 def _named(table: HeadedTable, at: At) -> str:

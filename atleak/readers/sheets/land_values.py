@@ -32,7 +32,6 @@ SHORTEST, _LONGEST = 0.2e-3, 0.1  # [m] of contact lengths that anybody measures
 _DOUBTFUL = 2.0  # times the stated contact length, or its part: from here on a warning says so
 _REFUSED = 10.0  # times, or its part: another unit, or a lost decimal point
 _SAME = 1.0e-9  # [m]
-_SHOWN = 6
 _LENGTH = Sentence("a length such as 5.25")
 
 
@@ -228,23 +227,11 @@ def _about_lengths(own: OwnLands, controller: Controller) -> Iterator[Message]:
     measured = [length for length in own.lengths if length.contact_length is not None]
     if not measured:
         return
-    shown = tuple(
-        Sentence(
-            "{land} {measured:.6g} {measured.unit} ({stated:.6g})",
-            land=f"{length.component}/{length.land}",
-            measured=_mm(length.contact_length or 0.0),
-            stated=_mm(controller.land(*length.key).contact_length),
-        )
-        for length in measured[:_SHOWN]
-    )
-    more = len(measured) - _SHOWN
     text = Sentence(
-        "Contact lengths of {count} of {lands} lands are those measured on the sheet, in brackets those of the valve "
-        "body's file: {shown}{more}.",
+        "Contact lengths of {count} of {lands} lands are those measured on the sheet, not those of the valve body's "
+        "file.",
         count=len(measured),
         lands=len(controller.lands),
-        shown=shown,
-        more=Sentence(" and {count} more", count=more) if more > 0 else "",
     )
     yield Message("info", LENGTHS_MEASURED, text, measured[0].place)
 

@@ -128,33 +128,30 @@ class _Reader:
         unwanted = dict.fromkeys(rows_left_out(self.table, where), others)
         unwanted |= dict.fromkeys(said, Sentence("said not to count"))
         dropped, breaks = self._read_all_rows(unwanted)
-        left_out = sum(unwanted[row] is others for row in dropped)
-        if left_out < len(dropped):
-            named = rows_named(self.sheet, [row for row in dropped if unwanted[row] is not others])
-            text = Sentence("{rows} left aside, as said", rows=named)
-            self.rows.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
         self._read_means_alone()
         self._report_blanks()
         self._report_overridden()
         self._report_hidden_columns()
         rows, table, columns = self.rows, self.table, self.columns
-        if left_out:
+        by_choice = [row for row in dropped if unwanted[row] is others]
+        if by_choice:
             chosen = all_of(
                 Sentence("{heading} is {value!r}", heading=heading, value=value) for heading, value in where.items()
             )
-            text = counted(
-                left_out,
-                "{count} row left aside: read were those where {chosen}",
-                "{count} rows left aside: read were those where {chosen}",
-                chosen=chosen,
-            )
-            rows.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
+            template = Sentence("{rows} left aside: read were those where {chosen}")
+            self._say_left_out(template.of(rows=rows_named(self.sheet, by_choice), chosen=chosen))
+        if len(by_choice) < len(dropped):
+            named = rows_named(self.sheet, [row for row in dropped if row not in by_choice])
+            self._say_left_out(Sentence("{rows} left aside, as said", rows=named))
         rows.problems += broken_blocks(table, rows.entries, self.names)
         question = states_question(rows.entries, breaks, table, columns)
         rows.problems += [] if question is None else [question]
         rows.messages += self.exclusions.messages(rows.entries)
         rows.messages += mark_messages(table, rows.of_row, columns)
         rows.messages += repeat_messages(rows.entries, table, columns, self.names.controller)
+
+    def _say_left_out(self, text: Sentence) -> None:
+        self.rows.messages.append(Message("info", "rows_left_out", text, self.sheet.place()))
 
     def _read_all_rows(self, unwanted: Mapping[int, Sentence]) -> tuple[list[int], list[Break]]:
         left_out: list[int] = []

@@ -20,7 +20,7 @@ from atleak.common.sentences import Option, Sentence
 from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.measurements.readings import Readings
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter
-from atleak.readers.sheets.column_headings import HeadedColumn, besides_numbers, tokens_of, unit_of_heading
+from atleak.readers.sheets.column_headings import HeadedColumn, unit_of_heading
 from atleak.readers.sheets.controller_names import (
     PLACES,
     UNITS,
@@ -442,8 +442,7 @@ class Guess:
             if len(alike) > 1 or "" in alike or not counted:
                 return
             told = all(any(map(part_of, letters(text))) for text in headed)  # "bore 1"
-            besides = (besides_numbers(tokens_of(unit_of_heading(text)[0])) for text in headed)
-            if place == "repeat" and not told and any(besides):
+            if place == "repeat" and not told:
                 return  # "shift 1": whether these are repeats, only a person knows
             found |= {f"{role} {place} {number}": index for number, index in zip(numbers, columns, strict=True)}
         if len(found) == sum(map(len, groups.values())):
