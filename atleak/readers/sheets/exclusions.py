@@ -317,7 +317,7 @@ def _agree(stated: float, computed: float) -> bool:
 
 _QUOTED = 4  # marks that a message names
 _LONGEST = 80  # characters of a comment or legend that are quoted
-_FEW = 0.01, 0.25  # part of the readings: so many that are coloured otherwise are marked
+_FEW = 0.01, 0.5  # part of the readings: so many that are coloured otherwise are marked
 
 At = tuple[int, int]  # row, column
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise, zip_longest
+from itertools import zip_longest
 from typing import Any
 
 from atleak.catalogue.instruments import Part
@@ -30,10 +30,9 @@ from atleak.readers.sheets.table import (
     best_header,
     find_headers,
     headings,
-    read_together,
     which_columns,
 )
-from atleak.readers.sheets.words import is_blank, is_repeat_title, letters, number_of, part_in, plain, summary_of
+from atleak.readers.sheets.words import is_blank, is_repeat_title, letters, number_of, part_in, summary_of
 
 _TITLE_ROWS = 4
 
@@ -46,8 +45,7 @@ def find_tables(sheet: Sheet, names: ControllerNames) -> list[HeadedTable]:
         table
         for strip in _strips(sheet, names)
         for above in _stacked(strip, names)
-        for beside in _side_by_side(above)
-        for table in _sections(_titled(beside, names), names)
+        for table in _sections(_titled(above, names), names)
     ]
 
 
@@ -155,30 +153,6 @@ def _title_rows(sheet: Sheet, first: int, after: int) -> list[int]:
             break
         title_rows.append(row)
     return title_rows
-
-
-def _side_by_side(table: HeadedTable) -> Iterator[HeadedTable]:
-    """Yield the table, or those that share its rows: between empty headings, or where the first one returns."""
-    starts = {index for index in range(1, len(table.texts)) if table.texts[index] and not table.texts[index - 1]}
-    keys = table.labels
-    starts |= {column.index for column in keys[1:] if plain(column.heading) == plain(keys[0].heading)}
-    edges = [0]
-    for start in sorted(starts):
-        left, right = _between(table, edges[-1], start), _between(table, start, table.sheet.width)
-        if all(side.labels and any(column.holds_size for column in side.columns) for side in (left, right)):
-            edges.append(start)
-    if len(edges) == 1:
-        yield table
-        return
-    for begin, end in pairwise([*edges, table.sheet.width]):
-        part = _between(table, begin, end)
-        texts = tuple(text if begin <= index < end else "" for index, text in enumerate(table.texts))
-        columns = read_together(list(part.columns))
-        yield replace(part, sheet=_only(table.sheet, begin, end), columns=columns, texts=texts)
-
-
-def _between(table: HeadedTable, begin: int, end: int) -> HeadedTable:
-    return replace(table, columns=tuple(column for column in table.columns if begin <= column.index < end))
 
 
 def _titled(table: HeadedTable, names: ControllerNames, said: SheetMapping = NOTHING_SAID) -> HeadedTable:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import permutations
 from operator import attrgetter
 
 from atleak.catalogue.controller import Controller, Land
@@ -235,7 +236,7 @@ def _repeats(
 def _exchanged(
     gaps: Sequence[LandClearance], by_land: Mapping[LandKey, list[Reading]], all_readings: Readings
 ) -> Iterator[tuple[Land, ReadingsError]]:
-    """Yield the lands that measure like another one of them: their readings stand in each other's place."""
+    """Yield the lands of which two measure like each other: their readings stand in each other's place."""
     far = [
         gap.land
         for gap in gaps
@@ -245,21 +246,20 @@ def _exchanged(
             for reading in by_land[gap.land.key]
         )
     ]
-    for land in far:
+    for land, other in permutations(far, 2):
         readings = by_land[land.key]
-        like = [
-            other
-            for other in far
-            if all(abs(each.diameter - other.nominal_of(each.part)) <= _EXCHANGED for each in readings)
-        ]
-        if like:
+        if _like(readings, other) and _like(by_land[other.key], land):
             problem = Sentence(
-                "{land} measures like {other}, which measures like none of its own size either: exchanged?",
+                "{land} measures like {other}, and the other way round: the two exchanged?",
                 land=named(land),
-                other=named(like[0]),
+                other=named(other),
             )
             written, about = _written(all_readings, readings[0].diameter), _about(all_readings, land, readings[0])
             yield land, ReadingsError(problem, place=readings[0].place, value=written, expected=about)
+
+
+def _like(readings: Sequence[Reading], land: Land) -> bool:
+    return all(abs(each.diameter - land.nominal_of(each.part)) <= _EXCHANGED for each in readings)
 
 
 def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readings) -> Iterator[ReadingsError]:

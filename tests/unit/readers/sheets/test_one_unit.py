@@ -154,20 +154,6 @@ SIZES = {("pressure_regulator", "1"): (14.997, 15.034), ("pressure_regulator", "
          ("tcc_regulator", "1"): (10.998, 11.032)}  # fmt: skip
 
 
-@pytest.mark.parametrize("onward", [1, 2])
-def test_three_lands_exchanged_in_a_circle_are_refused_naming_all(controller, onward):
-    lands = list(SIZES)
-    rows = [
-        f"{component};{land};{SIZES[lands[(number + onward) % 3]][0]};{SIZES[lands[(number + onward) % 3]][1]}"
-        for number, (component, land) in enumerate(lands)
-    ]
-    text = refusal(controller, "Valve;Land;Spool [mm];Bore [mm]", *rows)
-    like = " land ".join(lands[onward])
-    assert f"component pressure_regulator land 1 measures like component {like}: the readings of component " in text
-    assert text.count("exchanged in a circle?") == 3
-    assert "pressure_regulator land 2 and component tcc_regulator land 1 exchanged in a circle?" in text
-
-
 def test_lands_that_measure_like_others_without_a_circle_are_not_called_exchanged(controller):
     rows = ("pressure_regulator;1;12.498;12.535", "pressure_regulator;2;10.998;11.032", "tcc_regulator;1;10.998;11.032")
     assert len(read(controller, "Valve;Land;Spool [mm];Bore [mm]", *rows).readings) == 6

@@ -145,7 +145,7 @@ def test_a_column_nobody_reads_raises_the_question(controller, language, heading
     if heading:
         readings = read_readings(data, controller, where={heading: other})
         assert [reading[4] for reading in sizes(readings)] == [17.996, 18.044]
-        assert said(readings, "rows_left_out") == [f"2 rows left aside: read were those where {heading} is {other!r}"]
+        assert said(readings, "rows_left_out") == [f"rows 2–3 left aside: read were those where {heading} is {other!r}"]
 
 
 def test_one_station_is_enough(controller):
