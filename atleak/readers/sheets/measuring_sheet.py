@@ -48,12 +48,19 @@ from atleak.readers.sheets.diameters import convert
 from atleak.readers.sheets.exclusions import LEFT_ASIDE
 from atleak.readers.sheets.head import is_typed, read_head
 from atleak.readers.sheets.land_values import LandValues, read_land_values
-from atleak.readers.sheets.layout import SheetChoice, choose_sheet, find_tables, require_one_measurement, turned
+from atleak.readers.sheets.layout import (
+    SheetChoice,
+    choose_sheet,
+    find_tables,
+    likely_table,
+    require_one_measurement,
+    turned,
+)
 from atleak.readers.sheets.mapping import SheetMapping, recalled
 from atleak.readers.sheets.plausibility import check
 from atleak.readers.sheets.repeats import require_known
 from atleak.readers.sheets.rows import SheetRows, read_rows
-from atleak.readers.sheets.suggestions import Guess, column_name, likely_table, suggest
+from atleak.readers.sheets.suggestions import Guess, column_name, suggest
 from atleak.readers.sheets.table import HeadedTable, best_header
 from atleak.readers.sheets.words import text_of
 

@@ -31,14 +31,13 @@ from atleak.readers.sheets.controller_names import (
     numbers_of,
     read_label,
 )
-from atleak.readers.sheets.layout import is_single, mapped_tables, turned
+from atleak.readers.sheets.layout import is_single, likely_table, mapped_tables, turned
 from atleak.readers.sheets.mapping import ROLES, SheetMapping, diameter_role
-from atleak.readers.sheets.table import COLUMNS, HeadedTable, best_header, header_of
+from atleak.readers.sheets.table import COLUMNS, HeadedTable
 from atleak.readers.sheets.valve_names import valves_by_name
 from atleak.readers.sheets.words import is_blank, letters, number_of, part_in, part_of, part_said, plain, text_of
 
 _LOOKED_AT = 60  # rows by which a column is told from another
-_FIRST = 300  # rows among which the first reading is looked for
 _MOST_CELLS = 20_000  # of sheets on which suggestions are tried
 _MOST_TRIED = 12  # offers
 _LEFT = ("column_aside", "sheet_aside", "not_read")  # what is said where a diameter may have been left aside
@@ -46,57 +45,10 @@ _MOST_PARTS = 3  # words in a column that says spool or bore
 _MOST_LANDS = 8  # of a valve
 _OF_ONE_STATE = 4e-4  # of a diameter: by how much its repeats may differ, 4 µm of 10 mm
 _FEWEST = 4  # rows of a column that tell what its numbers are
-_IN_UM = 1000.0  # a whole number from here on may be a diameter
 _ROUNDED = 6e-5  # of a diameter: how far a mean may be rounded
-_DIRECTIONS = {
-    ("x", "y"): ("0°", "90°"),
-    ("y", "x"): ("90°", "0°"),
-    ("0", "90"): ("0°", "90°"),
-    ("90", "0"): ("90°", "0°"),
-}
+_AXES = {"x": "0°", "0": "0°", "y": "90°", "90": "90°"}
 _ROMAN = re.compile(r"\bI{1,3}\b")
 _NOT_MEASURED = ("specification", "remark", "gauge", "mean")
-
-
-def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
-    """Return the table that a sheet most likely holds: with the headings above the first row of a reading."""
-    table, sizes = best_header(sheet), Sizes(names.controller)
-
-    def measured(cells: Sequence[Cell]) -> bool:
-        return any(
-            sizes.near(value, UNITS) and (value >= _IN_UM or not is_whole(cell))
-            for cell in cells
-            for value in numbers_of(cell)
-        )
-
-    def named(cells: Sequence[Cell]) -> bool:
-        return any(
-            read_label(cell, names) or names.component(cell) in names.with_lands for cell in cells if not is_blank(cell)
-        )
-
-    rows = [row for row, cells in enumerate(sheet.rows[:_FIRST]) if measured(cells)]
-    of_valve = (row for row in rows if named(sheet.rows[row]))
-    row = next(of_valve, next((row for row in rows if row + 1 in rows), -1))
-    if row < 0:
-        return table or HeadedTable(sheet, -1, -1, (), ())
-    while row - 1 in rows:  # of a valve by a name that nobody knows
-        row -= 1
-    above = [at for at in range(row) if _filled(sheet, at) and not is_single(sheet, at)][-2:]
-    if table is not None and [table.last] == above[-1:]:
-        return table
-    headers = [header_of(sheet, first, above[-1]) for first in reversed(above) if first > above[-1] - len(above)]
-    for header in headers:
-        texts = [text for text in header.texts if text]
-        sized = [at for at, cell in enumerate(sheet.rows[row]) if measured([cell])]
-        numbered = any(number_of(text_of(cell)) for cells in sheet.rows[header.first : row] for cell in cells)
-        told_apart = len(set(texts)) == len(texts) or header is headers[-1]
-        if not numbered and told_apart and texts and all(map(header.heading, sized)):
-            return header
-    return HeadedTable(sheet, row - 1, row - 1, (), ("",) * sheet.width)
-
-
-def _filled(sheet: Sheet, row: int) -> int:
-    return sum(not is_blank(cell) for cell in sheet.rows[row])
 
 
 def column_name(table: HeadedTable, index: int) -> str:
@@ -380,23 +332,12 @@ class Guess:
             return
         if deviations and not new and unheaded:
             return  # of sizes beside deviations only a person knows whether they are new ones or measured
-        if len(every) == 2 and len(headed) == 2 and len(parts) == 1 and "part" not in self.labels:
-            known = headed.pop(f"value {next(iter(parts))}", every[0])
-            other = next(index for index in every if index != known)
-            spool, sleeve = (known, other) if "spool" in parts else (other, known)
-            yield {"value spool": spool, "value sleeve": sleeve}
-            return
         if len(headed) > 1 or (headed and not unheaded):
             yield headed
             if "plane" not in self.labels:
                 yield {role.replace("repeat", "plane"): index for role, index in headed.items()}
-        if len(every) == 2 and unheaded and "part" not in self.labels:
-            if parts:
-                known = headed.popitem()[1]
-                spool, sleeve = (known, *unheaded) if "spool" in parts else (*unheaded, known)
-                yield {"value spool": spool, "value sleeve": sleeve}
-            elif self._halves is not None:
-                yield {f"value {part}": half[0] for part, half in self._halves.items()}
+        if len(every) == 2 and self._halves:
+            yield {f"value {part}": half[0] for part, half in self._halves.items()}
         elif "part" in self.labels and self.headed and not headed:
             yield from ({"value": index} for index in reversed(every))
         elif len(every) == 1 and not headed:
@@ -416,7 +357,8 @@ class Guess:
         texts = [re.findall(r"\d+|[^\W\d_]|\W", plain(self.table.heading(index))) for index in columns]
         apart = [pair for pair in zip(*texts, strict=False) if len(set(pair)) > 1]
         alike = len({len(text) for text in texts}) == 1 and len(apart) == 1
-        return _DIRECTIONS.get(apart[0], ()) if alike else ()
+        said = [_AXES.get(text, "") for text in apart[0]] if alike else []
+        return said if {*said} == {"0°", "90°"} else ()
 
     def _counted(self, groups: Mapping[str, list[int]], place: str) -> Iterator[dict[str, int]]:
         found: dict[str, int] = {}
@@ -557,16 +499,10 @@ def _fullest(sheets: Sequence[Sheet]) -> Sheet:
 def options(said: Mapping[str, str], down: bool = False) -> Sentence:
     """Return what is said of a sheet as it is typed."""
     typed = " ".join([*(f"--map {_quoted(role, text)}" for role, text in said.items()), *["--fill-down"] * down])
-    template = Sentence("which column is what: {options}")
-    if "spool" in said:  # by their sizes
-        template = Sentence("which column is what, {spool!r} being the spool, as it is always smaller: {options}")
-    told = template.of(spool=said.get("spool", ""), options=Option("map", text=typed))
-    named = any(role.startswith(("component ", "plane ")) for role in said)
-    return (
-        Sentence("check which valve and land each word means, told by sizes and order; {told}", told=told)
-        if named
-        else told
-    )
+    told = Sentence("which column is what: {options}", options=Option("map", text=typed))
+    if not any(role == "spool" or role.startswith(("component ", "plane ")) for role in said):
+        return told
+    return Sentence("check which valve, land and part each word means, told by sizes and order; {told}", told=told)
 
 
 def to_fill_in(sheet: Sheet, names: ControllerNames) -> Sentence:
