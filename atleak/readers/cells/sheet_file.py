@@ -193,14 +193,10 @@ _FOREIGN: Mapping[bytes, Sentence] = {  # first bytes → what is neither a tabl
     b"\x89PNG": Sentence("a PNG picture"),
     b"\xff\xd8\xff": Sentence("a JPEG picture"),
     b"GIF8": Sentence("a GIF picture"),
-    b"BM": Sentence("a bitmap picture"),
-    **dict.fromkeys((b"II*\0", b"MM\0*"), Sentence("a TIFF picture")),
     b"%PDF": Sentence("a PDF document"),
     b"{\\rtf": Sentence("an RTF document"),
     b"7z\xbc\xaf": Sentence("a 7-Zip archive"),
     b"Rar!": Sentence("a RAR archive"),
-    **dict.fromkeys((b"\x7fELF", b"MZ\x90"), Sentence("a program")),
-    b"SQLite format 3": Sentence("a database"),
     b"PARE": Sentence("an encrypted Parquet file"),
     b"\x89HDF": Sentence("an HDF5 file"),
     b"MATLAB 5.0": Sentence("a MATLAB file"),
@@ -214,8 +210,7 @@ _NO_SHEET = {
 
 def foreign_kind(data: bytes, others: Mapping[bytes, Sentence]) -> Sentence | None:
     """Return what a file's first bytes show it to be that is neither a table nor text, or is of some other kinds."""
-    fits = (kind for magic, kind in {**_FOREIGN, **others}.items() if data.startswith(magic))
-    return None if data.startswith(b"BM") and b"\0" not in data[:64] else next(fits, None)
+    return next((kind for magic, kind in {**_FOREIGN, **others}.items() if data.startswith(magic)), None)
 
 
 def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str]:

@@ -159,25 +159,18 @@ class _StatedNumbers:
         parts: dict[tuple[str, str], set[str]] = defaultdict(set)
         for reading in readings:
             parts[reading.component, reading.plane].add(reading.part)
-        stated = [
-            (row, value, unit)
-            for row, beside, value, unit in self.stated(index)
+        rows = [
+            row
+            for row, beside, *_ in self.stated(index)
             if all(len(parts[reading.component, reading.plane]) == 1 for reading in beside)
         ]
-        if not stated:
+        if not rows:
             return
-        unit = next((written for *_, written in stated if written), None)
-        sizes = sorted(size for _, size, _ in stated)
-        stated_sizes = Sentence("{size:g}", size=sizes[0])
-        if sizes[-1] > sizes[0]:
-            stated_sizes = Sentence("{low:g} to {high:g}", low=sizes[0], high=sizes[-1])
-        heading, rows = self.table.heading(index), [row for row, *_ in stated]
+        heading = self.table.heading(index)
         text = Sentence(
-            "column {heading!r} says {said}{unit} in {rows}, where only one part was measured: it is not used, and the "
-            "other part counts with its nominal diameter",
+            "column {heading!r} is not used in {rows}, where only one part was measured: the other part counts with "
+            "its nominal diameter",
             heading=heading,
-            said=stated_sizes,
-            unit=Sentence(" {unit}", unit=unit.said) if unit else "",
             rows=rows_named(self.table.sheet, rows),
         )
         yield Message("warning", "clearance_not_used", text, self.table.sheet.place(rows[0], index, heading))

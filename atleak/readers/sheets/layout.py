@@ -33,7 +33,7 @@ from atleak.readers.sheets.table import (
     headings,
     which_columns,
 )
-from atleak.readers.sheets.words import is_blank, is_repeat_title, letters, number_of, part_in, summary_of
+from atleak.readers.sheets.words import is_blank, is_repeat_title, letters, number_of, part_in, summary_of, text_of
 
 _TITLE_ROWS = 4
 

@@ -117,11 +117,8 @@ class Guess:
             if columns and role not in found and columns[0] not in found.values():
                 found[role] = columns[0]
         for index in cells:  # cells that say several things
-            meanings = Counter(
-                "plane" if name in ("land", "number") else name
-                for cell in cells[index]
-                for name in label_apart(cell, names)
-            )
+            said = (name for cell in cells[index] for name in label_apart(cell, names))
+            meanings = Counter("plane" if name in ("land", "number") else name for name in said)
             most = {name for name, count in meanings.items() if 2 * count >= len(cells[index])} - {"unit"}
             found |= dict.fromkeys(sorted(most), index) if len(most) > 1 else {}
         words = {text_of(cell) for cell in cells.get(found.get("part", -1), ())}
@@ -129,11 +126,8 @@ class Guess:
             del found["part"]
         lines = any(is_single(table.sheet, row) for row in self._rows)  # which may say it
         if "component" not in found and not lines:
-            texts = {
-                index: [text_of(cell) for cell in cells[index]]
-                for index in cells
-                if index not in {*found.values(), *self._sized}
-            }
+            others = cells.keys() - {*found.values(), *self._sized}
+            texts = {index: [*map(text_of, cells[index])] for index in others}
             told = {index for index, of in texts.items() if any(map(number_of, of)) or any(map(part_in, of))}
             kinds = {index: len(set(of)) for index, of in texts.items() if index not in told}
             if max(kinds.values(), default=0) > _MOST_PARTS:
