@@ -32,6 +32,7 @@ from atleak.readers.logs.log_file import form_of
 from atleak.readers.own_forms import own_form_of
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.layout import find_tables, looks_measured
+from atleak.readers.sheets.words import is_word
 
 _REFUSED: tuple[type[Exception], ...] = (ReadingsError, *DAMAGE)
 _SHORT, _SURE = 400, 4  # rows of a sheet that may be of another valve body, and planes of that found in it
@@ -83,7 +84,7 @@ def table_kind(data: bytes, controller: Controller) -> TableKind:
         return max(diameters(sheet), likeness(sheet), *(finder.likeness(sheet) for finder in of_rows.values()))
 
     try:
-        sheets = read_sheets(data, "", score, only_look=True)
+        sheets = read_sheets(data, "", score, is_word, only_look=True)
     except _REFUSED as error:
         if is_own_fault(error):
             raise

@@ -19,6 +19,7 @@ from atleak.readers.cells.workbook_marks import CellRange, Marks
 from atleak.readers.process.parent import WORKBOOK, read_apart
 from atleak.readers.process.workbooks import first_rows, measuring_sheets
 
+Knows = Callable[[str], bool]  # whether sheets of this kind use a word
 _WANTED = Sentence("a measuring sheet as .xlsx workbook or .csv text")
 
 _ALIGNED, _WORDS = "aligned", "words"
@@ -34,25 +35,29 @@ _LOOKED_AT = 400  # lines that are read to choose encoding and delimiter
 _LOOKED_AT_NEXT = 4000  # the same, where nothing is found in those
 _COMPLETE = 4.0  # score of headings that say what a diameter is of
 _MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
-ONE_BYTE = ("cp1252", "cp1250", "cp1251", "cp1253", "cp1254", "cp850", "cp852", "cp866")  # for each letter
-_CODE_PAGES = (*ONE_BYTE, "gb18030", "shift_jis", "euc_kr")
-_WESTERN = ("cp1252", "cp1250")
-_BARE_R = re.compile(r"(?<!\w)[Řř](?!\w)")  # which is Ø in the other one
+_USUAL = ("cp1252", "cp1250")
+_CODE_PAGES = ("cp1252", "cp1250", "cp1251", "cp1254", "cp850", "cp852", "cp866")
+_FEWEST_KNOWN = 0.1  # of the words of a text, of which all others are not read in its code page
+_OTHERS = ("gb18030", "shift_jis", "euc_kr", "cp1253")  # for texts of which no word is known
 _RULE = re.compile(r"\s*:?[-=]{2,}:?\s*")  # between the headings and the rows of a table in Markdown
 _MARK = rf'"?(?:{"|".join(OWN_FORMS)})"?'
 _BESIDE_MARK = re.compile(rf"([;|,\t]){_MARK}|{_MARK}([;|,\t])")  # what parts the cells of a form of atleak's own
+_WORD = re.compile(r"[^\W\d_]+")
+_SIGNS = tuple(map(re.compile, (r"(?<!\w)µm", r"\d°", r"(?<!\w)[Øø](?!\w)", "±")))
+_UNREADABLE = re.compile(r"[\ufffd\x80-\x9f\u2500-\u259f]|(?<=\d)[øш](?!\w)")  # "0°" of another code page ends in ø
 
 
-def read_text(data: bytes, file: str, score: Callable[[Sheet], float]) -> Sheet:
+def read_text(data: bytes, file: str, score: Callable[[Sheet], float], knows: Knows | None = None) -> Sheet:
     """Read a text file; encoding and delimiter are those with the highest `score`.
 
-    A `ReadingsError` refuses what is no text, or no table.
+    ``knows`` says whether sheets of this kind use a word, which tells code pages with one byte per letter apart:
+    without it only the two most usual ones are tried. A `ReadingsError` refuses what is no text, or no table.
     """
     if len(data) > MOST_TEXT:
         problem = Sentence("this text has {size} MB", size=len(data) >> 20)
         raise ReadingsError(problem, place=Place(file), expected=EXPECTED)
     ways: list[tuple[float, str, str, str]] = []
-    for encoding, text in _decoded(data, file):
+    for encoding, text in _decoded(data, file, knows):
         lines = text.splitlines(keepends=True)
         likeliest = _best_delimiter("".join(lines[:_LOOKED_AT]), file, score)
         if likeliest[0] <= 0.0 and len(lines) > _LOOKED_AT:
@@ -115,7 +120,7 @@ def stated_encoding(data: bytes) -> str | None:
     return marked or next(told, None)
 
 
-def _decoded(data: bytes, file: str) -> Iterator[tuple[str, str]]:
+def _decoded(data: bytes, file: str, knows: Knows | None) -> Iterator[tuple[str, str]]:
     stated = stated_encoding(data)
     if stated is None and b"\0" in data[:4000]:
         raise _not_text(file)
@@ -124,17 +129,31 @@ def _decoded(data: bytes, file: str) -> Iterator[tuple[str, str]]:
     except UnicodeDecodeError as error:
         if stated is not None:
             raise _not_text(file) from error
-        for encoding in code_pages(data):
+        # with one byte per letter, the words show which encoding is meant
+        for encoding in _USUAL if knows is None else _by_words(data, knows):
             yield encoding, data.decode(encoding, "replace")
 
 
-def code_pages(data: bytes, among: Sequence[str] = _CODE_PAGES) -> list[str]:
-    """Return the code pages in which a text may be that is no UTF-8: the likeliest, or two that are easily confused."""
-    from charset_normalizer import from_bytes  # of such texts alone
+def _by_words(data: bytes, knows: Knows) -> Sequence[str]:
+    """Return the code pages in which most of the words with other letters than English ones are known."""
+    lines = (line for line in data.splitlines()[:_LOOKED_AT_NEXT] if not line.isascii())
+    start = b"\n".join(lines)[: 1 << 16]
+    scores = {encoding: _known(start.decode(encoding, "replace"), knows) for encoding in _CODE_PAGES}
+    best = max(scores.values())
+    words = {word for word in _WORD.findall(start.decode(_USUAL[0], "replace")) if not word.isascii()}
+    if best < _FEWEST_KNOWN * len(words):
+        from charset_normalizer import from_bytes  # of such texts alone
 
-    best = from_bytes(data[: 1 << 14], cp_isolation=[*among]).best()
-    likely = _WESTERN[0] if best is None or _BARE_R.search(str(best)) else best.encoding
-    return sorted(_WESTERN, key=lambda name: name != likely) if likely in _WESTERN else [likely]
+        likely = from_bytes(start, cp_isolation=[*_CODE_PAGES, *_OTHERS]).best()
+        if likely is not None and likely.encoding in _OTHERS:
+            return [likely.encoding]
+    return [encoding for encoding, score in scores.items() if score == best][: len(_USUAL)]
+
+
+def _known(text: str, knows: Knows) -> int:
+    words = {word for word in _WORD.findall(text) if len(word) > 2 and not word.isascii()}
+    signs = sum(sign.search(text) is not None for sign in _SIGNS)
+    return sum(map(knows, words)) + signs - len(set(_UNREADABLE.findall(text)))
 
 
 def _not_text(file: str) -> ReadingsError:
@@ -226,7 +245,9 @@ def read_bytes(source: str | Path | bytes, name: str | None) -> tuple[bytes, str
         raise ReadingsError(problem, place=Place(str(path)), expected=_WANTED) from None
 
 
-def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float], *, only_look: bool = False) -> list[Sheet]:
+def read_sheets(
+    data: bytes, file: str, score: Callable[[Sheet], float], knows: Knows | None = None, *, only_look: bool = False
+) -> list[Sheet]:
     """Read all sheets of a file; a `ReadingsError` refuses what is neither workbook nor text, or too much of it."""
     place = Place(file)
     if not data.strip(b"\0 \t\r\n\xef\xbb\xbf"):
@@ -241,7 +262,7 @@ def read_sheets(data: bytes, file: str, score: Callable[[Sheet], float], *, only
         problem = Sentence("this is a web page or XML file, whatever its name says")
         expected = Sentence("the same table opened in a spreadsheet program and saved as .xlsx")
         raise ReadingsError(problem, place=place, expected=expected)
-    return [read_text(data, file, score)]
+    return [read_text(data, file, score, knows)]
 
 
 def read_workbook(data: bytes, file: str, *, only_look: bool = False) -> list[Sheet]:

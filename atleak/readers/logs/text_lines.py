@@ -8,12 +8,17 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from atleak.readers.cells.sheet_file import ONE_BYTE, code_pages, stated_encoding
+from atleak.readers.cells.sheet_file import stated_encoding
+
+_CYRILLIC_RUN = re.compile(rb"[\xc0-\xff]{3,}")
+_POLISH = re.compile(rb"(?<=[A-Za-z])[\xb3\xb9\xbf\x9c\x9f\xea\xe6](?=[A-Za-z])")
+_WESTERN = re.compile(rb"(?<=[A-Za-z])[\xe4\xf6\xfc\xdf\xe9\xe8\xe0\xe7](?=[A-Za-z])")
 
 
 @dataclass(frozen=True)
@@ -60,7 +65,9 @@ def _single_byte(data: bytes) -> str:
         valid_before = any(byte >= 0x80 for byte in head[: error.start])
         if cut_at_the_end and valid_before:
             return "utf-8"
-        return code_pages(head, ONE_BYTE)[0]
+        if _CYRILLIC_RUN.search(head):
+            return "cp1251"
+        return "cp1250" if len(_POLISH.findall(head)) > len(_WESTERN.findall(head)) else "cp1252"
     return "utf-8"
 
 

@@ -22,10 +22,9 @@ from atleak.readers.cells.sheet import Cell, Sheet, rows_named
 from atleak.readers.sheets.column_headings import unit_of_heading
 from atleak.readers.sheets.columns import Columns
 from atleak.readers.sheets.diameters import DiameterCell
-from atleak.readers.sheets.layout import is_single
 from atleak.readers.sheets.mapping import SheetMapping, rows_role, rows_said
 from atleak.readers.sheets.rows import SheetRows
-from atleak.readers.sheets.table import HeadedTable
+from atleak.readers.sheets.table import HeadedTable, is_single
 from atleak.readers.sheets.words import (
     Words,
     is_blank,
@@ -326,8 +325,8 @@ class _UnitName:
 def units_apart(read: Sequence[SheetRows], said: SheetMapping) -> list[ReadingsError]:
     """Return the error where titles, names of sheets or a column call what is read more than one unit.
 
-    A title that is ``said`` to be the name of a valve is none. The parts of two units fit each other well enough to
-    pass for one: nothing else would show it.
+    What of a title is ``said`` to be the name of a valve tells no unit. The parts of two units fit each other well
+    enough to pass for one: nothing else would show it.
     """
     by_word: dict[str, dict[str, _UnitName]] = defaultdict(dict)
     for rows in read:
@@ -347,7 +346,7 @@ def _titles(rows: SheetRows, said: SheetMapping) -> Iterator[_UnitName]:
     texts = [(" ".join(map(text_of, sheet.rows[row])).strip(), sheet.place(row), False) for row in lines]
     texts.append((rows.table.title, sheet.place(max(rows.table.first - 1, 0)), False))
     for text, place, is_sheet in (*texts, (sheet.name or "", sheet.place(), True)):
-        for match in _NAMED.finditer(text) if said.named("component", text) is None else ():
+        for match in _NAMED.finditer(said.without_names(text)):
             if plain(match[1]) in sheet_vocabulary("whole_unit"):
                 yield _UnitName(plain(match[1]), match[2].strip("./-"), text, place, is_sheet)
 

@@ -18,7 +18,7 @@ from atleak.common.sentences import Sentence, counted, some
 from atleak.readers.cells.sheet import Cell, column_letter, rows_named
 from atleak.readers.sheets.column_headings import HeadedColumn
 from atleak.readers.sheets.columns import Columns
-from atleak.readers.sheets.controller_names import ControllerNames
+from atleak.readers.sheets.controller_names import ControllerNames, Sizes
 from atleak.readers.sheets.diameters import DiameterCell
 from atleak.readers.sheets.table import HeadedTable
 from atleak.readers.sheets.words import (
@@ -194,6 +194,10 @@ class Exclusions:
         component = self.columns.component
         if component is None or any(row in self._cells[index] for index in self._beside_component):
             return None
+        if component.index in self.sheet.derived:  # of cells that name a land too, if their valve has several
+            values = (self.sheet.cell(row, column.index) for group in self.columns.groups for column in group.values())
+            if Sizes(self.names.controller).fill([*values]):
+                return None
         label = self._cells[component.index].get(row, "")
         if not isinstance(label, str) or not label or self.names.component(label) is not None:
             return None
@@ -364,7 +368,7 @@ def _comments(table: HeadedTable, rows: Collection[int]) -> Iterator[Message]:
 
 
 def _colours(table: HeadedTable, read: Sequence[Sequence[At]]) -> Iterator[Message]:
-    """Say which readings are coloured otherwise than most in their column, where they are few."""
+    """Say which readings are coloured otherwise than most in their column, which are at most half."""
     sheet, colours = table.sheet, table.sheet.marks.colours
     by_column: dict[int, Counter[str]] = {}
     for at in (at for cells in read for at in cells):

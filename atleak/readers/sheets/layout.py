@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import zip_longest
+from itertools import pairwise, zip_longest
 from typing import Any
 
 from atleak.catalogue.instruments import Part
@@ -29,11 +29,12 @@ from atleak.readers.sheets.table import (
     HeadedTable,
     best_header,
     find_headers,
-    header_of,
     headings,
+    is_single,
+    read_together,
     which_columns,
 )
-from atleak.readers.sheets.words import is_blank, is_repeat_title, letters, number_of, part_in, summary_of, text_of
+from atleak.readers.sheets.words import is_blank, is_repeat_title, letters, part_in, plain, summary_of
 
 _TITLE_ROWS = 4
 
@@ -46,7 +47,8 @@ def find_tables(sheet: Sheet, names: ControllerNames) -> list[HeadedTable]:
         table
         for strip in _strips(sheet, names)
         for above in _stacked(strip, names)
-        for table in _sections(_titled(above, names), names)
+        for beside in _side_by_side(above)
+        for table in _sections(_titled(beside, names), names)
     ]
 
 
@@ -137,12 +139,6 @@ def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
     return replace(table, columns=tuple(kept))
 
 
-def is_single(sheet: Sheet, row: int) -> bool:
-    """Return whether a row holds one text and nothing else: a title, or a line between the rows."""
-    cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
-    return len(cells) == 1 and isinstance(cells[0], str) and number_of(cells[0]) is None
-
-
 def _title_rows(sheet: Sheet, first: int, after: int) -> list[int]:
     """Return the rows of text above the headings, the nearest first; not the readings of the table above."""
     title_rows: list[int] = []
@@ -154,6 +150,30 @@ def _title_rows(sheet: Sheet, first: int, after: int) -> list[int]:
             break
         title_rows.append(row)
     return title_rows
+
+
+def _side_by_side(table: HeadedTable) -> Iterator[HeadedTable]:
+    """Yield the table, or those that share its rows: between empty headings, or where the first one returns."""
+    starts = {index for index in range(1, len(table.texts)) if table.texts[index] and not table.texts[index - 1]}
+    keys = table.labels
+    starts |= {column.index for column in keys[1:] if plain(column.heading) == plain(keys[0].heading)}
+    edges = [0]
+    for start in sorted(starts):
+        left, right = _between(table, edges[-1], start), _between(table, start, table.sheet.width)
+        if all(side.labels and any(column.holds_size for column in side.columns) for side in (left, right)):
+            edges.append(start)
+    if len(edges) == 1:
+        yield table
+        return
+    for begin, end in pairwise([*edges, table.sheet.width]):
+        part = _between(table, begin, end)
+        texts = tuple(text if begin <= index < end else "" for index, text in enumerate(table.texts))
+        columns = read_together(list(part.columns))
+        yield replace(part, sheet=_only(table.sheet, begin, end), columns=columns, texts=texts)
+
+
+def _between(table: HeadedTable, begin: int, end: int) -> HeadedTable:
+    return replace(table, columns=tuple(column for column in table.columns if begin <= column.index < end))
 
 
 def _titled(table: HeadedTable, names: ControllerNames, said: SheetMapping = NOTHING_SAID) -> HeadedTable:
@@ -226,51 +246,6 @@ def _sections(table: HeadedTable, names: ControllerNames, said: SheetMapping = N
         yield replace(section, sheet=replace(sheet, rows=sheet.rows[:row]))
         section = replace(following, first=row, last=row)
     yield section
-
-
-_FIRST = 300  # rows among which the first reading is looked for
-_IN_UM = 1000.0  # a whole number from here on may be a diameter
-
-
-def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
-    """Return the table that a sheet most likely holds: with the headings above the first row of a reading."""
-    table, sizes = best_header(sheet), Sizes(names.controller)
-
-    def measured(cells: Sequence[Cell]) -> bool:
-        return any(
-            sizes.near(value, UNITS) and (value >= _IN_UM or not is_whole(cell))
-            for cell in cells
-            for value in numbers_of(cell)
-        )
-
-    def named(cells: Sequence[Cell]) -> bool:
-        return any(
-            read_label(cell, names) or names.component(cell) in names.with_lands for cell in cells if not is_blank(cell)
-        )
-
-    rows = [row for row, cells in enumerate(sheet.rows[:_FIRST]) if measured(cells)]
-    of_valve = (row for row in rows if named(sheet.rows[row]))
-    row = next(of_valve, next((row for row in rows if row + 1 in rows), -1))
-    if row < 0:
-        return table or HeadedTable(sheet, -1, -1, (), ())
-    while row - 1 in rows:  # of a valve by a name that nobody knows
-        row -= 1
-    above = [at for at in range(row) if _filled(sheet, at) and not is_single(sheet, at)][-2:]
-    if table is not None and [table.last] == above[-1:]:
-        return table
-    headers = [header_of(sheet, first, above[-1]) for first in reversed(above) if first > above[-1] - len(above)]
-    for header in headers:
-        texts = [text for text in header.texts if text]
-        sized = [at for at, cell in enumerate(sheet.rows[row]) if measured([cell])]
-        numbered = any(number_of(text_of(cell)) for cells in sheet.rows[header.first : row] for cell in cells)
-        told_apart = len(set(texts)) == len(texts) or header is headers[-1]
-        if not numbered and told_apart and texts and all(map(header.heading, sized)):
-            return header
-    return HeadedTable(sheet, row - 1, row - 1, (), ("",) * sheet.width)
-
-
-def _filled(sheet: Sheet, row: int) -> int:
-    return sum(not is_blank(cell) for cell in sheet.rows[row])
 
 
 _MOST_CELLS = 200_000  # of a sheet that is turned; a measuring sheet has a hundredth of them

@@ -67,7 +67,9 @@ def is_role(name: str) -> bool:
     """
     match = _NAME.fullmatch(name)
     return match is not None and (
-        match[1] in ("value", "deviation", "new", "rows", *_NAMED) or (not match[2] and match[1] in {*ROLES, *ABOUT})
+        match[1] in ("value", "deviation", "rows", *_NAMED)
+        or (match[1] == "new" and match[2] in PART_WORDS)
+        or (not match[2] and match[1] in {*ROLES, *ABOUT})
     )
 
 
@@ -285,6 +287,12 @@ class SheetMapping:
         own = self._own_words()[role].items() if self.chosen else ()
         found = {name for word, name in own if f" {' '.join(_WORDS.findall(word))} " in words}
         return found.pop() if len(found) == 1 else None
+
+    def without_names(self, text: str) -> str:
+        """Return a text without what is said to be the name of a component."""
+        for word in self._own_words()["component"] if self.chosen else ():
+            text = re.sub(re.escape(word), " ", text, flags=re.IGNORECASE)
+        return text
 
     def _own_words(self) -> dict[str, dict[str, str]]:
         words: dict[str, dict[str, str]] = {"part": {}, "component": {}, "plane": {}}

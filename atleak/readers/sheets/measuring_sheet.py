@@ -52,7 +52,6 @@ from atleak.readers.sheets.layout import (
     SheetChoice,
     choose_sheet,
     find_tables,
-    likely_table,
     require_one_measurement,
     turned,
 )
@@ -61,8 +60,8 @@ from atleak.readers.sheets.plausibility import check
 from atleak.readers.sheets.repeats import require_known
 from atleak.readers.sheets.rows import SheetRows, read_rows
 from atleak.readers.sheets.suggestions import Guess, column_name, suggest
-from atleak.readers.sheets.table import HeadedTable, best_header
-from atleak.readers.sheets.words import text_of
+from atleak.readers.sheets.table import HeadedTable, best_header, likely_table
+from atleak.readers.sheets.words import is_word, text_of
 
 _OWN = 100.0  # score of a form of atleak's own, more than any headings have
 
@@ -149,7 +148,7 @@ def read_readings(
     given_unit = None if unit is None else unit_named(unit, "length")
     data, file = read_bytes(source, name)
     of_gauges = likeness_of(controller)
-    sheets = read_sheets(data, file, lambda page: max(_score(page), of_gauges(page)))
+    sheets = read_sheets(data, file, lambda page: max(_score(page), of_gauges(page)), is_word)
     tabs = find_tabs(sheets, controller)
     pressures = tabs.read(file, data)
     sheets = [page for page in sheets if page not in tabs]
@@ -385,7 +384,7 @@ def look_at(
     """
     data, file = read_bytes(source, name)
     names, chosen = ControllerNames(controller), SheetMapping(mapping or {})
-    pages = read_sheets(data, file, _score)
+    pages = read_sheets(data, file, _score, is_word)
     pages = [page for page in pages if not page.hidden] or pages
     page = next((page for page in pages if page.name == sheet), max(pages, key=_score))
     understood = any(table.readable and not find_columns(table, names).problems for table in find_tables(page, names))
@@ -407,7 +406,7 @@ def look_at(
 def forget_sheet(source: str | Path | bytes, path: Path, name: str | None = None) -> None:
     """Delete the columns that are remembered at a path for sheets with this one's headings."""
     data, file = read_bytes(source, name)
-    earlier = recalled(path, read_sheets(data, file, _score))
+    earlier = recalled(path, read_sheets(data, file, _score, is_word))
     if earlier is not None:
         forget_columns(path, earlier.key)
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import permutations
+from itertools import product
 from operator import attrgetter
 
 from atleak.catalogue.controller import Controller, Land
 from atleak.catalogue.repairs import LandKey
 from atleak.catalogue.words import PART_WORDS, angle, named
 from atleak.common.errors import Place, ReadingsError
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Sentence, all_of
 from atleak.common.units import MM as TO_MM
 from atleak.common.units import UM, Quantity, find_unit, unit, unit_names
 from atleak.measurements.clearances import NOMINAL_TOLERANCE, REPEAT_TOLERANCE, LandClearance, clearances
@@ -236,7 +236,7 @@ def _repeats(
 def _exchanged(
     gaps: Sequence[LandClearance], by_land: Mapping[LandKey, list[Reading]], all_readings: Readings
 ) -> Iterator[tuple[Land, ReadingsError]]:
-    """Yield the lands of which two measure like each other: their readings stand in each other's place."""
+    """Yield the lands that measure like each other in a circle: their readings stand in each other's place."""
     far = [
         gap.land
         for gap in gaps
@@ -246,20 +246,43 @@ def _exchanged(
             for reading in by_land[gap.land.key]
         )
     ]
-    for land, other in permutations(far, 2):
-        readings = by_land[land.key]
-        if _like(readings, other) and _like(by_land[other.key], land):
+    lands = {land.key: land for land in far}
+    like: dict[LandKey, list[LandKey]] = defaultdict(list)
+    for land, other in product(far, far):
+        if all(abs(reading.diameter - other.nominal_of(reading.part)) <= _EXCHANGED for reading in by_land[land.key]):
+            like[land.key].append(other.key)
+    for land in far:
+        circle = [lands[key] for key in _circle(land.key, like)]
+        if not circle:
+            continue
+        problem = Sentence(
+            "{land} measures like {other}, and the other way round: the two exchanged?",
+            land=named(land),
+            other=named(circle[-1]),
+        )
+        if len(circle) > 2:
             problem = Sentence(
-                "{land} measures like {other}, and the other way round: the two exchanged?",
+                "{land} measures like {other}: the readings of {lands} exchanged in a circle?",
                 land=named(land),
-                other=named(other),
+                other=named(circle[1]),
+                lands=all_of(map(named, sorted(circle, key=far.index))),
             )
-            written, about = _written(all_readings, readings[0].diameter), _about(all_readings, land, readings[0])
-            yield land, ReadingsError(problem, place=readings[0].place, value=written, expected=about)
+        first = by_land[land.key][0]
+        written, about = _written(all_readings, first.diameter), _about(all_readings, land, first)
+        yield land, ReadingsError(problem, place=first.place, value=written, expected=about)
 
 
-def _like(readings: Sequence[Reading], land: Land) -> bool:
-    return all(abs(each.diameter - land.nominal_of(each.part)) <= _EXCHANGED for each in readings)
+def _circle(start: LandKey, like: Mapping[LandKey, Sequence[LandKey]]) -> list[LandKey]:
+    """Return the shortest way from a land to the one that it measures like, and so on, back to it; none without one."""
+    ways, reached = [[start]], {start}
+    for way in ways:  # the short ones first
+        for other in like[way[-1]]:
+            if other == start:
+                return way
+            if other not in reached:
+                reached.add(other)
+                ways.append([*way, other])
+    return []
 
 
 def _clearance(gap: LandClearance, readings: list[Reading], all_readings: Readings) -> Iterator[ReadingsError]:

@@ -188,6 +188,7 @@ def repeat_messages(
     yield from _pasted_twice(entries, table.sheet, numbered=columns.repeat is not None)
     if columns.repeat is None:
         yield from _returning(entries, table.sheet, controller)
+        yield from _remarks(_several(entries), table)
         return
     for index, splits in _splitting(_several(entries, numbered=False), table, columns):
         if letters(table.heading(index)).any("state"):
@@ -269,6 +270,22 @@ def _spread(entries: Sequence[DiameterCell], station: StationKey, controller: Co
     sizes = [entry.raw.unit.to_si(entry.raw.size) if entry.raw.unit else entry.raw.size for entry in entries]
     land = controller.land_of_plane(station[0], station[2])
     return 0.0 if land is None else (max(sizes) / min(sizes) - 1.0) * land.nominal_diameter
+
+
+def _remarks(several: Mapping[StationKey, Sequence[int]], table: HeadedTable) -> Iterator[Message]:
+    for column in table.of("remark"):
+        for station, rows in several.items():
+            cells = [cell for row in rows if isinstance(cell := table.sheet.filled(row, column.index), str)]
+            remarks = dict.fromkeys(map(text_of, cells))
+            texts = [text for text in remarks if letters(text)]
+            if texts and len(remarks) > 1:
+                text = Sentence(
+                    "{station} stands in {rows}, counted as repeats, though remarks tell them apart: {remarks}",
+                    station=_name(station),
+                    rows=rows_named(table.sheet, rows),
+                    remarks=tuple(repr(text[:60]) for text in texts[:_LISTED]),
+                )
+                yield Message("warning", "remarks_differ", text, table.place(rows[0], column))
 
 
 def rows_left_out(table: HeadedTable, where: Mapping[str, str]) -> frozenset[int]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import islice, product
+from itertools import chain, islice, product
 from statistics import fmean, median
 from string import ascii_lowercase
 
@@ -20,7 +20,7 @@ from atleak.common.sentences import Option, Sentence
 from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.measurements.readings import Readings
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter
-from atleak.readers.sheets.column_headings import HeadedColumn, unit_of_heading
+from atleak.readers.sheets.column_headings import HeadedColumn, besides_numbers, tokens_of, unit_of_heading
 from atleak.readers.sheets.controller_names import (
     PLACES,
     UNITS,
@@ -31,9 +31,9 @@ from atleak.readers.sheets.controller_names import (
     numbers_of,
     read_label,
 )
-from atleak.readers.sheets.layout import is_single, likely_table, mapped_tables, turned
+from atleak.readers.sheets.layout import mapped_tables, turned
 from atleak.readers.sheets.mapping import ROLES, SheetMapping, diameter_role
-from atleak.readers.sheets.table import COLUMNS, HeadedTable
+from atleak.readers.sheets.table import COLUMNS, HeadedTable, is_single, likely_table
 from atleak.readers.sheets.valve_names import valves_by_name
 from atleak.readers.sheets.words import is_blank, letters, number_of, part_in, part_of, part_said, plain, text_of
 
@@ -43,6 +43,7 @@ _MOST_TRIED = 12  # offers
 _LEFT = ("column_aside", "sheet_aside", "not_read")  # what is said where a diameter may have been left aside
 _MOST_PARTS = 3  # words in a column that says spool or bore
 _MOST_LANDS = 8  # of a valve
+_NO_LANDS = ("state", "person", "earlier", "whole_unit", "remark", "date")  # in the heading of a column
 _OF_ONE_STATE = 4e-4  # of a diameter: by how much its repeats may differ, 4 µm of 10 mm
 _FEWEST = 4  # rows of a column that tell what its numbers are
 _ROUNDED = 6e-5  # of a diameter: how far a mean may be rounded
@@ -56,6 +57,16 @@ def column_name(table: HeadedTable, index: int) -> str:
     heading = table.heading(index)
     unique = heading and sum(plain(text) == plain(heading) for text in table.texts) == 1
     return heading if unique else column_letter(table.sheet.derived.get(index, index))
+
+
+def _number_in(word: str) -> int:
+    """Return the one number in a word, or that of a single letter in its alphabet; 0 where it has neither."""
+    numbers = re.findall(r"\d+", word)
+    if len(numbers) == 1 and len(numbers[0]) == 1:
+        return int(numbers[0])
+    letter = word.strip(" .)").lower()
+    first = max((each for each in "aαа" if each <= letter), default="") if len(letter) == 1 else ""
+    return ord(letter) - ord(first) + 1 if first and not numbers else 0
 
 
 def _counting(last: int) -> list[str]:
@@ -132,8 +143,8 @@ class Guess:
             kinds = {index: len(set(of)) for index, of in texts.items() if index not in told}
             if max(kinds.values(), default=0) > _MOST_PARTS:
                 found["component"] = max(kinds, key=lambda index: (len(texts[index]), kinds[index], -index))
-        if "plane" not in found and (ordered := self._in_order(found)):
-            found["plane"] = ordered[0]
+        if "plane" not in found and (counted := self._counted_lands(found)):
+            found["plane"] = counted[0]
         if "part" not in found and (own := self._part_by_size([*found.values()])):
             found["part"] = own[0]
         return found
@@ -151,36 +162,34 @@ class Guess:
             found[row] = name
         return found
 
-    def _in_order(self, labels: Mapping[str, int]) -> tuple[int, list[str]] | None:
-        """Return a column in which the words for the lands of all valves come in one order, with these words."""
-        valves = self._valves(labels)
-        for index in [labels["plane"]] if "plane" in labels else self._cells.keys() - {*labels.values(), *self._sized}:
-            of_valve: dict[str, dict[str, None]] = defaultdict(dict)
-            for row, cell in self.table.cells(index).items():
-                if (
-                    row in self._rows
-                    and valves[row]
-                    and not is_single(self.table.sheet, row)
-                    and text_of(cell) != self.table.heading(index)
-                ):
-                    of_valve[valves[row]][text_of(cell)] = None
-            orders = [list(words) for words in of_valve.values()]
-            every = max(orders, key=len, default=[])
-            in_order = all(order == every[: len(order)] for order in orders)
-            if in_order and 1 < len(every) <= _MOST_LANDS and len(set(map(len, orders))) > 1:
-                return index, every
+    def _counted_lands(self, labels: Mapping[str, int]) -> tuple[int, dict[str, str]] | None:
+        """Return a column that counts the lands of each valve from 1 or A, in words of its own, and these with numbers.
+
+        No column is one whose heading says a state, a person or anything else that is known.
+        """
+        valves, table = self._valves(labels), self.table
+        others = self._cells.keys() - {*labels.values(), *self._sized}
+        unknown = [at for at in others if table.role(at) is None and not letters(table.heading(at)).any(*_NO_LANDS)]
+        for index in [labels["plane"]] if "plane" in labels else sorted(unknown):
+            of_valve, numbers = defaultdict[str, set[int]](set), dict[str, int]()
+            for row, cell in table.cells(index).items():
+                own = valves[row] and not is_single(table.sheet, row) and text_of(cell) != table.heading(index)
+                if own and row in self._rows:
+                    numbers[text_of(cell)] = _number_in(text_of(cell))
+                    of_valve[valves[row]].add(numbers[text_of(cell)])
+            counted = all(of == set(range(1, len(of) + 1)) for of in of_valve.values())
+            told = len(set(numbers.values())) == len(numbers) and len(set(map(len, of_valve.values()))) > 1
+            if counted and told and max(map(len, of_valve.values())) <= _MOST_LANDS:
+                return index, {word: str(number) for word, number in numbers.items()}
         return None
 
     @cached_property
     def _lands(self) -> dict[str, str]:
-        """Return the sheet's own words for lands, each with its number: that in it, or else by their order."""
+        """Return the sheet's own words for lands, each with its number."""
         cells = self._cells[self.labels["plane"]] if "plane" in self.labels else ()
         known = all(self.names.is_plane(cell) or PLACES & label_apart(cell, self.names).keys() for cell in cells)
-        ordered = None if known else self._in_order(self.labels)
-        words = ordered[1] if ordered else []
-        numbers = [re.findall(r"\d+", word) for word in words]
-        told = len({tuple(each) for each in numbers}) == len(words) and all(len(each) == 1 for each in numbers)
-        return {word: numbers[at][0] if told else str(at + 1) for at, word in enumerate(words)}
+        counted = None if known else self._counted_lands(self.labels)
+        return counted[1] if counted else {}
 
     @cached_property
     def _sized(self) -> dict[int, dict[int, float]]:
@@ -330,7 +339,8 @@ class Guess:
             yield headed
             if "plane" not in self.labels:
                 yield {role.replace("repeat", "plane"): index for role, index in headed.items()}
-        if len(every) == 2 and self._halves:
+        of_parts = [part for index in every if (part := part_in(self.table.heading(index)))]
+        if len(every) == 2 and self._halves and len(set(of_parts)) == len(of_parts):
             yield {f"value {part}": half[0] for part, half in self._halves.items()}
         elif "part" in self.labels and self.headed and not headed:
             yield from ({"value": index} for index in reversed(every))
@@ -366,7 +376,7 @@ class Guess:
             headed = [self.table.heading(index) for index in columns]
             counting = _counting(len(columns))
             in_order = place == "plane" and list(map(plain, headed)) == [*ascii_lowercase[: len(columns)]]
-            if in_order or (place == "repeat" and self._alike(columns)):
+            if in_order or (place == "repeat" and self._of_one_state(columns)):
                 found |= {f"{role} {place} {number}": index for number, index in zip(counting, columns, strict=True)}
                 continue
             if len(columns) > 2:  # of two, I and II may be directions, or before and after
@@ -377,17 +387,25 @@ class Guess:
             counted = sorted(numbers) == counting if place == "repeat" else "" not in numbers
             if len(alike) > 1 or "" in alike or not counted:
                 return
-            told = all(any(map(part_of, letters(text))) for text in headed)  # "bore 1"
-            if place == "repeat" and not told:
-                return  # "shift 1": whether these are repeats, only a person knows
+            besides = (besides_numbers(tokens_of(unit_of_heading(text)[0])) for text in headed)
+            if place == "repeat" and any(besides):
+                return  # "shift 1", "gearbox 1 spool": whether these are repeats, only a person knows
             found |= {f"{role} {place} {number}": index for number, index in zip(numbers, columns, strict=True)}
         if len(found) == sum(map(len, groups.values())):
             yield found
 
-    def _alike(self, columns: Sequence[int]) -> bool:
-        """Return whether the diameters of columns differ so little that they are of one state, whatever they are."""
-        rows = [[self._sized[index][row] for index in columns if row in self._sized[index]] for row in self._rows]
-        return all(max(of_row) - min(of_row) <= _OF_ONE_STATE * max(of_row) for of_row in rows if of_row)
+    def _of_one_state(self, columns: Sequence[int]) -> bool:
+        """Return whether columns are repeats: their headings differ in numbers alone, and say no state, and they
+        differ so little in every row that they are of one state.
+        """
+        texts = [plain(re.sub(r"\d+", " ", self.table.heading(index))) for index in columns]
+        rows = [[self._sized[index].get(row) for index in columns] for row in self._rows]
+        filled = [[size for size in of_row if size is not None] for of_row in rows if any(of_row)]
+        alike = all(
+            len(of_row) == len(columns) and max(of_row) - min(of_row) <= _OF_ONE_STATE * max(of_row)
+            for of_row in filled
+        )
+        return alike and len(set(texts)) == 1 and not letters(texts[0]).any(*_NO_LANDS)
 
     def _beside(self, left: int, right: int) -> Iterator[tuple[float, float]]:
         others = self.table.cells(right)
@@ -399,20 +417,19 @@ class Guess:
         """Return the sheet's own words: for the parts, by size, and for no reading."""
         own = self._part_by_size([index for role, index in self.labels.items() if role != "part"])
         said = {"spool": own[1], "sleeve": own[2]} if own and own[0] == self.labels.get("part") else {}
-        lands = {f"plane {number}": word for word, number in self._lands.items()}
         cells = {text_of(cell) for index in self.diameters for cell in self._cells[index]}.difference(self.table.texts)
         missing = [text for text in sorted(cells) if text.strip() and not any(map(str.isdigit, text))]
         return {
             **said,
             **({"missing": "|".join(missing)} if 0 < len(missing) < _FEWEST else {}),
-            **lands,
-            **self.valves,
+            **self.own,
         }
 
     @cached_property
-    def valves(self) -> dict[str, str]:
-        """Return the sheet's own words for valves, as far as sizes and words tell which valve each is."""
-        return _own_valves(self.names, self.measured())
+    def own(self) -> dict[str, str]:
+        """Return the sheet's own words for lands and valves, as far as numbers, sizes and words tell which each is."""
+        lands = {f"plane {number}": word for word, number in self._lands.items()}
+        return lands | _own_valves(self.names, self.measured())
 
     def measured(self, name: str = "") -> dict[str, dict[str, list[float]]]:
         """Return the diameters under each name of a valve, by plane; ``name`` is that of the whole table."""
@@ -494,9 +511,9 @@ def options(said: Mapping[str, str], down: bool = False) -> Sentence:
     """Return what is said of a sheet as it is typed."""
     typed = " ".join([*(f"--map {_quoted(role, text)}" for role, text in said.items()), *["--fill-down"] * down])
     told = Sentence("which column is what: {options}", options=Option("map", text=typed))
-    if not any(role == "spool" or role.startswith(("component ", "plane ")) for role in said):
+    if not any(role in ("spool", "value spool") or role.startswith(("component ", "plane ")) for role in said):
         return told
-    return Sentence("check which valve, land and part each word means, told by sizes and order; {told}", told=told)
+    return Sentence("check which valve, land and part each word means, told by sizes and numbers; {told}", told=told)
 
 
 def to_fill_in(sheet: Sheet, names: ControllerNames) -> Sentence:
@@ -541,22 +558,22 @@ def suggest(
 ) -> None:
     """Say at the first problem that asks for columns how they are said, so that the file is read."""
     problems: Sequence[ReadingsError] = getattr(error, "problems", (error,))
-    asking = next((problem for problem in problems if problem.role in (COLUMNS, "component")), None)
+    asking = next((problem for problem in problems if problem.role in (COLUMNS, "component", "plane", "land")), None)
     if asking is None:
         return
     named = [sheet for sheet in sheets if sheet.name == asking.place.sheet]
     page = _fullest(named or sheets)
     columns = any(problem.role == COLUMNS for problem in problems)
     turns = [] if columns else filter(None, (page, turned(page)))
-    valves = next(filter(None, (Guess(likely_table(turn, names), names).valves for turn in turns)), {})
-    if not columns and not valves:
+    own = next(filter(None, (Guess(likely_table(turn, names), names).own for turn in turns)), {})
+    if not columns and not own:
         return
-    likely = islice(offers(sheets, names), _MOST_TRIED) if columns else [valves]
+    likely = islice(chain([] if columns else [own], offers(sheets, names)), _MOST_TRIED)
     found = None
     with suppress(InputError):  # headings may say what no role is
         found = _tried(likely, said, read)
     if found is None:
-        typed = to_fill_in(page, names) if columns else options(valves)
+        typed = to_fill_in(page, names) if columns else options(own)
     else:
         error.offer = found[0]
         new = {role: text for role, text in found[0].items() if said.chosen.get(role) != text}

@@ -30,7 +30,17 @@ from atleak.readers.sheets.column_headings import (
     tokens_of,
     unit_of_heading,
 )
-from atleak.readers.sheets.controller_names import LABELLED, MILLIMETRE, ControllerNames, label_apart
+from atleak.readers.sheets.controller_names import (
+    LABELLED,
+    MILLIMETRE,
+    UNITS,
+    ControllerNames,
+    Sizes,
+    is_whole,
+    label_apart,
+    numbers_of,
+    read_label,
+)
 from atleak.readers.sheets.words import (
     direction_of,
     is_blank,
@@ -448,6 +458,57 @@ def _counted_from_one(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]
         )
     }
     return [replace(column, repeat=None) if column.station in uncounted else column for column in columns]
+
+
+def is_single(sheet: Sheet, row: int) -> bool:
+    """Return whether a row holds one text and nothing else: a title, or a line between the rows."""
+    cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
+    return len(cells) == 1 and isinstance(cells[0], str) and number_of(cells[0]) is None
+
+
+_FIRST = 300  # rows among which the first reading is looked for
+_IN_UM = 1000.0  # a whole number from here on may be a diameter
+
+
+def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
+    """Return the table that a sheet most likely holds: with the headings above the first row of a reading."""
+    table, sizes = best_header(sheet), Sizes(names.controller)
+
+    def measured(cells: Sequence[Cell]) -> bool:
+        return any(
+            sizes.near(value, UNITS) and (value >= _IN_UM or not is_whole(cell))
+            for cell in cells
+            for value in numbers_of(cell)
+        )
+
+    def named(cells: Sequence[Cell]) -> bool:
+        return any(
+            read_label(cell, names) or names.component(cell) in names.with_lands for cell in cells if not is_blank(cell)
+        )
+
+    rows = [row for row, cells in enumerate(sheet.rows[:_FIRST]) if measured(cells)]
+    of_valve = (row for row in rows if named(sheet.rows[row]))
+    row = next(of_valve, next((row for row in rows if row + 1 in rows), -1))
+    if row < 0:
+        return table or HeadedTable(sheet, -1, -1, (), ())
+    while row - 1 in rows:  # of a valve by a name that nobody knows
+        row -= 1
+    above = [at for at in range(row) if _filled(sheet, at) and not is_single(sheet, at)][-2:]
+    if table is not None and [table.last] == above[-1:]:
+        return table
+    headers = [header_of(sheet, first, above[-1]) for first in reversed(above) if first > above[-1] - len(above)]
+    for header in headers:
+        texts = [text for text in header.texts if text]
+        sized = [at for at, cell in enumerate(sheet.rows[row]) if measured([cell])]
+        numbered = any(number_of(text_of(cell)) for cells in sheet.rows[header.first : row] for cell in cells)
+        told_apart = len(set(texts)) == len(texts) or header is headers[-1]
+        if not numbered and told_apart and texts and all(map(header.heading, sized)):
+            return header
+    return HeadedTable(sheet, row - 1, row - 1, (), ("",) * sheet.width)
+
+
+def _filled(sheet: Sheet, row: int) -> int:
+    return sum(not is_blank(cell) for cell in sheet.rows[row])
 
 
 # --- columns made from others

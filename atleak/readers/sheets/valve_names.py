@@ -15,6 +15,7 @@ from atleak.readers.sheets.words import plain
 _WITHIN = 0.2e-3  # [m] of the nominal diameter: no land wears further
 _TOKEN = re.compile(r"\d+|[^\W\d_]+")
 _NEVER = -1e6
+_OF_LANDS = 0.25  # of a word, at most: how many of the lands were measured tells less than a word does
 _SURE = 0.3  # of a word, by which another pairing agrees less
 _ALIKE, _SHORTEST = 5, 3  # letters with which two words begin that are one, or fewer of one that is cut short
 
@@ -70,7 +71,7 @@ def _fits(
         if not all(near):
             return None
     known = len(measured) if "" not in measured else sum(1 for _ in measured[""]) / 2
-    return min(known / len(planes), 1.0)
+    return _OF_LANDS * min(known / len(planes), 1.0)
 
 
 def _agreement(name: str, spelled: str) -> float:

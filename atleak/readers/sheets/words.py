@@ -364,7 +364,7 @@ def plane_names(cell: Cell) -> list[str]:
     match = re.fullmatch(r"(?:measur\w+ )?([^\W\d_]+)\.?\s*(\S.*)", text, re.IGNORECASE)
     word = plain(match[1]) if match else ""
     named = word in sheet_vocabulary("plane", "land", "number") or (word == "l" and match is not None)
-    short = (match[2] if match and named else text).strip("\"'“”„ ")
+    short = (match[2] if match and named else text).strip("\"'“”„ .°º")
     names = [text, short]
     if short.lower() in _ROMAN:
         names.append(_ROMAN[short.lower()])

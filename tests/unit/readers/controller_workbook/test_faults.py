@@ -221,7 +221,7 @@ def test_another_workbook_is_refused(bare_workbook: Callable[..., bytes], stray_
     other = bare_workbook("<sheetData><row r='1'><c r='A1'><v>1</v></c></row></sheetData>")
     with pytest.raises(CatalogueError, match="describes no valve body"):
         read_controller_workbook(other, name="unit.xlsx")
-    with pytest.raises(CatalogueError, match="delete the stray cells"):
+    with pytest.raises(CatalogueError, match="delete what lies outside the table"):
         read_controller_workbook(stray_workbook, name="unit.xlsx")
 
 

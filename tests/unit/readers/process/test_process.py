@@ -131,20 +131,9 @@ def test_a_fault_of_atleak_in_the_child_is_called_so(readers, refused):
     assert number(readers) > 0
 
 
-def test_a_fault_in_looking_for_a_better_reason_is_no_reason_of_the_file(readers):
-    with pytest.raises(ReadingsError, match=r"atleak could not make sense of it"):
-        read_apart(readers.aborts, b"AB", "some.file", ReadingsError, SMALL, workbook_marks.column_index)
-
-
 def test_a_refusal_keeps_its_words(readers, refused):
     error = refused(readers.refuses)
     assert (error.problem, error.place.sheet, error.value, error.expected) == ("nothing in it", "Tab", "7", "more")
-    assert "broke down" not in refused(readers.aborts, explain=readers.refuses).problem
-
-
-def test_a_second_look_that_says_nothing_changes_nothing(readers, refused):
-    for explain in (readers.plain, readers.panics, readers.aborts):
-        assert "broke down" in refused(readers.aborts, explain=explain).problem
 
 
 def test_what_a_library_prints_is_neither_answer_nor_output(readers, capfd):

@@ -99,7 +99,7 @@ def test_a_serial_number_for_every_part_is_no_question(controller):
 def test_a_clearance_without_the_other_part_is_named(controller, heading):
     readings = read(controller, f"Valve;Land;Spool [mm];{heading}", "tcc_regulator;1;10.998;94")
     (text,) = said(readings, "clearance_not_used")
-    assert text.startswith(f"column {heading!r} says 94 µm in row 2")
+    assert text.startswith(f"column {heading!r} is not used in row 2, where only one part was measured")
 
 
 def test_a_clearance_of_a_land_whose_parts_stand_in_two_rows_is_used(controller):
@@ -152,6 +152,20 @@ def test_two_lands_exchanged_are_refused_naming_both(controller):
 
 SIZES = {("pressure_regulator", "1"): (14.997, 15.034), ("pressure_regulator", "2"): (12.498, 12.535),
          ("tcc_regulator", "1"): (10.998, 11.032)}  # fmt: skip
+
+
+@pytest.mark.parametrize("onward", [1, 2])
+def test_three_lands_exchanged_in_a_circle_are_refused_naming_all(controller, onward):
+    lands = list(SIZES)
+    rows = [
+        f"{component};{land};{SIZES[lands[(number + onward) % 3]][0]};{SIZES[lands[(number + onward) % 3]][1]}"
+        for number, (component, land) in enumerate(lands)
+    ]
+    text = refusal(controller, "Valve;Land;Spool [mm];Bore [mm]", *rows)
+    like = " land ".join(lands[onward])
+    assert f"component pressure_regulator land 1 measures like component {like}: the readings of component " in text
+    assert text.count("exchanged in a circle?") == 3
+    assert "pressure_regulator land 2 and component tcc_regulator land 1 exchanged in a circle?" in text
 
 
 def test_lands_that_measure_like_others_without_a_circle_are_not_called_exchanged(controller):

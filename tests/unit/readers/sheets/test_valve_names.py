@@ -179,6 +179,72 @@ def test_a_column_of_verdicts_is_no_column_of_parts() -> None:
     assert printed(caught.value)["part"] == "Hm"
 
 
+NO_LANDS = (
+    ("Date", "2024-05-01", "2024-06-03"),
+    ("Inspection", "first", "second"),
+    ("Verdict", "ok", "worn"),
+    ("Checked by", "Anna", "Ben"),
+    ("Where", "rear", "front"),
+    ("Where", "C", "A"),
+)
+
+
+@pytest.mark.parametrize(("heading", "one", "other"), NO_LANDS)
+def test_a_column_that_counts_no_lands_is_not_offered_as_one(heading: str, one: str, other: str) -> None:
+    rows = [f"accumulator_1_2;{one};spool;21.99", f"accumulator_1_2;{one};bore;22.03"]
+    for word, spool, bore in ((one, 10.98, 11.04), (other, 10.95, 11.09)):
+        rows += [f"shift_2_3;{word};spool;{spool}", f"shift_2_3;{word};bore;{bore}"]
+    with pytest.raises(ReadingsError) as caught:
+        read_readings("\n".join([f"Valve;{heading};Part;Diameter [mm]", *rows]).encode(), body("ford_4r70w"))
+    assert printed(caught.value).get("plane") in (None, "COLUMN")
+
+
+STATES = {
+    "two units, never in one row": "Valve;Land;Part;Unit A [mm];Unit B [mm]\nshift_1_2;1;spool;10.990;\n"
+    "shift_1_2;1;bore;11.030;\nshift_2_3;1;spool;;10.991\nshift_2_3;1;bore;;11.031",
+    "before and after": "Valve;Land;Part;Before repair [mm];After repair [mm]\nshift_1_2;1;spool;10.990;10.991\n"
+    "shift_1_2;1;bore;11.030;11.031\nshift_2_3;1;spool;10.990;10.990\nshift_2_3;1;bore;;11.130",
+    "two gearboxes": "Valve;Land;Gearbox 1 spool;Gearbox 1 bore;Gearbox 2 spool;Gearbox 2 bore\n"
+    "shift_1_2;1;10.990;11.030;10.991;11.032\nshift_2_3;1;10.989;11.033;10.990;11.031",
+    "drawing size and readings": "Valve;Land;Part;Drg [mm];R1 [mm];R2 [mm]\nshift_1_2;1;spool;11.000;10.998;10.999\n"
+    "shift_1_2;1;bore;11.028;11.031;11.030\nshift_2_3;1;spool;11.000;10.997;10.997\n"
+    "shift_2_3;1;bore;11.028;11.032;11.030",
+    "two dates of one part": "Valve;Land;Bore May;Bore June\nshift_1_2;1;11.030;11.041\nshift_2_3;1;11.031;11.050",
+}
+
+
+@pytest.mark.parametrize("sheet", STATES.values(), ids=STATES)
+def test_two_states_are_not_offered_as_repeats_or_as_spool_and_bore(sheet: str) -> None:
+    with pytest.raises(ReadingsError) as caught:
+        read_readings(sheet.encode(), body("ford_4r70w"))
+    assert caught.value.offer == {}
+    with pytest.raises(ReadingsError):
+        read_readings(sheet.encode(), body("ford_4r70w"), mapping=printed(caught.value))
+
+
+def test_a_title_may_name_a_unit_beside_a_valve() -> None:
+    of_unit = "Gearbox {} {}\nLand;Spool [mm];Bore [mm]\n1;{};{}\n"
+    sheet = of_unit.format(1, "Main reg", 14.49, 14.54) + of_unit.format(2, "Line boost", 9.49, 9.54)
+    words = {"component pressure_regulator": "Main reg", "component boost_valve": "Line boost"}
+    with pytest.raises(ReadingsError, match="several units"):
+        read_readings(sheet.encode(), body("ford_4r70w"), mapping=words)
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding", "word"),
+    [
+        ("Valve;Land;Spool [mm];Bore [mm]\nboost_valve;1;9.49 ± 0.002;9.53", "cp1252", "9.49"),
+        ("Valve;Land;Spool [µm];Bore [µm]\nboost_valve;1;9490;9530", "cp1252", "µm"),
+        ("Zawór;Stopień;Średnica suwaka [mm];Średnica otworu [mm]\nboost_valve;1;9.49;9.53", "cp1250", "Średnica"),
+        ("Zawór;Stopień;Średnica suwaka [mm];Średnica otworu [mm]\nboost_valve;1;9.49;9.53", "cp852", "Średnica"),
+    ],
+)
+def test_few_letters_of_a_code_page_are_enough(text: str, encoding: str, word: str) -> None:
+    readings = read_readings(text.encode(encoding), body("ford_4r70w"), with_cells=True)
+    assert len(readings.readings) == 2
+    assert word in str(readings.sheets)
+
+
 def test_the_land_of_a_valve_with_one_land_may_be_left_empty() -> None:
     table = "Valve;Land;Spool [mm];Bore [mm]\naccumulator_1_2;;21.99;22.03\nboost_valve;1;9.49;9.53\n"
     assert len(read_readings(table.encode(), body("ford_4r70w")).readings) == 4
