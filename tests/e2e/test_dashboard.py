@@ -110,7 +110,7 @@ def test_a_file_that_ends_its_reader_ends_nothing_else(
     upload(page, "hostile.xlsx", stray_workbook)
     message = page.get_by_test_id("stMain").get_by_test_id("stAlert").first
     expect(message).to_contain_text("hostile.xlsx was not taken")
-    expect(message).to_contain_text("delete the stray cells")
+    expect(message).to_contain_text("delete what lies outside the table")
     other = visit(f"{server}/Diagnosis")
     other.get_by_text("Sample job: made-up data").wait_for()
     upload(other, "mine.xlsx", sample_readings.read_bytes())

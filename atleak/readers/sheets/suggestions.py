@@ -399,13 +399,13 @@ class Guess:
         differ so little in every row that they are of one state.
         """
         texts = [plain(re.sub(r"\d+", " ", self.table.heading(index))) for index in columns]
-        rows = [[self._sized[index].get(row) for index in columns] for row in self._rows]
+        rows = [[self._sized.get(index, {}).get(row) for index in columns] for row in self._rows]
         filled = [[size for size in of_row if size is not None] for of_row in rows if any(of_row)]
         alike = all(
             len(of_row) == len(columns) and max(of_row) - min(of_row) <= _OF_ONE_STATE * max(of_row)
             for of_row in filled
         )
-        return alike and len(set(texts)) == 1 and not letters(texts[0]).any(*_NO_LANDS)
+        return bool(filled) and alike and len(set(texts)) == 1 and not letters(texts[0]).any(*_NO_LANDS)
 
     def _beside(self, left: int, right: int) -> Iterator[tuple[float, float]]:
         others = self.table.cells(right)

@@ -222,6 +222,19 @@ def test_two_states_are_not_offered_as_repeats_or_as_spool_and_bore(sheet: str) 
         read_readings(sheet.encode(), body("ford_4r70w"), mapping=printed(caught.value))
 
 
+def test_a_sheet_of_which_no_column_says_the_part_ends_in_words() -> None:
+    rows = [
+        f"{valve};{part};1;{angle}°;{repeat};{size}"
+        for valve, part, size in ((6, "spool", 9.939), (6, "sleeve", 10.031), (8, "spool", 10.0), (8, "øî¯g", 10.0))
+        for angle in (0, 90)
+        for repeat in (1, 2)
+    ]
+    sheet = "\r\n".join(["t;plane;direction;repeat;diameter [mm]", *rows])
+    with pytest.raises(ReadingsError) as caught:
+        read_readings(sheet.encode("cp1252"), body("four_speed_2023"))
+    assert "make sense" not in str(caught.value)
+
+
 def test_a_title_may_name_a_unit_beside_a_valve() -> None:
     of_unit = "Gearbox {} {}\nLand;Spool [mm];Bore [mm]\n1;{};{}\n"
     sheet = of_unit.format(1, "Main reg", 14.49, 14.54) + of_unit.format(2, "Line boost", 9.49, 9.54)
