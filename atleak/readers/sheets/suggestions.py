@@ -335,7 +335,8 @@ class Guess:
             return
         if deviations and not new and unheaded:
             return  # of sizes beside deviations only a person knows whether they are new ones or measured
-        if len(headed) > 1 or (headed and not unheaded):
+        of_some = 0 < sum(column.part is not None for column in told) < len(told)
+        if (len(headed) > 1 or (headed and not unheaded)) and not (of_some and "part" not in self.labels):
             yield headed
             if "plane" not in self.labels:
                 yield {role.replace("repeat", "plane"): index for role, index in headed.items()}
