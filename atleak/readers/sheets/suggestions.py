@@ -43,7 +43,7 @@ _MOST_TRIED = 12  # offers
 _LEFT = ("column_aside", "sheet_aside", "not_read")  # what is said where a diameter may have been left aside
 _MOST_PARTS = 3  # words in a column that says spool or bore
 _MOST_LANDS = 8  # of a valve
-_NO_LANDS = ("state", "person", "earlier", "whole_unit", "remark", "date")  # in the heading of a column
+_OF_STATES = ("state", "person", "earlier", "whole_unit", "remark", "date")  # in a heading: no lands, no repeats
 _OF_ONE_STATE = 4e-4  # of a diameter: by how much its repeats may differ, 4 µm of 10 mm
 _FEWEST = 4  # rows of a column that tell what its numbers are
 _ROUNDED = 6e-5  # of a diameter: how far a mean may be rounded
@@ -169,7 +169,7 @@ class Guess:
         """
         valves, table = self._valves(labels), self.table
         others = self._cells.keys() - {*labels.values(), *self._sized}
-        unknown = [at for at in others if table.role(at) is None and not letters(table.heading(at)).any(*_NO_LANDS)]
+        unknown = [at for at in others if table.role(at) is None and not letters(table.heading(at)).any(*_OF_STATES)]
         for index in [labels["plane"]] if "plane" in labels else sorted(unknown):
             of_valve, numbers = defaultdict[str, set[int]](set), dict[str, int]()
             for row, cell in table.cells(index).items():
@@ -396,9 +396,7 @@ class Guess:
             yield found
 
     def _of_one_state(self, columns: Sequence[int]) -> bool:
-        """Return whether columns are repeats: their headings differ in numbers alone, and say no state, and they
-        differ so little in every row that they are of one state.
-        """
+        """Return whether columns are repeats: alike in every row, under headings that differ in a number alone."""
         texts = [plain(re.sub(r"\d+", " ", self.table.heading(index))) for index in columns]
         rows = [[self._sized.get(index, {}).get(row) for index in columns] for row in self._rows]
         filled = [[size for size in of_row if size is not None] for of_row in rows if any(of_row)]
@@ -406,7 +404,7 @@ class Guess:
             len(of_row) == len(columns) and max(of_row) - min(of_row) <= _OF_ONE_STATE * max(of_row)
             for of_row in filled
         )
-        return bool(filled) and alike and len(set(texts)) == 1 and not letters(texts[0]).any(*_NO_LANDS)
+        return bool(filled) and alike and len(set(texts)) == 1 and not letters(texts[0]).any(*_OF_STATES)
 
     def _beside(self, left: int, right: int) -> Iterator[tuple[float, float]]:
         others = self.table.cells(right)
