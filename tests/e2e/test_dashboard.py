@@ -95,6 +95,8 @@ def test_files_dropped_one_right_after_another_are_all_taken(
         side.get_by_role("button", name="New, empty job").press("Enter")  # a neighbour's tip may cover it
         for each in files:
             expect(side.get_by_text(each["name"]).locator("visible=true")).to_have_count(0)
+        # the new job has a place of its own for files: one dropped before it is there would belong to the job before it
+        status(page, "No measuring sheet")
         wait_until_idle(page)
         for each in order:
             place.set_input_files(each)

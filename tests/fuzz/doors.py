@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tempfile
-import time
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -32,13 +31,10 @@ from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.typed_sheet import typed_in
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.pictures import printable_picture
+from tests.effort import in_time, most_calls
 
-SECONDS = 2.0
-"""Time of this process's own that a file may take; what a child process takes has a budget of its own."""
-
-
-class TooSlow(Exception):
-    """A file took longer than any may."""
+CALLS = 10_000_000
+"""Calls of functions that a file may take; what a child process does has a budget of its own."""
 
 
 class OwnFault(Exception):
@@ -111,19 +107,19 @@ def passes(door: str, name: str, content: bytes) -> InputError | None:
 
     Raises
     ------
-    TooSlow
-        where this process was busy with it for longer than it may.
+    AssertionError
+        where it took more work than it may.
     OwnFault
         where it was refused because atleak itself failed on it.
     Exception
         whatever else came out: nothing should.
     """
-    start = time.process_time()
     refused: AtleakError | None = None
-    try:
-        OF[door](name, content)
-    except AtleakError as error:
-        refused = error
+    with in_time(), most_calls(CALLS):
+        try:
+            OF[door](name, content)
+        except AtleakError as error:
+            refused = error
     if refused is not None:
         said = str(refused)
         said.encode("utf-8")  # it can be printed
@@ -131,8 +127,6 @@ def passes(door: str, name: str, content: bytes) -> InputError | None:
         assert isinstance(refused, InputError)
         if (fault := fault_behind(refused)) is not None:
             raise OwnFault(fault) from refused
-    if time.process_time() - start > SECONDS:
-        raise TooSlow(f"{time.process_time() - start:.1f} s")
     return refused
 
 

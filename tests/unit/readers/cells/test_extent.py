@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import io
-import time
 import zipfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 
 import pytest
 
@@ -18,7 +17,9 @@ from atleak.readers.gauges.gauge_study import read_study
 from atleak.readers.gauges.gauge_table import read_pressure_table
 from atleak.readers.logs import log_columns, understand
 from atleak.readers.sheets.measuring_sheet import read_readings
+from tests.effort import in_time, most_calls
 
+ENOUGH = 20_000_000  # calls
 HEADS = {
     "sheet": ["component", "part", "plane", "direction", "diameter [mm]"],
     "gauges": ["range", "slow idle [kPa]", "stall [kPa]"],
@@ -35,7 +36,7 @@ WEIRD = {
     "1000 commas": "Speed" + "," * 1000,
     "20 000 blanks": "Speed" + " " * 20_000 + "x",
     "20 000 strokes": "/" * 20_000,
-    "3000 brackets": "x(" * 3000,
+    "10 000 brackets": "x(" * 10_000,
 }
 Door = Callable[[bytes], object]
 
@@ -51,13 +52,6 @@ def doors(four_speed: Controller) -> dict[str, Door]:
     }
 
 
-@contextmanager
-def soon() -> Iterator[None]:
-    start = time.process_time()
-    yield
-    assert time.process_time() - start < 2.0
-
-
 def text(rows: list[list[str]], between: str = ";") -> bytes:
     return "\n".join(between.join(row) for row in rows).encode()
 
@@ -65,8 +59,9 @@ def text(rows: list[list[str]], between: str = ";") -> bytes:
 @pytest.mark.parametrize("weird", WEIRD.values(), ids=list(WEIRD))
 @pytest.mark.parametrize("kind", list(HEADS))
 def test_a_heading_of_thousands_of_signs_takes_no_time(doors, four_speed, kind, weird):
-    data = text([[*HEADS[kind], weird], *([*row, "1"] for row in ROWS[kind])])
-    with soon():
+    again = range(6)  # each text anew
+    data = text([[*HEADS[kind], *(f"{weird}{number}" for number in again)], *([*row, *"1" * 6] for row in ROWS[kind])])
+    with most_calls(ENOUGH), in_time():
         with suppress(AtleakError):
             doors[kind](data)
         table_kind(data, four_speed)
@@ -85,7 +80,7 @@ def test_a_heading_of_thousands_of_signs_takes_no_time(doors, four_speed, kind, 
 )
 def test_a_table_larger_than_people_fill_in_is_refused_with_its_size(doors, kind, rows, said):
     data = text([HEADS[kind], *ROWS[kind], *rows])
-    with soon(), pytest.raises(AtleakError) as refused:
+    with most_calls(ENOUGH), pytest.raises(AtleakError) as refused:
         doors[kind](data)
     if kind == "sheet":
         assert said in str(refused.value)
@@ -96,18 +91,18 @@ def test_blank_columns_and_rows_at_the_end_are_no_part_of_a_table(doors):
     rows = [HEADS["study"], *ROWS["study"], *ROWS["study"]]
     plain = doors["study"](text(rows).replace(b";1;", b";;"))
     padded = [[*row, *[""] * 5_000] for row in rows] + [[""]] * 50_000
-    with soon():
+    with most_calls(ENOUGH):
         assert doors["study"](text(padded).replace(b";1;", b";;")).values.tolist() == plain.values.tolist()
 
 
 def test_hundreds_of_tables_on_one_sheet_are_refused(doors):
-    with soon(), pytest.raises(ReadingsError, match="tables with headings of their own"):
+    with most_calls(ENOUGH), pytest.raises(ReadingsError, match="tables with headings of their own"):
         doors["sheet"](text([HEADS["sheet"], *ROWS["sheet"], [""]] * 1_000))
 
 
 def test_after_hundreds_of_faults_the_rest_of_a_file_is_not_read(doors):
-    rows = [["8", "spool", f"Z{row}", "0", str(row)] for row in range(400)]
-    with soon(), pytest.raises(ReadingsError) as refused:
+    rows = [["8", "spool", f"Z{row}", "0", str(row)] for row in range(extent.FAULTS + 50)]
+    with most_calls(ENOUGH), pytest.raises(ReadingsError) as refused:
         doors["sheet"](text([HEADS["sheet"], *rows]))
     assert extent.FAULTS < len(refused.value.problems) < extent.FAULTS + 20
 
@@ -128,7 +123,7 @@ def test_merged_ranges_and_spans_beyond_the_cells_take_no_time(doors, bare_workb
         archive.writestr("content.xml", content)
     for data in (merged, spanned.getvalue()):
         for door in doors.values():
-            with soon(), suppress(AtleakError):
+            with most_calls(ENOUGH), suppress(AtleakError):
                 door(data)
 
 
@@ -139,7 +134,7 @@ def test_a_workbook_of_hundreds_of_sheets_is_refused(doors, bare_workbook):
     book = f'<workbook xmlns="{space}/spreadsheetml/2006/main" xmlns:r="{space}/officeDocument/2006/relationships">'
     data = bare_workbook("<sheetData/>", {"xl/workbook.xml": f"{book}<sheets>{sheets}</sheets></workbook>"})
     for door in doors.values():
-        with soon(), pytest.raises(AtleakError, match="this workbook has 1000 sheets"):
+        with most_calls(ENOUGH), pytest.raises(AtleakError, match="this workbook has 1000 sheets"):
             door(data)
 
 
@@ -164,7 +159,6 @@ def test_a_long_log_in_a_workbook_is_known_as_a_log(four_speed, bare_workbook):
 )
 def test_parts_of_a_workbook_that_unpack_to_millions_of_marks_are_refused_soon(doors, bare_workbook, inside, parts):
     data = bare_workbook(inside, parts)
-    start = time.monotonic()
-    with pytest.raises(ReadingsError):
+    with pytest.raises(ReadingsError) as refused:
         doors["sheet"](data)
-    assert time.monotonic() - start < 8.0  # in a process of its own, whose time is not this one's
+    assert "took longer" not in str(refused.value)  # than its process may

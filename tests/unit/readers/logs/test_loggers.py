@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import time
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ import pytest
 from atleak.common.errors import RoadTestError
 from atleak.readers.logs import Understood, describe, log_columns, read_road_test, understand
 from atleak.readers.logs.loggers import known_logger
+from tests.effort import in_time
 
 ROWS = 40
 
@@ -394,6 +394,5 @@ def test_a_damaged_binary_log_is_refused(data: bytes, said: str) -> None:
     "part", ["can", " can", "a,", "1.5 ", "(1.2) ", " \n", "ID DLC ", "[header]\na\n", "timestamp,odometer,", "x: 1 "]
 )
 def test_no_expression_takes_long_on_a_text_made_to_delay_it(part: str) -> None:
-    begun = time.process_time()
-    assert known_logger(part * (1 << 16 >> (len(part) - 1).bit_length())) is None
-    assert time.process_time() - begun < 3
+    with in_time():
+        assert known_logger(part * (1 << 18 >> (len(part) - 1).bit_length())) is None

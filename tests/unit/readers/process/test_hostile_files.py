@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import struct
-import time
 import zipfile
 from collections.abc import Callable
 
@@ -30,12 +29,12 @@ def read(request: pytest.FixtureRequest, four_speed: Controller) -> tuple[Read, 
 
 
 def refused(read: tuple[Read, type[InputError]], data: bytes, name: str = "hostile.xlsx") -> InputError:
-    """The refusal, which comes in time and without the caller growing."""
-    before, start = psutil.Process().memory_info().rss, time.monotonic()
+    """The refusal for what the file holds, not for the time it took, and without the caller growing."""
+    before = psutil.Process().memory_info().rss
     with pytest.raises(read[1]) as caught:
         read[0](data, name)
     assert psutil.Process().memory_info().rss - before < 250 << 20
-    assert time.monotonic() - start < 60.0
+    assert "took longer" not in caught.value.problem
     assert caught.value.place.file == name
     return caught.value
 
