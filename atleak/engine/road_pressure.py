@@ -149,6 +149,21 @@ def judge_pressure(controller: Controller, road_test: RoadTest) -> RoadPressure 
     return samples.judge() if samples.counted.time_of(samples.number >= 0) > 0.0 else "never_there"
 
 
+def permitted_pressure(controller: Controller, road_test: RoadTest) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return the least and the largest main pressure permitted at each sample of a log.
+
+    Returns
+    -------
+    tuple[np.ndarray, np.ndarray] | None
+        two arrays of shape (samples,) [Pa], NaN where there is no limit; None where main pressure is not judged, as
+        `judge_pressure` says.
+    """
+    if _why_not_judged(controller, road_test) is not None:
+        return None
+    samples = _Permitted(controller, road_test)
+    return samples.low, samples.high
+
+
 def _why_not_judged(controller: Controller, road_test: RoadTest) -> NotJudged | None:
     """Return what is missing to judge a log's main pressure, its samples apart; None where nothing is."""
     channel = road_test.channel("main_pressure")

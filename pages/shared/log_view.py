@@ -15,16 +15,17 @@ from atleak.common.memory import kept_with
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.road_leakage import RoadLeakage
+from atleak.engine.road_pressure import permitted_pressure
 from atleak.job.case import SourceFile
 from atleak.measurements.events import Event, events
 from atleak.measurements.job_card import LogFormula
 from atleak.measurements.road_test import RoadTest, hold
 from atleak.readers.logs import Understood, tidy_csv
 from atleak.report.charts import log_figures as figures
-from atleak.report.charts.log_figures import LaidOver
 from atleak.report.charts.operating_map import histogram, operating_map
 from atleak.report.tables.road_test import (
     Curve,
+    LaidOver,
     as_it_is,
     channel_scales,
     event_table,
@@ -51,7 +52,7 @@ class Part:
     over: LaidOver | None
 
     @property
-    def cursors(self) -> tuple[float, float]:
+    def span(self) -> tuple[float, float]:
         """Return the ends of what is shown [s]."""
         return self.ends or (float(self.whole.time[0]), float(self.whole.time[-1]))
 
@@ -63,7 +64,7 @@ class Part:
 
 
 def in_full(diagnosis: Diagnosis, file: SourceFile, log: Understood) -> None:
-    """Show a log in a fold: how it was understood, what happened, its picture, the leakage over it, its values.
+    """Show a log in a fold: its picture under one cursor, the leakage over it, what happened, how it was understood.
 
     Parameters
     ----------
@@ -75,36 +76,32 @@ def in_full(diagnosis: Diagnosis, file: SourceFile, log: Understood) -> None:
         test = log.road_test if own is None else own.road_test
         if test is None or not place.open:
             return
+        happened = kept_with(test, "events", "", partial(events, test)) if own is None else own.events
+        ends = window(test, happened)
+        formulas_form(test)
+        part = part_of(test, ends, overlay())
+        road = None if own is None or diagnosis.road is None else _leakage(diagnosis, part)
+        picture(part, happened, road, diagnosis)
+        if road is not None:
+            road_page.extremes(road, diagnosis.uncertainty)
+        operating_part(part, road)
+        st.subheader(say("road_test.happened"))
+        events_table(test, happened)
         st.subheader(say("road_test.understood"))
         log_form.understood_table(log)
         if log.unused:
             st.caption(say("road_test.not_used", columns=show.plain(", ".join(log.unused))))
-        happened = kept_with(test, "events", "", partial(events, test)) if own is None else own.events
-        st.subheader(say("road_test.happened"))
-        events_table(test, happened)
-        st.subheader(say("road_test.picture"))
-        ends = window(test, happened)
-        formulas_form(test)
-        part = part_of(test, ends, overlay())
-        picture(part, happened)
-        road = None if own is None or diagnosis.road is None else _leakage(diagnosis, part)
-        st.subheader(say("road_test.values"))
-        values_table(part, road)
-        operating_part(part, road)
         tidy = partial(tidy_csv, part.test)
         st.download_button(say("road_test.tidy"), tidy, f"{file.name}.tidy.csv", on_click="ignore")
 
 
 def _leakage(diagnosis: Diagnosis, part: Part) -> RoadLeakage | None:
-    """Show the leakage over the part of the job's own log, and return it; say why there is none over so short a one."""
+    """Return the leakage over the part of the job's own log; say why there is none over so short a one."""
     say = reader.say()
     assert diagnosis.road is not None
     try:
         road = diagnosis.road if part.ends is None else diagnosis.over(part.test)
-        st.subheader(say("road_test.leakage"))
         road_page.as_new(diagnosis)
-        road_page.leakage_chart(road, diagnosis)
-        road_page.extremes(road, diagnosis.uncertainty)
         show.messages(road.messages, say("road_test.about_leakage"))
     except AtleakError as error:
         st.warning(show.plain(error))
@@ -128,7 +125,7 @@ def events_table(test: RoadTest, happened: Sequence[Event]) -> None:
 
 
 def window(test: RoadTest, happened: Sequence[Event]) -> tuple[float, float] | None:
-    """Return the part of the log to look at: an event, or between two cursors; None for the whole log."""
+    """Return the part of the log to look at: an event, or between two stamps [s]; None for the whole log."""
     say = reader.say()
     first, last = float(test.time[0]), float(test.time[-1])
     if not last > first:
@@ -146,7 +143,7 @@ def window(test: RoadTest, happened: Sequence[Event]) -> tuple[float, float] | N
     if chosen is None:
         ends = kept.get(test.sha256, ends)
     key = f"window-{test.sha256}-{st.session_state.get('window-set', 0)}-{ends if chosen is not None else 'own'}"
-    start, stop = st.slider(f"{say('road_test.cursors')} [s]", first, last, ends, key=key, format="localized")
+    start, stop = st.slider(f"{say('road_test.part_shown')} [s]", first, last, ends, key=key, format="localized")
     all_of_it = (start, stop) == (first, last)
     if chosen is None:
         kept.pop(test.sha256, None) if all_of_it else kept.update({test.sha256: (start, stop)})
@@ -154,7 +151,7 @@ def window(test: RoadTest, happened: Sequence[Event]) -> tuple[float, float] | N
 
 
 def look_between(test: RoadTest, start: float, stop: float) -> None:
-    """Set both cursors; a chart calls this before the cursors are drawn."""
+    """Set the part that is shown; a chart calls this before the slider is drawn."""
     first, last = float(test.time[0]), float(test.time[-1])
     ends = (min(max(start, first), last), min(max(stop, first), last))
     if ends[1] > ends[0]:
@@ -173,10 +170,17 @@ def _event_name(event: Event, say: Wording) -> str:
 
 
 def part_of(test: RoadTest, ends: tuple[float, float] | None, over: tuple[RoadTest, float] | None) -> Part:
-    """Return the part of a log between two cursors, with the job's formulas over it and over the log laid over it."""
+    """Return the part of a log between two stamps [s], with the job's formulas over it and the log laid over it."""
     shown = test if ends is None else kept_with(test, "part", ends, lambda: test.window(*ends), most=1)
     typed = job().log_formulas
-    laid = None if over is None else LaidOver(over[0], over[1], _computed(over[0], typed))
+    laid = None
+    if over is not None:
+        other, shift = over
+        if ends is not None:
+            other = kept_with(
+                other, "part", (ends, shift), lambda: over[0].window(ends[0] - shift, ends[1] - shift), most=1
+            )
+        laid = LaidOver(other, shift, _computed(other, typed))
     return Part(test, shown, ends, tuple(_computed(shown, typed).values()), laid)
 
 
@@ -296,17 +300,24 @@ def overlay() -> tuple[RoadTest, float] | None:
 # --- picture and values
 
 
-def picture(part: Part, happened: Sequence[Event]) -> None:
-    """Draw the part of the log, or say that there is nothing to draw."""
+def picture(part: Part, happened: Sequence[Event], road: RoadLeakage | None, diagnosis: Diagnosis) -> None:
+    """Draw the part of the log under one cursor, or say that there is nothing to draw."""
     say = reader.say()
     if not any(channel.samples for channel in part.test.channels.values()):
         st.info(say("road_test.empty"))
         return
-    key = (part.key, say, show.dark())
-    figure = kept_with(part.whole, "picture", key, lambda: _picture(part, happened, say), most=2)
-    look = partial(look_between, part.whole)
-    show.chart(figure, f"channels-{part.ends}", on_span=look)
-    first, last = part.cursors
+    # what is computed over the log stays the same object where nothing changed that it rests on
+    owner, key = part.whole if road is None else road.extremes, (part.key, say)
+    curves = kept_with(owner, "curves", key, lambda: _curves(part, road, diagnosis, say), most=2)
+    with fields.fold(say("road_test.values"), key="log-values") as place:
+        if place.open:
+            log_form.values_table(kept_with(owner, "values", key, lambda: value_rows(curves, say), most=2))
+            st.caption(say("road_test.values_help"))
+    figure = kept_with(
+        owner, "picture", (*key, show.dark()), lambda: figures.log_channels(part.test, curves, say, happened), most=2
+    )
+    road_page.under_cursor(figure, f"channels-{part.ends}", partial(look_between, part.whole))
+    first, last = part.span
     count = sum(each.stop >= first and each.start <= last for each in happened)
     notes = [say("road_test.picture_help")]
     if count:
@@ -315,49 +326,11 @@ def picture(part: Part, happened: Sequence[Event]) -> None:
     st.caption(" ".join(notes))
 
 
-def _picture(part: Part, happened: Sequence[Event], say: Wording) -> object:
-    scales = channel_scales(part.test, say)
-    return figures.log_channels(part.test, scales, say, happened, part.formulas, part.over)
-
-
-def values_table(part: Part, road: RoadLeakage | None) -> None:
-    """Show each channel's least, mean and largest, and its values at both cursors; likewise of the log laid over it."""
-    say = reader.say()
-    owner = part.whole if road is None else road.extremes
-    rows = kept_with(owner, "values", (part.key, say), partial(_rows, part, road, say))
-    if part.over is not None:
-        rows = [*rows, *kept_with(part.whole, "values laid over", (part.key, say), lambda: _rows_over(part, say))]
-    if not rows:
-        return
-    log_form.values_table(rows)
-    st.caption(say("road_test.values_help"))
-
-
-def _rows(part: Part, road: RoadLeakage | None, say: Wording) -> list[dict[str, str]]:
-    curves = log_curves(part.test, road, channel_scales(part.test, say), say)
-    return value_rows([*curves, *_formula_curves(part.formulas, say)], part.cursors, say)
-
-
-def _formula_curves(formulas: Sequence[FormulaChannel], say: Wording, file: str = "") -> list[Curve]:
-    curves = []
-    for each in formulas:
-        unit, convert = formula_scale(each.dimension, say)
-        name = say("road_test.of_log", channel=each.name, file=file) if file else each.name
-        curves.append((name, each.time, convert(each.values), unit))
-    return curves
-
-
-def _rows_over(part: Part, say: Wording) -> list[dict[str, str]]:
-    over = part.over
-    assert over is not None
-    first, last = (end - over.shift for end in part.cursors)
-    beside = over.test.window(first, last)
-    if not len(beside.time):
-        return []
-    file = over.test.file
-    typed = _computed(beside, job().log_formulas)
-    curves = log_curves(beside, None, channel_scales(beside, say), say, file)
-    return value_rows([*curves, *_formula_curves(tuple(typed.values()), say, file)], (first, last), say)
+def _curves(part: Part, road: RoadLeakage | None, diagnosis: Diagnosis, say: Wording) -> list[Curve]:
+    permitted = None if road is None else permitted_pressure(diagnosis.controller, part.test)
+    return log_curves(
+        part.test, say, formulas=part.formulas, over=part.over, permitted=permitted, road=road, limits=diagnosis.limits
+    )
 
 
 # --- where it was driven

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import islice
+from pathlib import Path
 
 import streamlit as st
 
@@ -13,7 +15,7 @@ from atleak.diagnosis.road import RoadFindings
 from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.charts import log_figures as figures
-from atleak.report.tables.road_test import circuit_table, instant_table, place_table, whole
+from atleak.report.tables.road_test import circuit_table, instant_table, leakage_curves, place_table, whole
 from atleak.report.tables.road_words import (
     check_sentences,
     deciding_sentence,
@@ -25,6 +27,14 @@ from atleak.report.tables.road_words import (
 from pages.shared import reader, show
 from pages.shared.show import plain
 
+_HERE = Path(__file__).parent
+_CURSOR = st.components.v2.component(
+    "atleak_log_cursor",
+    html='<div class="cursor"><div class="bar"><button>◀</button><input type="range"><button>▶</button><output>'
+    "</output></div><dl></dl></div>",
+    css=(_HERE / "log_cursor.css").read_text(encoding="utf-8"),
+    js=(_HERE / "log_cursor.js").read_text(encoding="utf-8"),
+)
 TESTS = 6  # most minimum-acceleration tests that have a sentence of their own
 
 
@@ -85,9 +95,20 @@ def leakage(diagnosis: Diagnosis) -> None:
 def leakage_chart(road: RoadLeakage, diagnosis: Diagnosis) -> None:
     """Draw leakage, pump flow and share over a log, or over a part of it."""
     limits, say = diagnosis.limits, reader.say()
+
+    def figure() -> figures.Figure:
+        return figures.log_channels(road.road_test, leakage_curves(road, limits, say), say)
+
     key = (tuple(limits.fixed_bands), show.dark(), say)
     # what is computed over the log stays the same object where nothing changed that it rests on
-    show.chart(kept_with(road.extremes, "chart", key, lambda: figures.road_leakage(road, limits, say), most=2), "road")
+    under_cursor(kept_with(road.extremes, "chart", key, figure, most=2), "road")
+
+
+def under_cursor(figure: figures.Figure, key: str, on_span: Callable[[float, float], None] | None = None) -> None:
+    """Show a log's figure, and above it what every curve has at a cursor; see `show.chart`."""
+    say = reader.say()
+    _CURSOR(key="log-cursor", data={"chart": key, "decimal": say.decimal, "words": say.table("log_cursor")})
+    show.chart(figure, key, on_span)
 
 
 def extremes(road: RoadLeakage, uncertainty: UnitUncertainty | None) -> None:

@@ -198,7 +198,7 @@ def test_a_log_settled_by_hand_goes_into_the_job_file_and_out_of_it(page: Page, 
 
 
 @pytest.mark.page("3_In_the_car")
-def test_dragging_across_the_log_sets_the_cursors(page: Page) -> None:
+def test_dragging_across_the_log_sets_the_part_shown(page: Page) -> None:
     unfold(page, "The log in full")
     chart = page.locator("[data-testid=stPlotlyChart] .nsewdrag").first
     chart.wait_for()
@@ -221,6 +221,35 @@ def test_dragging_across_the_log_sets_the_cursors(page: Page) -> None:
             break
     expect(first).to_have_count(1)
     expect(cursors.filter(has_text=re.compile(r"^[56](\.\d+)?$"))).to_have_count(1)
+
+
+@pytest.mark.page("3_In_the_car")
+def test_one_cursor_reads_every_curve_of_the_log(page: Page, sample_log: Path) -> None:
+    unfold(page, "The log in full")
+    unfold(page, "Lay another log over it: before and after a repair")
+    page.get_by_test_id("stMain").locator("input[type=file]").last.set_input_files(sample_log)
+    values = page.locator(".st-key-log-cursor dl")
+    speed = values.locator("div").filter(has_text="engine speed").locator("dd")
+    expect(speed).to_contain_text(" | ")
+    wait_until_idle(page)
+    rows = [line.split(";") for line in sample_log.read_text(encoding="utf-8").splitlines()]
+    slider, time = page.get_by_role("slider", name="Cursor"), page.locator(".st-key-log-cursor output")
+    slider.focus()
+    slider.press("Home")
+    page.keyboard.press("ArrowRight")
+    expect(time).to_have_text(f"{float(rows[2][0]):.2f} s")
+    same = f"{float(rows[2][1]):.0f} rpm | {float(rows[2][1]):.0f} (0)"
+    expect(speed).to_have_text(same)
+    expect(values).to_contain_text("≥ ")  # the main pressure that is permitted
+    expect(values).to_contain_text("dm³/min")  # the leakage
+    chart = page.locator("[class*='st-key-channels-'] .nsewdrag").first
+    chart.scroll_into_view_if_needed()
+    page.evaluate(AT_REST, chart.element_handle())
+    box = chart.bounding_box()
+    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    middle = (float(rows[1][0]) + float(rows[-1][0])) / 2.0
+    expect(time).to_have_text(re.compile(rf"^{middle:.0f}\.\d\d s$|^{middle - 1:.0f}\.\d\d s$"))
+    assert slider.evaluate("each => each.getBoundingClientRect().top") >= 0.0  # in sight beside the curves
 
 
 @pytest.mark.page("4_Diagnosis?diagnosis=lands")

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
 
 import numpy as np
 
-from atleak.analysis.formulas import Dimension
+from atleak.analysis.formulas import Dimension, FormulaChannel
+from atleak.catalogue.limits import Limits
 from atleak.catalogue.workbook.cells import gear_shown
 from atleak.common.sentences import Sentence
 from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, Unit
@@ -24,7 +25,7 @@ from atleak.engine.extremes import Extremes, Instant
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.engine.road_pressure import Departure, PlaceFinding, RoadPressure
 from atleak.measurements.events import Event
-from atleak.measurements.road_test import RoadTest, thinned
+from atleak.measurements.road_test import Channel, RoadTest, thinned
 from atleak.readers.logs.understood import workshop_unit
 from atleak.report.json.conditions import interval_ends, named_record
 from atleak.report.tables.road_words import event_remark
@@ -32,7 +33,6 @@ from atleak.report.tables.table import Column, Table
 
 Scale = tuple[str, Callable[[Any], Any]]  # a unit's name, and the function from SI to it
 Scales = Mapping[str, Scale]  # by quantity
-Curve = tuple[str, np.ndarray, np.ndarray, str]  # name, stamps [s], values in the reader's unit, that unit
 _SHOWN = {  # kind of quantity → the reader's kind, and the unit that atleak's records have it in
     "pressure": ("pressure", named_unit("kPa", "pressure")),
     "rotational_speed": ("engine_speed", named_unit("rpm", "rotational_speed")),
@@ -42,6 +42,36 @@ _SHOWN = {  # kind of quantity → the reader's kind, and the unit that atleak's
     "time": ("time", named_unit("s", "time")),
 }
 _POWERS = {2: "²", 3: "³"}
+# of the log itself, of the one laid over it, the least and the most that is permitted, where a band begins
+Look = Literal["own", "over", "least", "most", "edge"]
+_LIMITS: tuple[Look, Look] = ("least", "most")
+_OF_SHARE = ("max_share_sustained", "max_share")  # the instants that are marked in the curve of the share
+_STEPS = frozenset({"gear", "selector", "lock_up"})
+
+
+@dataclass(frozen=True, eq=False)
+class LaidOver:
+    """A second log: its road test, by how much it is shifted [s], and its formulas by name."""
+
+    test: RoadTest
+    shift: float
+    formulas: Mapping[str, FormulaChannel] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A curve over a log, in the reader's unit: arrays of shape (samples,), values NaN where they do not count."""
+
+    name: str
+    unit: str
+    time: np.ndarray  # [s]
+    values: np.ndarray
+    look: Look = "own"
+    steps: bool = False  # a value holds until the next
+    suspect: tuple[np.ndarray, np.ndarray] | None = None  # stamps and values of samples that no result uses
+    beside: tuple[Curve, ...] = ()  # others on the same axes
+    marks: tuple[tuple[float, float, str, str], ...] = ()  # stamp, value, words and symbol of instants to see
+    from_zero: bool = False
 
 
 def event_table(events: Sequence[Event], say: Wording) -> Table:
@@ -96,71 +126,133 @@ def circuit_table(road: RoadLeakage, say: Wording) -> Table:
     return Table("circuits", columns, [*road.circuit_ranges.values()], say)
 
 
-def log_curves(test: RoadTest, road: RoadLeakage | None, scales: Scales, say: Wording, file: str = "") -> list[Curve]:
-    """Return every channel of a log, and its leakage, pump flow and share, in the reader's units; suspect ones are NaN.
+def log_curves(
+    test: RoadTest,
+    say: Wording,
+    *,
+    formulas: Sequence[FormulaChannel] = (),
+    over: LaidOver | None = None,
+    permitted: tuple[np.ndarray, np.ndarray] | None = None,
+    road: RoadLeakage | None = None,
+    limits: Limits | None = None,
+) -> list[Curve]:
+    """Return every channel of a log, its formulas, and its leakage, pump flow and share.
 
     Parameters
     ----------
-    scales
-        quantity → unit's name and the function from SI to that unit.
-    file
-        named beside each channel: of a log that is laid over another one.
+    formulas
+        channels that were computed from this log's.
+    over
+        a second log, whose channels and formulas stand beside this log's.
+    permitted
+        least and largest main pressure [Pa] at each sample, NaN where there is no limit.
+    road
+        the leakage over this log; of its share the bands of ``limits`` are drawn that begin near it.
     """
+    scales, curves = channel_scales(test, say), []
+    for name, channel in test.channels.items():
+        if not channel.samples:
+            continue
+        scale = scales.get(name, (channel.unit, as_it_is))
+        curve = _channel_curve(test, channel, scale, say)
+        other = None if over is None else over.test.channel(name)
+        beside = [_over(over, _channel_curve(over.test, other, scale, say))] if over and other and other.samples else []
+        if name == "main_pressure" and permitted is not None:
+            beside += [
+                Curve(say(f"road_test.permitted_{look}"), curve.unit, test.time, scale[1](limit), look, steps=True)
+                for look, limit in zip(_LIMITS, permitted, strict=True)
+                if np.isfinite(limit).any()
+            ]
+        curves.append(replace(curve, beside=tuple(beside)))
+    for each in formulas:
+        laid = None if over is None else over.formulas.get(each.name)
+        beside = [_over(over, _formula_curve(laid, say))] if over and laid and laid.dimension == each.dimension else []
+        curves.append(replace(_formula_curve(each, say), beside=tuple(beside)))
+    return curves if road is None else [*curves, *leakage_curves(road, limits, say)]
 
-    def named(name: str) -> str:
-        return say("road_test.of_log", channel=name, file=file) if file else name
 
-    curves: list[Curve] = []
-    for name in test.channels:
-        channel = test.channels[name]
-        unit, convert = scales.get(name, (channel.unit, as_it_is))
-        curves.append((named(say(f"log_quantities.{name}")), channel.time, convert(channel.good), unit))
-    if road is not None:
-        flow = say.unit("flow")
-        leakage = say.convert(road.leakage * DM3_MIN, "flow")
-        curves.append((named(say("road_test.leakage_row")), road.time, leakage, flow))
-        if road.pump_capacity is not None and road.share is not None:
-            pump = say.convert(road.pump_capacity * DM3_MIN, "flow")
-            curves.append((named(say("road_test.pump_flow")), road.time, pump, flow))
-            curves.append((named(say("road_test.share")), road.time, road.share * PERCENT, "%"))
-    return curves
+def _channel_curve(test: RoadTest, channel: Channel, scale: Scale, say: Wording) -> Curve:
+    unit, convert = scale
+    time, good, suspect = channel.time, channel.good, None
+    if channel.source == "constant":
+        time, good = test.time[[0, -1]], np.full(2, channel.values[0])
+    elif (doubted := channel.suspect & np.isfinite(channel.values)).any():
+        suspect = time[doubted], convert(channel.values[doubted])
+    name, steps = say(f"log_quantities.{channel.quantity}"), channel.quantity in _STEPS
+    return Curve(name, unit, time, convert(good), steps=steps, suspect=suspect)
 
 
-def value_rows(curves: Sequence[Curve], ends: tuple[float, float], say: Wording) -> list[dict[str, str]]:
-    """Return one row for every curve that has a value: its least, mean, largest, and the last value at each cursor [s].
+def _formula_curve(computed: FormulaChannel, say: Wording) -> Curve:
+    unit, convert = formula_scale(computed.dimension, say)
+    return Curve(computed.name, unit, computed.time, convert(computed.values))
+
+
+def _over(over: LaidOver, curve: Curve) -> Curve:
+    name = f"{curve.name}, {over.test.file}"
+    return replace(curve, name=name, time=curve.time + over.shift, look="over", suspect=None)
+
+
+def leakage_curves(road: RoadLeakage, limits: Limits | None, say: Wording) -> list[Curve]:
+    """Return the leakage over a log with its extremes; with a logged engine speed also the pump's flow and the share.
+
+    A band of the limits is drawn where it begins near the log's share: a high limit must not squeeze a low curve.
+    """
+    leakage, shares = [], []
+    for row in road_instants(road):
+        words, symbol = (
+            f"{row.label(say)}, {say.number(row.instant.time, 2)} s",
+            "diamond" if row.leads else "diamond-open",
+        )
+        if row.name not in _OF_SHARE:
+            flow = say.convert(row.instant.leakage * DM3_MIN, "flow")
+            leakage.append((row.instant.time, flow, words, symbol))
+        elif row.instant.share is not None:
+            shares.append((row.instant.time, row.instant.share * PERCENT, words, symbol))
+
+    def curve(name: str, kind: str, values: np.ndarray, marks: list[Any], beside: tuple[Curve, ...] = ()) -> Curve:
+        shown = say.convert(values, kind)
+        return Curve(
+            say(f"road_test.{name}"),
+            say.unit(kind),
+            road.time,
+            shown,
+            beside=beside,
+            marks=tuple(marks),
+            from_zero=True,
+        )
+
+    curves = [curve("leakage_row", "flow", road.leakage * DM3_MIN, leakage)]
+    if road.pump_capacity is None or road.share is None:
+        return curves
+    bands = () if limits is None else [(band, level * PERCENT) for band, level in limits.fixed_bands]
+    top = 1.5 * PERCENT * float(np.nanmax(road.share, initial=0.0))
+    edges = tuple(
+        Curve(
+            say("road_test.band_from", band=say.level(band), edge=say.plain(edge)), "%", road.time[[0, -1]],
+            np.full(2, edge), "edge",
+        )
+        for number, (band, edge) in enumerate(bands)
+        if not number or edge <= top
+    )  # fmt: skip
+    pump = curve("pump_flow", "flow", road.pump_capacity * DM3_MIN, [])
+    return [*curves, pump, curve("share", "percent", road.share * PERCENT, shares, edges)]
+
+
+def value_rows(curves: Sequence[Curve], say: Wording) -> list[dict[str, str]]:
+    """Return one row for every curve that has a value, limits apart: its least, mean and largest.
 
     Notes
     -----
     The mean is that of a channel's own samples, each counting alike.
     """
     rows = []
-    for name, time, values, unit in curves:
-        good = values[np.isfinite(values)]
-        if not len(good):
-            continue
-        rows.append(
-            {
-                "log_channel": name,
-                "log_in": unit,
-                "log_least": short(float(good.min()), say),
-                "log_mean": short(float(good.mean()), say),
-                "log_largest": short(float(good.max()), say),
-                "log_first": short(_last_at(time, values, ends[0]), say),
-                "log_second": short(_last_at(time, values, ends[1]), say),
-                "log_samples": whole(len(good), say),
-            }
-        )
+    for curve in (each for own in curves for each in (own, *own.beside) if each.look in ("own", "over")):
+        good = curve.values[np.isfinite(curve.values)]
+        if len(good):
+            ends = {"log_least": good.min(), "log_mean": good.mean(), "log_largest": good.max()}
+            written = {name: short(float(value), say) for name, value in ends.items()}
+            rows.append({"log_channel": curve.name, "log_in": curve.unit, **written})
     return rows
-
-
-def _last_at(time: np.ndarray, values: np.ndarray, moment: float) -> float | None:
-    """Return the last value at or before a moment; None before the first and where that sample has none."""
-    if not len(time):
-        return None
-    if len(time) == 1:  # a constant
-        return float(values[0])
-    place = int(np.searchsorted(time, moment + 1e-9, side="right")) - 1
-    return float(values[place]) if place >= 0 and math.isfinite(values[place]) else None
 
 
 def short(value: float | None, say: Wording) -> str:

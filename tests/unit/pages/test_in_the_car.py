@@ -303,9 +303,9 @@ def test_a_complaint_is_chosen_here_or_in_the_panel(app: AppTest) -> None:
 def test_a_log_shows_its_findings_and_in_a_fold_its_picture(app: AppTest) -> None:
     assert steps(app)["4 Drive"].startswith("**● ok** · ")
     assert "Main pressure stayed nowhere below" in texts(app)
-    assert "The log's picture" not in [widget.value for widget in app.subheader]
+    assert "What happened" not in [widget.value for widget in app.subheader]
     unfold(app, "log-in-full")
-    assert "The log's picture" in [widget.value for widget in app.subheader]
+    assert "What happened" in [widget.value for widget in app.subheader]
 
 
 @pytest.mark.page(GUIDE)

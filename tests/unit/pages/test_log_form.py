@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
@@ -64,8 +65,13 @@ def use_columns(app: AppTest) -> AppTest:
 
 
 def most_leakage(app: AppTest) -> float:
-    table = next(each.value for each in app.dataframe if "Channel" in each.value)
-    return float(table.set_index("Channel")["Largest"]["leakage"])
+    return float(log_values(app)["Largest"]["leakage"])
+
+
+def log_values(app: AppTest) -> pd.DataFrame:
+    """Return least, mean and largest of every channel of the log that is shown, by its name."""
+    unfold(app, "log-values")
+    return next(each.value for each in app.dataframe if "Channel" in each.value).set_index("Channel")
 
 
 def test_a_remapped_log_uploaded_again_gives_the_leakage_of_the_new_column(app: AppTest) -> None:
@@ -173,14 +179,14 @@ def test_a_formula_is_drawn_listed_kept_with_the_job_and_refused_in_words(app: A
 
     unfold(app, "formulas-fold")
     draw("drop", "p_g − p_k")
-    table = next(each.value for each in app.dataframe if "Channel" in each.value).set_index("Channel")
+    table = log_values(app)
     assert table["in"]["drop"] == "kPa"
     draw("sum", "p_g + n")
     assert "at character 5: a rotational speed cannot be added to a pressure" in texts(app)
     assert [each.name for each in app.session_state["job-record"].log_formulas] == ["drop"]
     go(app, "2_Measure")
     go(app, "3_In_the_car#log-in-full")
-    assert "drop" in next(each.value for each in app.dataframe if "Channel" in each.value)["Channel"].tolist()
+    assert "drop" in log_values(app).index
     next(button for button in app.button if button.label == "Take away").click().run()
     assert app.session_state["job-record"].log_formulas == ()
 
@@ -226,8 +232,8 @@ def test_another_log_stays_laid_over_the_jobs(app: AppTest, sample_log: Path) ->
     ).run()
     next(widget for widget in app.main.text_input if widget.label == "Shifted by [s]").set_value("1,25").run()
     assert not app.exception
-    table = next(each.value for each in app.dataframe if "Channel" in each.value).set_index("Channel")
-    assert table["At the second cursor"]["engine speed, after.csv"] != table["At the second cursor"]["engine speed"]
+    table = log_values(app)
+    assert table["Mean"]["engine speed, after.csv"] == table["Mean"]["engine speed"]
     go(app, "2_Measure")
     go(app, "3_In_the_car#log-in-full")
     assert "after.csv" in texts(app)
@@ -300,8 +306,10 @@ def test_a_log_without_clock_and_pressure_takes_an_interval_and_the_operating_po
 
 
 @pytest.mark.page("3_In_the_car#log-in-full")
-def test_moving_the_cursors_diagnoses_and_reads_nothing_again(app: AppTest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Only the leakage between them is computed, by the engine that the diagnosis keeps."""
+def test_another_part_of_the_log_diagnoses_and_reads_nothing_again(
+    app: AppTest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Only the leakage over it is computed, by the engine that the diagnosis keeps."""
 
     def again(*_: object, **__: object) -> None:
         raise AssertionError("the whole job is worked on again")
@@ -310,8 +318,8 @@ def test_moving_the_cursors_diagnoses_and_reads_nothing_again(app: AppTest, monk
     for worked in works:
         monkeypatch.setattr(f"atleak.{worked}", again)
     monkeypatch.setattr("pages.shared.cases.understand", again)
-    whole = app.dataframe[-1].value
-    cursors = next(widget for widget in app.main.slider if "cursors" in widget.label)
+    whole = log_values(app)
+    cursors = next(widget for widget in app.main.slider if "Part shown" in widget.label)
     cursors.set_value((3.0, 9.0)).run()
     assert not app.exception
-    assert not app.dataframe[-1].value.equals(whole)
+    assert not log_values(app).equals(whole)

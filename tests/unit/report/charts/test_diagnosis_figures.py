@@ -19,15 +19,22 @@ from atleak.engine.projection import stated_condition
 from atleak.measurements.readings import Readings
 from atleak.report.charts import land_figures as figures
 from atleak.report.charts import land_figures as of_uncertainty
-from atleak.report.charts.log_figures import road_leakage
+from atleak.report.charts.figure import Figure
+from atleak.report.charts.log_figures import log_channels
+from atleak.report.tables.road_test import leakage_curves
 from tests.unit.conftest import with_clearances
 
 ALL = {
     "ranking": lambda diagnosis: figures.leakage_ranking(diagnosis),
     "share": lambda diagnosis: figures.total_share(diagnosis),
-    "road": lambda diagnosis: road_leakage(diagnosis.road, diagnosis.limits, wording("en")),
+    "road": lambda diagnosis: over_the_log(diagnosis),
     "wear": lambda diagnosis: figures.land_wear(diagnosis),
 }
+
+
+def over_the_log(diagnosis: Diagnosis) -> Figure:
+    say = wording("en")
+    return log_channels(diagnosis.road.road_test, leakage_curves(diagnosis.road, diagnosis.limits, say), say)
 
 
 def trace(figure, name: str):
@@ -89,12 +96,12 @@ def test_total_share_stands_beside_that_of_the_same_unit_new(sample: Diagnosis) 
 
 
 def test_road_figure_shows_leakage_pump_and_share_with_their_extremes(sample: Diagnosis) -> None:
-    figure, road = road_leakage(sample.road, sample.limits, wording("en")), sample.road
+    figure, road = over_the_log(sample), sample.road
     leakage, share = trace(figure, "leakage"), trace(figure, "share")
     assert np.nanmax(leakage.y) == pytest.approx(road.max_leakage.leakage * DM3_MIN, rel=1e-9, abs=0.0)
     assert np.nanmin(leakage.y) == pytest.approx(road.min_leakage.leakage * DM3_MIN, rel=1e-9, abs=0.0)
     assert np.nanmax(share.y) == pytest.approx(road.max_share.share * PERCENT, rel=1e-9, abs=0.0)
-    assert len({trace(figure, name).line.dash for name in ("leakage", "pump flow", "share")}) == 3
+    assert len({trace(figure, name).yaxis for name in ("leakage", "pump flow", "share")}) == 3
     sustained = road.extremes.max_share_sustained
     for instant, how in ((sustained, "sustained"), (road.max_share, "single sample")):
         marked = trace(figure, f"largest share, {how}, {instant.time:.2f} s")
@@ -104,7 +111,7 @@ def test_road_figure_shows_leakage_pump_and_share_with_their_extremes(sample: Di
 def test_a_log_without_engine_speed_shows_leakage_alone(four_speed, hipol, limits, log_of) -> None:
     log = log_of(np.arange(50.0), main_pressure=600e3, converter_pressure=300e3, atf_temperature=80.0, gear=2.0)
     diagnosis = diagnose(four_speed, hipol, limits, road_test=log)
-    figure = road_leakage(diagnosis.road, diagnosis.limits, wording("en"))
+    figure = over_the_log(diagnosis)
     assert {one.name for one in figure.data if one.mode == "lines"} == {"leakage"}
     assert all(one.error_x.array is None for one in figures.leakage_ranking(diagnosis).data)
 
@@ -122,8 +129,8 @@ def test_long_logs_are_thinned_and_keep_a_spike_of_one_sample(four_speed, hipol,
         gear=2.0,
     )
     diagnosis = diagnose(four_speed, hipol, limits, road_test=log)
-    assert all(len(one.x) <= 4000 for one in road_leakage(diagnosis.road, diagnosis.limits, wording("en")).data)
-    leakage = trace(road_leakage(diagnosis.road, diagnosis.limits, wording("en")), "leakage")
+    assert all(len(one.x) <= 4000 for one in over_the_log(diagnosis).data)
+    leakage = trace(over_the_log(diagnosis), "leakage")
     assert np.nanmax(leakage.y) == pytest.approx(np.nanmax(diagnosis.road.leakage) * DM3_MIN, rel=1e-9, abs=0.0)
     assert np.isclose(leakage.x, 312.34).any()
 

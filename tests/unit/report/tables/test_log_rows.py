@@ -1,6 +1,8 @@
-"""A log's values over a part and at both cursors, as a page lists them."""
+"""A log's values over a part, as a page lists them."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
@@ -8,26 +10,27 @@ from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.events import Event
 from atleak.measurements.road_test import RoadTest
-from atleak.report.tables.road_test import event_table, log_curves, short, value_rows, whole
+from atleak.report.tables.road_test import LaidOver, event_table, log_curves, short, value_rows, whole
 
 SAY = wording("en")
-RPM = {"engine_speed": ("rpm", lambda value: value * 60.0)}
 
 
-def rows_of(test: RoadTest, road=None, ends: tuple[float, float] = (0.0, 1e9)) -> dict[str, dict[str, str]]:
-    return {row["log_channel"]: row for row in value_rows(log_curves(test, road, RPM, SAY), ends, SAY)}
+def rows_of(test: RoadTest, **more: Any) -> dict[str, dict[str, str]]:
+    return {row["log_channel"]: row for row in value_rows(log_curves(test, SAY, **more), SAY)}
 
 
 def test_rows_hold_least_mean_and_largest_of_good_samples(worn: Diagnosis) -> None:
     road = worn.road
-    rows = rows_of(road.road_test, road)
+    rows = rows_of(road.road_test, road=road)
     speed = road.road_test.values("engine_speed") * 60.0
     row = rows["engine speed"]
     assert row["log_in"] == "rpm"
     assert [row[key] for key in ("log_least", "log_mean", "log_largest")] == [
         short(float(each), SAY) for each in (speed.min(), speed.mean(), speed.max())
     ]
-    assert rows["converter pressure"]["log_samples"] == whole(len(speed) - 20, SAY)  # the suspect stretch is left out
+    good = road.road_test.values("converter_pressure") / 1e3
+    assert np.isnan(good).sum() == 20  # the suspect stretch, which is left out
+    assert rows["converter pressure"]["log_mean"] == short(float(np.nanmean(good)), SAY)
     assert rows["leakage"]["log_largest"] == short(road.max_leakage.leakage * 6e4, SAY)
     assert rows["share"]["log_largest"] == short(float(np.nanmax(road.share)) * 100.0, SAY)
 
@@ -41,18 +44,12 @@ def test_a_channel_without_a_good_sample_has_no_row(worn: Diagnosis) -> None:
     assert "converter pressure" not in rows_of(part)
 
 
-def test_each_cursor_has_the_last_sample_before_it(log_of) -> None:
-    test = log_of(np.arange(5.0), engine_speed=np.array([10.0, 11.0, np.nan, 13.0, 14.0]))
-    row = rows_of(test, ends=(1.5, 3.0))["engine speed"]
-    assert (row["log_first"], row["log_second"]) == ("660", "780")
-    row = rows_of(test, ends=(-1.0, 2.5))["engine speed"]
-    assert (row["log_first"], row["log_second"]) == ("–", "–")  # before the first sample, and at a suspect one
-
-
 def test_a_second_log_is_named_beside_its_channels(log_of) -> None:
     test = log_of(np.arange(5.0), engine_speed=20.0)
-    (curve,) = log_curves(test, None, RPM, SAY, file="after.csv")
-    assert curve[0] == "engine speed, after.csv"
+    rows = rows_of(test, over=LaidOver(log_of(np.arange(5.0), engine_speed=21.0), 1.5))
+    assert [(name, row["log_mean"]) for name, row in rows.items()] == [
+        ("engine speed", whole(1200, SAY)), ("engine speed, own.csv", whole(1260, SAY)),
+    ]  # fmt: skip
 
 
 def test_counts_are_plain_numbers_with_their_thousands_parted() -> None:
