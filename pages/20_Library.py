@@ -6,6 +6,7 @@ from atleak.catalogue.entries import own_folder
 from atleak.report.charts.condition_figures import viscosity_curve
 from atleak.report.tables import catalogue as rows
 from pages.shared import (
+    casting_form,
     fields,
     gauge_study_form,
     panel,
@@ -49,6 +50,9 @@ def entry_of(kind: str) -> None:
         st.subheader(say("catalogue.viscosity"))
         show.chart(viscosity_curve(entry, say), "viscosity-curve")
         st.caption(say("catalogue.viscosity_caption"))
+    if kind == "controller":
+        with st.expander(say("casting.title")):
+            casting_form.draw(entry)
     for table in rows.TABLES[kind](entry, say):
         st.subheader(table.title or say(f"catalogue.{table.name}"))
         show.table(table)

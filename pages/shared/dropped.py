@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from atleak.analysis.record_doubts import check_decisions
 from atleak.catalogue.controller_file import written_toml
 from atleak.common.errors import AtleakError
+from atleak.common.pictures import printable_picture
 from atleak.job.case import SLOTS, SourceFile
 from atleak.job.kinds import FileKind, kind_of, slots_of
 from atleak.job.zip_file import parse_job
 from atleak.readers.controller_workbook import read_controller_workbook
-from atleak.report.pictures import printable_picture
 from pages.shared.cases import catalogue_entry, controller_of
 from pages.shared.state import Refusal, job, open_job, pick, put_file, put_job, remember, session
 from pages.shared.undo import Told

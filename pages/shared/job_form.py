@@ -16,8 +16,8 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.repairs import PUMP
 from atleak.catalogue.written_numbers import MEASURING_TEMPERATURE, PUMP_SIDE_CLEARANCE, PUMP_TIP_CLEARANCE
 from atleak.common.errors import InputError
+from atleak.common.pictures import printable_picture
 from atleak.measurements.job_card import PICTURE_SUFFIXES, Grade, Job, Record, RepairState
-from atleak.report.pictures import printable_picture
 from atleak.report.tables.names import component_words
 from pages.shared import drop_zone, fields, reader, show
 from pages.shared.state import RECORD, choose, job, job_generation, put_job, remember, session

@@ -5,7 +5,6 @@ from __future__ import annotations
 import secrets
 from dataclasses import dataclass, field, replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import streamlit as st
@@ -27,13 +26,7 @@ from pages.shared import book, fields, reader, show
 from pages.shared.cases import PageCase, controller_of, diagnosis_of, instruments_of, readings_of
 from pages.shared.state import new_job, put_file, remember, session
 
-_HERE = Path(__file__).parent
-_GRID = st.components.v2.component(
-    "atleak_measuring",
-    html=(_HERE / "measuring.html").read_text(encoding="utf-8"),
-    css=(_HERE / "measuring.css").read_text(encoding="utf-8"),
-    js=(_HERE / "measuring.js").read_text(encoding="utf-8"),
-)
+_GRID = show.component("measuring")
 _WORDS = (
     *("hint", "back", "next", "undo", "repeat", "kept", "under_way", "doubtful", "counts_not"),
     *("land", "clearance", "wear", "ovality", "verdict", "bench", "sheet", "last", "open"),

@@ -6,4 +6,10 @@ export default function ({ data, parentElement, setTriggerValue }) {
     const button = event.target.closest("[data-pair]")
     if (button) setTriggerValue("pair", button.dataset.pair)
   }
+  place.onkeydown = (event) => { // a bore on a photo is no button of HTML, which does this by itself
+    const bore = event.target.closest("g[data-pair]")
+    if (!bore || ![" ", "Enter"].includes(event.key)) return
+    event.preventDefault()
+    setTriggerValue("pair", bore.dataset.pair)
+  }
 }

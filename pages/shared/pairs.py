@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from html import escape
-from pathlib import Path
 from typing import Any
 
 import streamlit as st
 
+from atleak.catalogue.castings import load_casting
 from atleak.common.style import look_of
-from atleak.common.units import UM
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, begun
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.report.charts import land_figures as figures
+from atleak.report.charts.casting import casting_drawing
 from atleak.report.charts.drawing import component_svgs, on_dark, spool_svg
 from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.tables.clearances import budget_rows
@@ -25,23 +25,18 @@ from atleak.report.tables.lands import (
     OpenedLand,
     component_verdict,
     components_worst_first,
+    leader,
     opened_lands,
     pair_table,
 )
-from atleak.report.tables.names import component_words, has_number, land_number
+from atleak.report.tables.names import component_words, has_number
 from atleak.report.tables.sentences import fluid_in_state, land_in_words
-from atleak.report.tables.table import Column, Table, leveled, span
+from atleak.report.tables.table import Column, Table, leveled
 from pages.shared import address, conditions, fields, reader, show
 from pages.shared.state import job, session
 
 OPENED = "pair"  # the opened component's name in the address
-_HERE = Path(__file__).parent
-_HTML = st.components.v2.component(
-    "atleak_pairs",
-    html='<div class="pairs"></div>',
-    css=(_HERE / "pairs.css").read_text(encoding="utf-8"),
-    js=(_HERE / "pairs.js").read_text(encoding="utf-8"),
-)
+_HTML = show.component("pairs")
 
 
 def draw(diagnosis: Diagnosis) -> None:
@@ -58,27 +53,28 @@ def opened(diagnosis: Diagnosis) -> str | None:
 
 
 def picture(diagnosis: Diagnosis, say: Wording) -> None:
-    """Show every component as a button with its spool: flagged ones large, with their clearances; the rest folded."""
+    """Show what is flagged on the photo of the valve body, or as buttons with their spools; the rest folded."""
     verdicts: dict[tuple[str, int], str] = {land.key: land.verdict for land in diagnosis.lands}
     drawings = component_svgs(diagnosis.controller, verdicts)
-    by_verdict: dict[Verdict, list[str]] = {}
+    by_verdict: dict[Verdict, list[str]] = {}  # the buttons
     for name in components_worst_first(diagnosis):
-        by_verdict.setdefault(component_verdict(diagnosis, name), []).append(name)
-    flagged = "".join(
-        _button(diagnosis, name, verdict, drawings[name], say)
-        for verdict, names in by_verdict.items()
-        if verdict.flagged
-        for name in names
-    )
-    folds = ""
-    for verdict, names in by_verdict.items():
-        if not verdict.flagged:
-            buttons = "".join(_button(diagnosis, name, verdict, drawings[name], say) for name in names)
-            counted = escape(say(f"diagnosis.valves_{verdict}", count=len(names)))
-            head = f"<summary>{leveled(look_of(verdict).sign, verdict)} {counted}</summary>"
-            folds += f'<details>{head}<div class="grid">{buttons}</div></details>'
-    grid = f'<div class="grid worst">{flagged}</div>' if flagged else ""
-    mount(grid + folds, key="picture", pressed=opened(diagnosis), on_pair=_open)
+        verdict = component_verdict(diagnosis, name)
+        by_verdict.setdefault(verdict, []).append(_button(diagnosis, name, verdict, drawings[name], say))
+    flagged, folds = "", ""
+    for verdict, buttons in by_verdict.items():
+        if verdict.flagged:
+            flagged += "".join(buttons)
+            continue
+        counted = escape(say(f"diagnosis.valves_{verdict}", count=len(buttons)))
+        head = f"<summary>{leveled(look_of(verdict).sign, verdict)} {counted}</summary>"
+        folds += f'<details>{head}<div class="grid">{"".join(buttons)}</div></details>'
+    note = f"{say('casting.schematic')} {say('casting.photo_wanted')}"
+    shown = f'<div class="grid worst">{flagged}</div>{folds}<p>{escape(note)}</p>'
+    with show.refusing("casting"):
+        if casting := load_casting(diagnosis.controller.id):
+            shown = casting_drawing(casting, diagnosis, say, pressed=True).html + folds
+    show.refused("casting")
+    mount(shown, key="picture", pressed=opened(diagnosis), on_pair=_open)
 
 
 def _button(diagnosis: Diagnosis, name: str, verdict: Verdict, drawing: str, say: Wording) -> str:
@@ -86,23 +82,11 @@ def _button(diagnosis: Diagnosis, name: str, verdict: Verdict, drawing: str, say
     words = f"<small>{number}{escape(say.name(diagnosis.controller.components[name]))}</small>"
     flagged = [land for land in diagnosis.flagged if land.key[0] == name]
     leaders = "".join(
-        leveled(f"{look_of(land.verdict).sign} {_leader(diagnosis, land, say)}", land.verdict) for land in flagged
+        leveled(f"{look_of(land.verdict).sign} {leader(diagnosis, land, say)}", land.verdict) for land in flagged
     )
     return (
         f'<button data-pair="{escape(name)}" style="border-left-color:{look_of(verdict).screen}">{words}'
         f"{_themed(drawing)}{leaders or leveled(say.signed(verdict), verdict)}</button>"
-    )
-
-
-def _leader(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> str:
-    """Say how wide a land is and was: ``25/1: 57 µm, was 34``, or ``Land 3: …`` where components have no numbers."""
-    numbered = has_number(diagnosis.controller, land.key[0])
-    now, new = land.state.radial_clearance * UM, [end * UM for end in land.state.land.mounting_ends]
-    return say(
-        "diagnosis.leader",
-        land=land_number(diagnosis.controller, land.key, say) if numbered else say("diagnosis.land", land=land.key[1]),
-        now=say.quantity(now, "clearance", 0),
-        new=span(new, "clearance", say, 0),
     )
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache, partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -403,6 +404,13 @@ def _spanned(key: str, on_span: Callable[[float, float], None]) -> None:
     if boxes:
         ends = sorted(float(end) for end in boxes[-1]["x"])
         on_span(ends[0], ends[-1])
+
+
+def component(name: str) -> Callable[..., Any]:
+    """Return the component that the files of its name beside this one make."""
+    files = (Path(__file__).with_name(f"{name}.{kind}") for kind in ("html", "css", "js"))
+    html, css, js = (file.read_text(encoding="utf-8") for file in files)
+    return st.components.v2.component(f"atleak_{name}", html=html, css=css, js=js)
 
 
 def svg(drawing: str, label: str, columns: int = 0) -> None:

@@ -99,7 +99,8 @@ def draw_spools(step: str, found: Checked) -> None:
         else:
             rows = -(-len({land.component for land in controller.lands}) // _BESIDE)
             with st.container(height=min(rows * _ROW, _HIGHEST), border=False):
-                drawing = controller_svg(controller, columns=_BESIDE, title=say("transmission.lands_described"))
+                title, note = say("transmission.lands_described"), say("casting.schematic")
+                drawing = controller_svg(controller, columns=_BESIDE, title=title, note=note)
                 show.svg(drawing, say("transmission.every_spool"))
 
 

@@ -14,6 +14,7 @@ from atleak.catalogue.instruments import load_instrument
 from atleak.catalogue.limits import load_limits
 from atleak.common.damage import OWN_FAULT, damaged, own_line
 from atleak.common.errors import AtleakError, InputError
+from atleak.common.pictures import printable_picture
 from atleak.job.case import SourceFile, load_source
 from atleak.job.kinds import kind_of
 from atleak.job.photos import without_notes
@@ -30,7 +31,6 @@ from atleak.readers.remembered_columns import recall_all
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.typed_sheet import typed_in
 from atleak.report.json.diagnosis import diagnosis_record
-from atleak.report.pictures import printable_picture
 from tests.effort import in_time, most_calls
 
 CALLS = 10_000_000

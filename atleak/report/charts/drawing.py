@@ -59,6 +59,7 @@ def controller_svg(
     only: Collection[str] = (),
     named: Callable[[str], str] = str,
     letters: float = 1.0,
+    note: str = "",
 ) -> str:
     """Draw every component that has lands, each land in the shade and with the sign of its verdict.
 
@@ -78,6 +79,8 @@ def controller_svg(
         writes a component's name in the reader's language.
     letters
         size of the words against the usual one.
+    note
+        stands below the drawing.
     """
     components = [name for name in controller.components if controller.lands_of(name)]
     if only:
@@ -95,10 +98,13 @@ def controller_svg(
     longest = max(_length(controller.lands_of(name)) for name in components)
     thickest = max(land.nominal_diameter for land in controller.lands) * MM
     scale = _scale(cell - 32.0, longest, 36.0, thickest)
-    parts = [svg_head(_WIDTH, rows * row, title or controller.name)]
+    tall = rows * row + (_LINE * letters + 8.0 if note else 0.0)
+    parts = [svg_head(_WIDTH, tall, title or controller.name)]
     for number, name in enumerate(components):
         x, y = (number % columns) * cell, (number // columns) * row
         parts.append(_component(controller.lands_of(name), titles[name], verdicts or {}, (x, y, cell, row), scale))
+    if note:
+        parts.append(svg_text(4.0, tall - 6.0, note, 11.5 * letters, anchor="start"))
     return "".join((*parts, "</svg>"))
 
 
@@ -402,18 +408,20 @@ def _syllable(word: str, most: int) -> int:
     return max((at for at in begins if _LEAST <= at <= min(most, len(word.rstrip()) - _LEAST - 1)), default=most)
 
 
-def svg_head(width: float, height: float, title: str) -> str:
+def svg_head(width: float, height: float, title: str, role: str = "img") -> str:
     """Return the beginning of a drawing; ``title`` is read by a screen reader."""
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" width="{width:g}" '
-        f'height="{height:g}" role="img"><title>{escape(title)}</title>'
+        f'height="{height:g}" role="{role}"><title>{escape(title)}</title>'
     )
 
 
-def svg_text(x: float, y: float, text: str, size: float, *, bold: bool = False, anchor: str = "middle") -> str:
+def svg_text(
+    x: float, y: float, text: str, size: float, *, bold: bool = False, anchor: str = "middle", ink: str = PAPER_INKS.ink
+) -> str:
     """Return a line of text at a point."""
     weight = ' font-weight="bold"' if bold else ""
     return (
-        f'<text x="{x:.1f}" y="{y:.1f}" font-family="{FONT}" font-size="{size:g}" fill="{PAPER_INKS.ink}" '
+        f'<text x="{x:.1f}" y="{y:.1f}" font-family="{FONT}" font-size="{size:g}" fill="{ink}" '
         f'text-anchor="{anchor}"{weight}>{escape(text)}</text>'
     )

@@ -12,6 +12,7 @@ from typing import Any
 
 from atleak.analysis.estimate import Line
 from atleak.analysis.record_doubts import components_of, record_doubts
+from atleak.catalogue.castings import load_casting
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.catalogue.words import PART_WORDS
@@ -26,6 +27,7 @@ from atleak.diagnosis.gauge_check import CheckedReading
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.profile import UNKNOWN
 from atleak.measurements.job_card import RepairDecision, Scratch
+from atleak.report.charts.casting import casting_drawing
 from atleak.report.charts.chart import LayerOf, RowChart, layers_of
 from atleak.report.charts.drawing import controller_svg, shortened
 from atleak.report.charts.paper import drawn_on_paper as printed_chart
@@ -210,7 +212,15 @@ class Body(PrintedPart):
         valves = {land.component for land in diagnosis.controller.lands}
         columns, letters = picture_look(len(valves))
         verdicts = {land.key: land.verdict for land in diagnosis.lands}
-        drawn = controller_svg(diagnosis.controller, verdicts, columns=columns, named=say.name, letters=letters)
+        casting = load_casting(diagnosis.controller.id)
+        drawings = [] if casting is None else [casting_drawing(casting, diagnosis, say).svg]
+        unmarked = valves.difference(() if casting is None else casting.marks)
+        if unmarked:
+            only, named, note = () if casting is None else unmarked, say.name, say("casting.schematic")
+            drawn = controller_svg(
+                diagnosis.controller, verdicts, columns=columns, letters=letters, named=named, only=only, note=note
+            )
+            drawings.append(drawn)
         counts = Counter(verdicts.values())
         open_ = [land.state for land in diagnosis.lands if land.verdict is Verdict.NOT_MEASURED]
         beside = {
@@ -223,8 +233,11 @@ class Body(PrintedPart):
         ]
         legend += [[Verdict.NOT_MEASURED, say(f"charts.{key}", count=count)] for key, count in beside.items() if count]
         alt = say("charts.picture_alt", components=len(valves), flagged=said)
-        caption = say("charts.caption_picture", counts=joined(text for _, text in legend))
-        yield {**picture(drawn, alt, caption), "legend": legend}
+        *before, last = drawings
+        yield from (picture(drawn, say("casting.alt"), "") for drawn in before)
+        about = "charts.caption_picture" if unmarked else "casting.caption"
+        caption = say(about, counts=joined(text for _, text in legend))
+        yield {**picture(last, alt, caption), "legend": legend}
 
     def _flagged(self) -> Iterable[Block]:
         say, flagged = self.say, self.diagnosis.flagged

@@ -17,6 +17,7 @@ from atleak.analysis.estimate import Line
 from atleak.analysis.pressures import lowest_first, pressures_at
 from atleak.analysis.record_doubts import components_of, needless_work
 from atleak.analysis.repair.totals import Total
+from atleak.catalogue.castings import load_casting
 from atleak.common.units import KPA, PERCENT
 from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import begun, isolated
@@ -25,6 +26,7 @@ from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.missing import Cause
 from atleak.engine.operation import LINE
 from atleak.measurements.job_card import RepairDecision
+from atleak.report.charts.casting import casting_drawing
 from atleak.report.charts.drawing import controller_svg, shortened
 from atleak.report.pdf.blocks import Block, joined, listed, signatures
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
@@ -40,6 +42,7 @@ _NAMED = 4  # valves that a sentence names
 FELT = 2  # complaints, and ways of the oil, that are named for one valve
 _ROW = 6  # valves that are drawn, beside one another
 _ABREAST = 4  # for which there is room beside one another at the least, so that few are not drawn larger
+_ON_SCREEN = 3  # valves beside one another: a phone is narrow
 _LETTERS = 1.6  # against those of the drawing of all valves
 _DIGITS = 3  # decimals of a share at the most
 
@@ -427,20 +430,29 @@ class CustomerPage(PrintedPart):
         values = {"before": before, "after": after, "circuit": self._pressure(held), "condition": condition}
         return Judged(say("customer.alone_pressure", **values), rule.verdict)
 
-    def drawing(self, abreast: int = _ROW) -> Block | None:
-        """Return the drawing of the valves that have reached a limit, so many in a row; None where none has."""
+    def drawing(self, *, on_screen: bool = False) -> Block | None:
+        """Return the photo of the valve body with the valves that have reached a limit, or a schematic of these.
+
+        It is None where none has; ``on_screen`` it is HTML, and a schematic is narrow.
+        """
         if not self.valves:
             return None
         drawn = [each.component for each in self.valves[:_ROW]]
+        alt = self.say("customer.drawing_alt", valves=joined(map(self._valve, drawn)))
+        if (casting := load_casting(self.diagnosis.controller.id)) is not None:
+            urgent = {each.component: each.urgency for each in self.valves}
+            photo = casting_drawing(casting, self.diagnosis, self.say, verdicts=urgent)
+            return {"svg": photo.html if on_screen else photo.svg, "alt": alt}
         svg = controller_svg(
             self.diagnosis.controller,
             {land.key: self.diagnosis.urgency_of(land) for each in self.valves for land in each.lands},
-            columns=min(max(len(drawn), _ABREAST), abreast),
+            columns=_ON_SCREEN if on_screen else max(len(drawn), _ABREAST),
             only=drawn,
             named=self.say.name,
             letters=_LETTERS,
+            note=self.say("casting.schematic"),
         )
-        return {"svg": svg, "alt": self.say("customer.drawing_alt", valves=joined(map(self._valve, drawn)))}
+        return {"svg": svg, "alt": alt}
 
     # --- what to do
 

@@ -21,7 +21,6 @@ from atleak.report.pdf.customer import CustomerPage, can_be_agreed_to
 from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
 
 _ASKED = None, "proposed", "approved", "declined", "deferred"  # states that a customer may still change
-_ABREAST = 3  # valves that are drawn beside one another: a phone is narrow
 
 
 def customer_screen(
@@ -75,7 +74,7 @@ class _Screen(PrintedPart):
             "look": {"sign": look.sign, "tint": look.tint, "words": look.on_tint, "line": look.line},
             "headline": said["headline"],
             "urgency": " ".join(said["urgency"]),
-            "picture": page.drawing(_ABREAST),
+            "picture": page.drawing(on_screen=True),
             "sentence": self._sentence(page),
             "bars": [*self._bars()],
             "bars_at": self.say("customer_screen.bars", condition=self.say.condition(self.worst.condition)),

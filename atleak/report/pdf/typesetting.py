@@ -20,6 +20,7 @@ from typing import Any
 import typst
 from PIL import Image, ImageColor
 
+from atleak.common.pictures import printable_picture
 from atleak.common.seals import KEYWORD
 from atleak.common.style import LOOKS, PAPER_INKS, SHEET_OF_PAPER, Paper, find_paper
 from atleak.common.verdicts import VERDICTS, Verdict
@@ -27,7 +28,6 @@ from atleak.common.wording import Wording
 from atleak.measurements.job_card import Job, clean_text
 from atleak.report.charts.drawing import shortened
 from atleak.report.pdf.blocks import joined
-from atleak.report.pictures import write_pictures
 from atleak.report.printed_fonts import BOX_FONT, FONTS, OWN_FONT, OwnFont, box_font, characters_of
 from atleak.version import __version__
 
@@ -48,6 +48,16 @@ class Drawing:
     width: float
     height: float
     ground: str = SHEET_OF_PAPER
+
+
+def write_pictures(job: Job, folder: Path) -> dict[str, str]:
+    """Write the job's pictures beside the template, upright and no larger than they are printed; return their files."""
+    files = {}
+    for number, (name, content) in enumerate(job.pictures.items()):
+        suffix, content = printable_picture(name, content)
+        files[name] = f"picture{number}.{suffix}"
+        (folder / files[name]).write_bytes(content)
+    return files
 
 
 @cache

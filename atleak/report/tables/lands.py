@@ -20,6 +20,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.engine.projection import Projection
+from atleak.report.tables.names import has_number, land_number
 from atleak.report.tables.sentences import (
     consequence_words,
     decision_words,
@@ -318,6 +319,18 @@ def component_verdict(diagnosis: Diagnosis, component: str) -> Verdict:
     if flagged or all(level == Verdict.OK for level in levels):
         return worst(levels)
     return Verdict.NOT_MEASURED
+
+
+def leader(diagnosis: Diagnosis, land: LandDiagnosis, say: Wording) -> str:
+    """Say how wide a land is and was: ``25/1: 57 µm, was 34``, or ``Land 3: …`` where components have no numbers."""
+    numbered = has_number(diagnosis.controller, land.key[0])
+    now, new = land.state.radial_clearance * UM, [end * UM for end in land.state.land.mounting_ends]
+    return say(
+        "diagnosis.leader",
+        land=land_number(diagnosis.controller, land.key, say) if numbered else say("diagnosis.land", land=land.key[1]),
+        now=say.quantity(now, "clearance", 0),
+        new=span(new, "clearance", say, 0),
+    )
 
 
 def components_worst_first(diagnosis: Diagnosis) -> list[str]:

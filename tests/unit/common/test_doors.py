@@ -11,6 +11,7 @@ from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.entries import Shelf, read_tables
 from atleak.common.damage import DAMAGE, own_errors_only
 from atleak.common.errors import CatalogueError, DomainError, InputError, ReadingsError, RoadTestError
+from atleak.common.pictures import printable_picture
 from atleak.common.sentences import Sentence
 from atleak.equations.clearance import radial_clearance
 from atleak.job.case import Case
@@ -25,7 +26,6 @@ from atleak.readers.gauges.value_table import read_flow_table
 from atleak.readers.logs import log_columns, understand
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.typed_sheet import typed_in
-from atleak.report.pictures import printable_picture
 
 DOORS = (
     *(read_readings, read_pressure_table, read_vacuum_table, read_flow_table, read_study),

@@ -21,6 +21,7 @@ from atleak.analysis.repair.plan import plan_repairs
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
 from atleak.common.errors import InputError
+from atleak.common.pictures import printable_picture
 from atleak.common.style import look_of
 from atleak.common.translations import languages
 from atleak.common.wording import wording
@@ -31,7 +32,6 @@ from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.measurements.job_card import Job
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import PDF_SECTIONS
-from atleak.report.pictures import printable_picture
 from atleak.report.tables.first_sentence import lands_part
 from atleak.report.tables.lands import leaking_worst_first
 from tests.unit.report.read_back import is_archival, pages_of, squeezed, text_of

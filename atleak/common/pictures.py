@@ -1,30 +1,18 @@
-"""Pictures of a job, made ready for printing."""
+"""Make a photo ready to be printed and kept: upright, no larger than needed, without what the camera notes in it."""
 
 from __future__ import annotations
 
 import io
 import warnings
-from pathlib import Path
 
 from PIL import Image, ImageOps
 
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import InputError
 from atleak.common.sentences import Sentence
-from atleak.measurements.job_card import Job
 
 _PHOTO_PIXELS = 1400  # of the longer side: enough to be sharp at the printed size
 _PICTURE_LIMIT = 80_000_000  # a picture with more pixels is not opened
-
-
-def write_pictures(job: Job, folder: Path) -> dict[str, str]:
-    """Write the job's pictures beside the template, upright and no larger than they are printed; return their files."""
-    files = {}
-    for number, (name, content) in enumerate(job.pictures.items()):
-        suffix, content = printable_picture(name, content)
-        files[name] = f"picture{number}.{suffix}"
-        (folder / files[name]).write_bytes(content)
-    return files
 
 
 @own_errors_only(InputError, "name")
@@ -51,7 +39,7 @@ def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
             if transparent:
                 picture.convert("RGBA").save(target, "PNG")
                 return "png", target.getvalue()
-            picture.convert("RGB").save(target, "JPEG", quality=85)
+            picture.convert("RGB").save(target, "JPEG", quality=85, comment="")
             return "jpg", target.getvalue()
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
         expected = Sentence("a sound PNG, JPEG or WebP file")
