@@ -22,11 +22,11 @@ from atleak.report.tables.lands import component_verdict, components_worst_first
 from atleak.report.tables.names import component_words, has_number
 from atleak.report.tables.table import leveled
 
-_WIDE, _HIGH = 400.0, 440.0  # the photo, at the most
-_BESIDE = 152.0  # from the photo to the edge of the drawing, on both sides
-_LABEL = 140.0  # width of a label
+_WIDTH, _LABEL = 704.0, 140.0  # of the drawing and of a label: letters have one size, however wide the photo is
+_WIDE, _HIGH = 400.0, 360.0  # the photo, at the most
 _APART = 6.0  # between labels
 _LETTERS, _LINE, _EDGE = 14.0, 17.5, 5.0
+_ABREAST = int(_WIDTH // (_LABEL + _APART))  # labels of bores without a mark
 _SIGNS = 15  # characters in a line of a label
 _DISC, _DOT, _HIT = 9.0, 4.0, 14.0  # radii on the photo: of what is flagged, of the rest, and of what a press hits
 _NUMBER = 13.0  # size of the numbers on the photo
@@ -89,15 +89,14 @@ def casting_drawing(
     """
     scale = min(_WIDE / casting.width, _HIGH / casting.height)
     width, height = scale * casting.width, scale * casting.height
-    whole = width + 2.0 * _BESIDE
     bores = list(_bores(diagnosis, casting, say, verdicts or {}))
     flagged = [bore for bore in bores if bore.said]
     sides = _sides([bore for bore in flagged if bore.mark], height)
     tall = max(height, *map(_stacked, sides))
-    left, top = _BESIDE, (tall - height) / 2.0
+    left, top = (_WIDTH - width) / 2.0, (tall - height) / 2.0
     points = {bore.component: (left + bore.mark[0] * width, top + bore.mark[1] * height) for bore in bores if bore.mark}
     labels: dict[str, _Point] = {}
-    for side, x in zip(sides, (1.0, whole - _LABEL - 1.0), strict=True):
+    for side, x in zip(sides, (1.0, _WIDTH - _LABEL - 1.0), strict=True):
         tops = _tops([(points[bore.component][1], bore.high) for bore in side], tall)
         labels |= {bore.component: (x, y) for bore, y in zip(side, tops, strict=True)}
     parts = [
@@ -108,9 +107,8 @@ def casting_drawing(
         tall += 2.0 * _LINE
         heading = say("casting.unmarked")
         parts.append(svg_text(0.0, tall - _APART, heading, _LETTERS, anchor="start", ink="currentColor"))
-        abreast = int(whole // (_LABEL + _APART))
-        for first in range(0, len(unmarked), abreast):
-            row = unmarked[first : first + abreast]
+        for first in range(0, len(unmarked), _ABREAST):
+            row = unmarked[first : first + _ABREAST]
             labels |= {bore.component: (1.0 + number * (_LABEL + _APART), tall) for number, bore in enumerate(row)}
             tall += max(bore.high for bore in row) + _APART
     taken: list[_Box] = [(x - _DISC, y - _DISC, x + _DISC, y + _DISC) for x, y in points.values()]
@@ -122,8 +120,8 @@ def casting_drawing(
         words = escape(", ".join((bore.name, say.signed(bore.verdict), *bore.said)))
         if drawn:
             parts.append(f'<g{press} aria-label="{words}"><title>{words}</title>{drawn}</g>')
-    svg = "".join((svg_head(whole, tall, say("casting.alt"), "group" if pressed else "img"), *parts, "</svg>"))
-    shown = f"--shape: {width:.1f} / {height:.1f}; --width: {whole / width:.2%}; --left: {-left / width:.2%}; "
+    svg = "".join((svg_head(_WIDTH, tall, say("casting.alt"), "group" if pressed else "img"), *parts, "</svg>"))
+    shown = f"--shape: {width:.1f} / {height:.1f}; --width: {_WIDTH / width:.2%}; --left: {-left / width:.2%}; "
     photo = f'<div class="photo" style="{shown}--top: {-top / height:.2%}">{svg}</div>'
     below = "".join(_below(bore, pressed) for bore in flagged)
     style = f"<style>{_STYLE.read_text(encoding='utf-8')}</style>"

@@ -106,7 +106,7 @@ class CustomerPage(PrintedPart):
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in _LENGTHS]},
             "found": {"title": say("customer.found"), "texts": [found[: each.sentences] for each in _LENGTHS]},
             "valves": self._valves(),
-            "drawing": self.drawing(),
+            "drawings": self.drawings(),
             "do": {"title": say("customer.do"), "texts": [" ".join(do[: each.sentences]) for each in _LENGTHS]},
             "cost": self._cost(),
             "signatures": self._signatures() if self.signed else None,
@@ -430,19 +430,16 @@ class CustomerPage(PrintedPart):
         values = {"before": before, "after": after, "circuit": self._pressure(held), "condition": condition}
         return Judged(say("customer.alone_pressure", **values), rule.verdict)
 
-    def drawing(self, *, on_screen: bool = False) -> Block | None:
-        """Return the photo of the valve body with the valves that have reached a limit, or a schematic of these.
+    def drawings(self, *, on_screen: bool = False) -> list[Block]:
+        """Return the drawings of the valves that have reached a limit, the best first: on the photo, and a schematic.
 
-        It is None where none has; ``on_screen`` it is HTML, and a schematic is narrow.
+        Each states how small it may become, and for how many of the lengths it stands. ``on_screen`` the photo is HTML,
+        and the schematic narrow.
         """
         if not self.valves:
-            return None
+            return []
         drawn = [each.component for each in self.valves[:_ROW]]
         alt = self.say("customer.drawing_alt", valves=joined(map(self._valve, drawn)))
-        if (casting := load_casting(self.diagnosis.controller.id)) is not None:
-            urgent = {each.component: each.urgency for each in self.valves}
-            photo = casting_drawing(casting, self.diagnosis, self.say, verdicts=urgent)
-            return {"svg": photo.html if on_screen else photo.svg, "alt": alt}
         svg = controller_svg(
             self.diagnosis.controller,
             {land.key: self.diagnosis.urgency_of(land) for each in self.valves for land in each.lands},
@@ -452,7 +449,15 @@ class CustomerPage(PrintedPart):
             letters=_LETTERS,
             note=self.say("casting.schematic"),
         )
-        return {"svg": svg, "alt": alt}
+        schematic = {"svg": svg, "alt": alt, "least": 0.8, "lengths": len(_LENGTHS)}
+        casting = load_casting(self.diagnosis.controller.id)
+        if casting is None:
+            return [schematic]
+        urgent = {each.component: each.urgency for each in self.valves}
+        photo = casting_drawing(casting, self.diagnosis, self.say, verdicts=urgent)
+        enough = next(number for number, each in enumerate(_LENGTHS) if not each.sentences)  # what to do is said
+        shown = photo.html if on_screen else photo.svg
+        return [{"svg": shown, "alt": alt, "least": 0.6, "lengths": enough}, schematic]
 
     # --- what to do
 

@@ -74,7 +74,7 @@ class _Screen(PrintedPart):
             "look": {"sign": look.sign, "tint": look.tint, "words": look.on_tint, "line": look.line},
             "headline": said["headline"],
             "urgency": " ".join(said["urgency"]),
-            "picture": page.drawing(on_screen=True),
+            "picture": next(iter(page.drawings(on_screen=True)), None),
             "sentence": self._sentence(page),
             "bars": [*self._bars()],
             "bars_at": self.say("customer_screen.bars", condition=self.say.condition(self.worst.condition)),
