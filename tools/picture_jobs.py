@@ -12,8 +12,10 @@ import random
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.fleet.folder import note
@@ -26,7 +28,7 @@ from atleak.job_book.book import open_book
 from atleak.job_book.tables import jobs, results
 from atleak.measurements.clearances import clearances
 from atleak.measurements.job_card import Job, RepairDecision, Transmission, Vehicle
-from atleak.measurements.readings import Reading
+from atleak.measurements.readings import Reading, Readings
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.sheets.measuring_sheet import write_readings
 
@@ -53,14 +55,19 @@ def sample_case(content: bytes | None = None, name: str = FOUR_SPEED, **more: ob
     return Case(**{"readings": sheet, "road_test": log, "remember": False, **more})  # type: ignore[arg-type]
 
 
+@cache
+def _four_speed() -> tuple[Controller, Readings]:
+    controller = load_controller("four_speed_2023")
+    return controller, read_readings(SAMPLE_DATA / FOUR_SPEED, controller)
+
+
 def sheet_with(mileage: float, changed: Callable[[Key, float, float], float]) -> bytes:
     """Return the four-speed's sample sheet with other bores, measured at a mileage [km].
 
     ``changed`` gets a land's key, its radial clearance as measured and that when new [m], and returns the clearance
     that the sheet shall have.
     """
-    controller = load_controller("four_speed_2023")
-    read = read_readings(SAMPLE_DATA / FOUR_SPEED, controller)
+    controller, read = _four_speed()
     wider: dict[tuple[str, str], float] = {}
     for state in clearances(read, controller):
         measured = state.radial_clearance

@@ -56,7 +56,8 @@ WORN = 1.5  # times as measured, of what is tried
 COLOURS = 256  # of a picture
 LARGEST = 150_000  # bytes
 START = 180.0  # [s] until the server must answer
-SOON = 90_000  # [ms] until the page must show what was asked of it
+SOON = 60_000  # [ms] until the page must show what was asked of it
+REST = 300  # [ms] in which a page that is at rest stays the same
 SIZE_APART, SEEN_AT, MEAN_APART = 0.04, 160, 1.5
 DOT_APART, DOTS_APART = 48, 0.005
 
@@ -292,7 +293,7 @@ def taken(browser: Browser, dashboard: Dashboard, shot: Shot) -> Image.Image:
         page = context.new_page()
         address = re.sub(r"\{(.*?)\}", lambda found: dashboard.jobs[found[1]], shot.address)
         page.goto(f"{dashboard.address}/{address}")
-        page.get_by_text(re.compile("job book", re.IGNORECASE)).first.wait_for()
+        page.get_by_text(re.compile("job book", re.IGNORECASE)).first.wait_for(state="attached")  # hidden on a phone
         idle(page)
         shown = shot.part(page)
         page.mouse.move(0, 0)
@@ -304,14 +305,14 @@ def taken(browser: Browser, dashboard: Dashboard, shot: Shot) -> Image.Image:
 
 
 def _at_rest(page: Page, shown: Part) -> Image.Image:
-    """Return the picture as soon as it stays the same for a second."""
+    """Return the picture as soon as it stays the same for a moment."""
     limit, last = time.monotonic() + SOON / 1000, b""
     while time.monotonic() < limit:
         now = page.screenshot(animations="disabled", caret="hide")
         if now == last:
             return Image.open(io.BytesIO(now)).convert("RGB").crop(tuple(map(round, shown.frame(page))))
         last = now
-        page.wait_for_timeout(1000)
+        page.wait_for_timeout(REST)
         idle(page)
     raise Error("the page does not come to rest")
 
