@@ -12,6 +12,7 @@ from streamlit.components.v2 import manifest_scanner
 from streamlit.testing.v1 import AppTest
 
 from atleak.common import memory
+from pages.shared import book
 
 ROOT = Path(__file__).resolve().parents[3]
 PARTS = {  # of the pages that have some, as their addresses name them; a diagnosis is shown with none open, too
@@ -38,6 +39,13 @@ def no_collection_after_a_visit() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(memory, "_collect", lambda: None)
         yield
+
+
+@pytest.fixture(autouse=True)
+def nothing_saved(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let no change be saved to the job book, which takes as long as a change itself, but where a test marks that."""
+    if request.node.get_closest_marker("saved") is None:
+        monkeypatch.setattr(book, "_save", lambda *_: None)
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from pages.shared import customer
 from tests.unit.own_loop import awaited
 from tests.unit.pages.conftest import go, press, texts
 
-pytestmark = pytest.mark.page("5_Plan")
+pytestmark = [pytest.mark.page("5_Plan"), pytest.mark.saved]
 SERVED = Starlette(routes=[Route("/customer/{token}", customer.screen, methods=["GET", "POST"])])
 
 

@@ -20,7 +20,7 @@ from pages.shared.show import named
 from pages.shared.state import InBook
 from tests.unit.pages.conftest import go, number, press, texts, uploader
 
-pytestmark = pytest.mark.page("1_Job")
+pytestmark = [pytest.mark.page("1_Job"), pytest.mark.saved]
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ from tests.unit.pages.conftest import go, texts, uploader
 from tests.unit.pages.test_in_book import field
 from tests.unit.pages.test_job_book_page import small_job
 
-pytestmark = pytest.mark.page("1_Job")
+pytestmark = [pytest.mark.page("1_Job"), pytest.mark.saved]
 SHEET = b"component;part;plane;direction;diameter [mm]\n8;spool;1;0;10.000\n8;sleeve;1;0;10.120\n"
 LISTS = st.lists(st.sampled_from("abcdef"), unique=True, max_size=4).map(tuple)
 
