@@ -38,6 +38,12 @@ def first_of(values: Iterable[Any]) -> list[Any]:
     return [pytest.param(*first), *(pytest.param(*each, marks=pytest.mark.slow) for each in others)]
 
 
+def by_turns(*values: Iterable[Any]) -> list[tuple[Any, ...]]:
+    """The values of several parameters: all of each, those of the shorter ones by turns, not each with each."""
+    lists = [[*each] for each in values]
+    return [tuple(each[turn % len(each)] for each in lists) for turn in range(max(map(len, lists)))]
+
+
 @pytest.fixture(scope="session", autouse=True)
 def borders_as_written() -> Iterator[None]:
     """Let openpyxl load merged cells without making their borders anew: most of its time on a measuring sheet."""

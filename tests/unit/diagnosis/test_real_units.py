@@ -24,6 +24,7 @@ from atleak.engine.profile import PROFILES, Profile
 from atleak.engine.projection import project, project_unworn
 from atleak.measurements.clearances import clearances
 from atleak.measurements.readings import Readings
+from tests.unit.conftest import by_turns
 
 Build = Callable[..., Readings]
 UM = 1e-6
@@ -39,10 +40,10 @@ def known_by_range() -> Controller:
 UNITS = {each.id: each for each in (*controllers(), known_by_range())}
 IN_EVERY_ROUND = ("four_speed_2023", "five_speed_2005", "minimal_example", "known_by_range")
 every_unit = pytest.mark.parametrize(  # test_units_with_circuits judges all of them without the draws
-    "controller",
+    ("controller", "profile"),
     [
-        pytest.param(unit, id=name, marks=() if name in IN_EVERY_ROUND else pytest.mark.slow)
-        for name, unit in UNITS.items()
+        pytest.param(unit, profile, id=unit.id, marks=() if unit.id in IN_EVERY_ROUND else pytest.mark.slow)
+        for unit, profile in by_turns(UNITS.values(), PROFILES.values())
     ],
 )
 
@@ -57,7 +58,6 @@ def widened(controller: Controller, times: float, readings_of: Build) -> Reading
 
 
 @every_unit
-@pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
 def test_a_new_unit_is_green_at_every_operating_point(
     controller: Controller, profile: Profile, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:
@@ -69,7 +69,6 @@ def test_a_new_unit_is_green_at_every_operating_point(
 
 
 @every_unit
-@pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
 def test_no_fluid_makes_a_new_unit_worn(
     controller: Controller, profile: Profile, limits: Limits, readings_of: Build
 ) -> None:

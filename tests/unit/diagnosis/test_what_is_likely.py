@@ -28,7 +28,7 @@ from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.pdf import write_pdf
 from atleak.report.tables.first_sentence import first_sentence
 from atleak.report.terminal import print_diagnosis
-from tests.unit.conftest import first_of
+from tests.unit.conftest import by_turns, first_of
 
 Build = Callable[..., Readings]
 UM, KPA = 1e-6, 1e3
@@ -187,8 +187,9 @@ def test_every_part_of_a_result_has_the_level_that_is_likely(
     )
 
 
-@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("unit", first_of(controllers()), ids=lambda unit: unit.id)
+@pytest.mark.parametrize(
+    ("unit", "seed"), first_of(by_turns(controllers(), (1, 2, 3))), ids=lambda each: getattr(each, "id", each)
+)
 def test_a_new_unit_read_with_noise_is_green(
     unit: Controller, seed: int, hipol: Fluid, limits: Limits, readings_of: Build
 ) -> None:

@@ -40,6 +40,7 @@ from atleak.readers.typed_sheet import Typed, written_sheet
 from atleak.report.sheets.gauge_study_form import STUDY_HEADER, write_study_form
 from atleak.report.sheets.measuring_columns import FormColumn
 from atleak.report.sheets.measuring_sheet import write_readings, write_template
+from tests.unit.conftest import by_turns
 
 HEADER = 7  # row of the headings as a spreadsheet counts
 EVERY = [(language, units) for language in languages() for units in SYSTEMS]
@@ -142,14 +143,13 @@ def test_a_measuring_sheet_is_read_without_a_guess(unit: Controller, language: s
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["xlsx", "ods", "csv"])
-@pytest.mark.parametrize(("language", "units"), EVERY)
+@pytest.mark.parametrize(("form", "kind"), by_turns(EVERY, ("xlsx", "ods", "csv")))
 def test_a_measuring_sheet_that_libreoffice_saved_is_read_without_a_guess(
-    unit: Controller, language: str, units: str, kind: str, tmp_path: Path, convert: Any, no_guess: None
+    unit: Controller, form: tuple[str, str], kind: str, tmp_path: Path, convert: Any, no_guess: None
 ) -> None:
     folder = tmp_path / "in"
     folder.mkdir()
-    (folder / "sheet.xlsx").write_bytes(filled_in(unit, language, units))
+    (folder / "sheet.xlsx").write_bytes(filled_in(unit, *form))
     if kind == "xlsx":
         convert(folder / "sheet.xlsx", "ods")
         (folder / "sheet.xlsx").unlink()
@@ -374,12 +374,11 @@ def as_csv(data: bytes, delimiter: str = ",", decimal: str = ".") -> str:
 
 
 @pytest.mark.usefixtures("no_guess")
-@pytest.mark.parametrize(("delimiter", "decimal"), [(",", "."), (";", ","), ("\t", ","), (",", ",")])
-@pytest.mark.parametrize(("language", "units"), EVERY)
+@pytest.mark.parametrize(("form", "text"), by_turns(EVERY, [(",", "."), (";", ","), ("\t", ","), (",", ",")]))
 def test_a_form_saved_as_text_is_read_without_a_guess(
-    unit: Controller, language: str, units: str, delimiter: str, decimal: str
+    unit: Controller, form: tuple[str, str], text: tuple[str, str]
 ) -> None:
-    data = as_csv(filled_in(unit, language, units), delimiter, decimal).encode("utf-8-sig")
+    data = as_csv(filled_in(unit, *form), *text).encode("utf-8-sig")
     assert_same(read_readings(data, unit), unit, tabs=False)
     assert table_kind(data, unit) == TableKind.READINGS
 

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
-from itertools import pairwise, product
+from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
@@ -195,10 +195,10 @@ def check(pages: Pages, language: str, paper: str) -> None:
 
 
 QUICK = [("four_speed", "en", "a4", LONG)]
-ALL = [  # every unit in every language on every paper, with long names and with short ones by turns
-    (unit, language, paper, (LONG, SHORT)[(turn + number) % 2])
+ALL = [  # every unit in every language, every language on every paper; long names and short ones by turns
+    (unit, language, [*PAPERS][(turn + number) % len(PAPERS)], (LONG, SHORT)[number % 2])
     for turn, unit in enumerate(("four_speed", "gm_4l60e"))
-    for number, (language, paper) in enumerate(product(languages(), PAPERS))
+    for number, language in enumerate(languages())
 ]
 SLOW = [pytest.param(*each, marks=pytest.mark.slow) for each in ALL if each not in QUICK]
 

@@ -17,6 +17,7 @@ from atleak.catalogue.workbook.cells import Units
 from atleak.catalogue.workbook.sheets import SHEETS
 from atleak.readers.controller_workbook import read_controller_workbook
 from atleak.report.sheets.controller_workbook import write_controller_workbook
+from tests.unit.conftest import by_turns
 
 Tables = Callable[[str], dict[str, Any]]
 
@@ -69,15 +70,14 @@ def test_every_key_of_a_file_has_its_column() -> None:
 
 
 MM, INCH = Units(), Units("inch", "diametral", "psi")
-QUICK = {("three_circuits", MM), ("five_speed_2005", INCH)}
+QUICK = {("three_circuits", MM), ("four_speed_2023", INCH)}
 
 
 @pytest.mark.parametrize(
     ("name", "units"),
     [
         pytest.param(name, units, marks=() if (name, units) in QUICK else pytest.mark.slow, id=f"{name}-{units.length}")
-        for name in ("three_circuits", *shipped_files("controllers"))
-        for units in (MM, INCH)
+        for name, units in by_turns(("three_circuits", *shipped_files("controllers")), (MM, INCH))
     ],
 )
 def test_a_valve_body_is_the_same_after_a_workbook(tables: Tables, name: str, units: Units) -> None:

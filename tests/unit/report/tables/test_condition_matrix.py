@@ -22,6 +22,7 @@ from atleak.engine.profile import PAPER, PROFILES, WORKSHOP, Profile
 from atleak.measurements.readings import Readings
 from atleak.report.json.diagnosis import diagnosis_record, to_json
 from atleak.report.tables.lands import MatrixRow, condition_matrix, leaking_worst_first, matrix_table
+from tests.unit.conftest import by_turns
 
 Edited = Callable[..., Path]
 Build = Callable[..., Readings]
@@ -33,12 +34,11 @@ def row_of(diagnosis: Diagnosis, key: tuple[str, int]) -> MatrixRow:
     return next(row for row in condition_matrix(diagnosis) if row.land.key == key)
 
 
-@pytest.mark.parametrize("profile", PROFILES.values(), ids=PROFILES)
 @pytest.mark.parametrize(
-    "controller",
+    ("controller", "profile"),
     [  # one with circuits and one without; the others in the longer round
-        pytest.param(each, id=each.id, marks=() if each.id in ("four_speed_2023", "five_speed_2005") else SLOW)
-        for each in controllers()
+        pytest.param(*each, id=each[0].id, marks=() if each[0].id in ("four_speed_2023", "five_speed_2005") else SLOW)
+        for each in by_turns(controllers(), PROFILES.values())
     ],
 )
 def test_shares_of_lands_and_what_leaks_beside_them_add_up_to_the_total_at_every_condition(
