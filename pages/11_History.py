@@ -18,7 +18,7 @@ def one_unit() -> None:
     if chosen is None:
         return
     visited = unit.visits(jobs, chosen)
-    st.subheader(say("unit.visits"))
+    st.header(say("unit.visits"))
     unit.draw_visits(visited)
     if (goal := unit.goal(visited)) is not None:
         page, parameters = goal
@@ -28,13 +28,13 @@ def one_unit() -> None:
     if seen is None:
         st.info(say("unit.no_sheet"))
         return
-    st.subheader(say("unit.clearance"))
+    st.header(say("unit.clearance"))
     unit.draw_clearance(seen)
-    st.subheader(say("unit.wear"))
+    st.header(say("unit.wear"))
     unit.draw_wear(seen)
-    st.subheader(say("unit.totals"))
+    st.header(say("unit.totals"))
     unit.draw_totals(seen)
-    st.subheader(say("unit.kind"))
+    st.header(say("unit.kind"))
     unit.draw_kind(jobs, chosen, seen)
 
 
@@ -50,11 +50,11 @@ def compare() -> None:
     show.section(head, "compare")
     show.messages(found.comparison.messages, say("about.comparison"))
     for section in sections:
-        st.subheader(section.title)
+        st.header(section.title)
         if section.name == "logs":
             comparison.draw_logs(found.comparison)
         show.section(section, "compare")
-    st.subheader(say("take_along.title"))
+    st.header(say("take_along.title"))
     comparison.downloads(found)
 
 

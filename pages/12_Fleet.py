@@ -18,15 +18,15 @@ try:
     fleet.draw_whole(words)
     if words.summary.bodies:
         st.markdown(" · ".join(f"[{say(key)}](#{anchor})" for anchor, key in fleet.SECTIONS.items()))
-        st.subheader(say("fleet.units_of_all"), anchor="fleet-units")
+        st.header(say("fleet.units_of_all"), anchor="fleet-units")
         unit = fleet_units.choose(words)
         if unit is not None:
             fleet_units.draw(folder, unit, words)
-        st.subheader(say("fleet.one_body"), anchor="fleet-body")
+        st.header(say("fleet.one_body"), anchor="fleet-body")
         fleet.draw_body(words, fleet.choose_body(words))
-    st.subheader(say("fleet_summary.section_errors"), anchor="fleet-errors")
+    st.header(say("fleet_summary.section_errors"), anchor="fleet-errors")
     show.section(fleet.sections(words).section("errors"), "fleet")
-    st.subheader(say("take_along.title"), anchor="fleet-files")
+    st.header(say("take_along.title"), anchor="fleet-files")
     fleet.draw_files(words)
 except AtleakError as error:
     st.error(show.plain(error))

@@ -47,14 +47,14 @@ def entry_of(kind: str) -> None:
     if getattr(entry, "representative", None):
         st.info(f"**{say('catalogue.representative')}** {show.plain(rows.representative(entry, say))}")
     if kind == "fluid":
-        st.subheader(say("catalogue.viscosity"))
+        st.header(say("catalogue.viscosity"))
         show.chart(viscosity_curve(entry, say), "viscosity-curve")
         st.caption(say("catalogue.viscosity_caption"))
     if kind == "controller":
         with st.expander(say("casting.title")):
             casting_form.draw(entry)
     for table in rows.TABLES[kind](entry, say):
-        st.subheader(table.title or say(f"catalogue.{table.name}"))
+        st.header(table.title or say(f"catalogue.{table.name}"))
         show.table(table)
     st.download_button(
         say("catalogue.file"), entry.origin.path.read_bytes, entry.origin.file, key=f"file-{kind}",
@@ -78,7 +78,7 @@ def describe() -> None:
     transmission.draw_tables(editing, step, checked)
     transmission.draw_learning(editing, step, checked)
     transmission.draw_flow(step, checked, diagnosis)
-    st.subheader(say("transmission.keep"))
+    st.header(say("transmission.keep"))
     transmission.draw_saving(editing, checked)
 
 

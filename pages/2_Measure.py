@@ -57,7 +57,7 @@ if clearances.open:
         if chosen:
             show.table(clearance_table(chosen, controller, say))
             st.caption(say("readings.columns"))
-            st.subheader(say("readings.wear"))
+            st.header(say("readings.wear"))
             show.chart(figures.land_wear(diagnosis, chosen, say), "wear")
         else:
             st.write(say("readings.no_lands"))

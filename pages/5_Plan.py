@@ -26,7 +26,7 @@ def repairs() -> None:
     conditions.undecided(diagnosis, closing=False)
     show.messages(record_doubts(job(), diagnosis), say("about.record"))
     conditions.order_of_repair(diagnosis)
-    st.subheader(say("estimate_page.take_along"))
+    st.header(say("estimate_page.take_along"))
     (language, paper), record = reader.pick_print("estimate"), job()
     name = show.named("estimate", record.number)
     printed = partial(write_pdf, diagnosis, record, language=language, paper=paper, sections=_SECTIONS, units=say.units)

@@ -22,7 +22,7 @@ record = job()
 name = show.named("atleak", record.number)
 
 conditions.undecided(diagnosis, closing=True)
-st.subheader(say("take_along.title"))
+st.header(say("take_along.title"))
 language, paper = reader.pick_print("report")
 with st.expander(say("take_along.sections")):
     picked = st.pills(
@@ -49,5 +49,5 @@ with st.container(horizontal=True):
             on_click="ignore",
             help=say(f"take_along.{what}_help"),
         )
-st.subheader(say("customer_link.title"))
+st.header(say("customer_link.title"))
 customer.section(diagnosis, name, language)

@@ -40,7 +40,7 @@ def complaint(diagnosis: Diagnosis) -> None:
     lines = [
         f"- **{plain(land_in_words(diagnosis, each.land.key, say))}**: {plain(reason(each, say))}" for each in ranked
     ]
-    st.subheader(say("diagnosis.complaint", label=plain(say.name(diagnosis.complaint.label))))
+    st.header(say("diagnosis.complaint", label=plain(say.name(diagnosis.complaint.label))))
     said = f"{say('diagnosis.complaint_shows', conditions=shows)} {plain(finding(diagnosis, say))}"
     st.markdown("\n".join([said, "", *lines[:MEASURE_FIRST]]))
     if lines[MEASURE_FIRST:]:
@@ -56,17 +56,17 @@ def pressures(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     """
     say = reader.say()
     if diagnosis.pressures is not None:
-        st.subheader(say("diagnosis.gauges"))
+        st.header(say("diagnosis.gauges"))
         show.gauges(diagnosis.pressures)
     if diagnosis.missing_flagged:
-        st.subheader(say("answer.split"))
+        st.header(say("answer.split"))
         show.table(missing_table(diagnosis, say))
     for content in before_opening(diagnosis, say):
-        st.subheader(content.title)
+        st.header(content.title)
         show.section(content, content.name)
     if diagnosis.without_sheet:
         return
-    st.subheader(say("diagnosis.pressures"))
+    st.header(say("diagnosis.pressures"))
     every = [pressures_at(diagnosis, each, repaired) for each in diagnosis.presented]
     show.section(conditions_section(diagnosis, every, say), "pressures")
     fold = fields.fold(say("circuits.in_full"), key=f"pressures-in-full-{session().generation}")

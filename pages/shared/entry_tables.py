@@ -39,7 +39,7 @@ def draw(editing: Editing, names: Iterable[str], found: Checked, aside: Collecti
     say = reader.say()
     for name in names:
         sheet = editing.draft.subject.sheet(name)
-        st.subheader(editing.translated(name, say))
+        st.header(editing.translated(name, say))
         st.caption(f"{editing.translated(sheet.about, say)}. {say('typed_entries.star')}")
         if sheet.is_form:
             _form(editing, sheet, found, aside, say)

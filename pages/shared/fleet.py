@@ -52,7 +52,7 @@ def choose() -> KnownFolder | None:
     there = {each.id: each for each in known if each.is_there}
     if not there:
         st.info(say("fleet.none_yet"))
-        st.code(COMMAND, language="shell")
+        st.code(COMMAND, language=None)
     asked = address.kept(FOLDER, of_job=False)
     chosen = None
     if there:
@@ -174,7 +174,7 @@ def draw_body(words: FleetWords, body: ValveBody) -> None:
 
 
 def _heading(anchor: str) -> None:
-    st.subheader(reader.say()(SECTIONS[anchor]), anchor=anchor)
+    st.header(reader.say()(SECTIONS[anchor]), anchor=anchor)
 
 
 def _with_land(words: FleetWords, body: ValveBody) -> ValveBody:

@@ -19,7 +19,7 @@ _KEY = "workshop-data-font"
 
 def draw(say: Wording) -> None:
     """Show which font is kept, take another one, or keep none any more."""
-    st.subheader(say("workshop_data.font"))
+    st.header(say("workshop_data.font"))
     st.caption(say("workshop_data.font_what"))
     try:
         drop_zone.draw("font", say("workshop_data.font_file"), _take, types=["ttf", "otf", "ttc"])

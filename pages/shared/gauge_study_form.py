@@ -39,14 +39,14 @@ def draw(say: Wording) -> None:
     sections = study_sections(study, say)
     show.section(sections["title"], "gauge-study")
     show.messages(study.messages, say("gauge_study.about"))
-    st.subheader(sections["components"].title)
+    st.header(sections["components"].title)
     show.section(sections["components"], "gauge-study")
-    st.subheader(say("gauge_study.readings"))
+    st.header(say("gauge_study.readings"))
     show.chart(by_part_and_operator(study, say), "gauge-study-readings")
     st.caption(say("gauge_study.readings_help"))
     with st.expander(sections["anova"].title):
         show.section(sections["anova"], "gauge-study")
-    st.subheader(say("gauge_study.take"))
+    st.header(say("gauge_study.take"))
     _draw_taking(study, say)
 
 

@@ -31,7 +31,7 @@ def begin() -> None:
 def step(name: str) -> Iterator[bool]:
     """Draw a step around its form, which is drawn inside this where its fold is open: then this gives True."""
     say, last = reader.say(), name == STEPS[-1]
-    st.subheader(f"{STEPS.index(name) + 1} {say(f'in_the_car.{name}')}", anchor=name)
+    st.header(f"{STEPS.index(name) + 1} {say(f'in_the_car.{name}')}", anchor=name)
     head = st.container()
     with fields.fold(say(f"in_the_car.{name}_fold"), key=_key(name)) as fold:
         yield fold.open

@@ -194,7 +194,7 @@ def erasing(book: Book) -> None:
     rows = [row for row in book.rows(Query(archived=None, limit=None)) if row.id in ids]
     say, names = reader.say(), sorted({row.customer for row in rows if row.customer})
     with st.container(border=True):
-        st.subheader(say("job_book.erase_for_good"))
+        st.header(say("job_book.erase_for_good"))
         for name in names:
             others = [row for row in jobs_of_customer(book, name) if row.id not in ids]
             if others:

@@ -5,7 +5,9 @@
 const moments = new Map() // [s] at which a chart's cursor stands, kept while the page is drawn anew
 
 export default function show({ data, parentElement }) {
-    const cursor = (parentElement.cursor ??= new Cursor(parentElement))
+    // where the page was drawn anew its elements may be others
+    if (parentElement.cursor?.slider.isConnected !== true) parentElement.cursor = new Cursor(parentElement)
+    const cursor = parentElement.cursor
     cursor.take(data)
     return () => cursor.leave()
 }

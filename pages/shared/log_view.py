@@ -85,9 +85,9 @@ def in_full(diagnosis: Diagnosis, file: SourceFile, log: Understood) -> None:
         if road is not None:
             road_page.extremes(road, diagnosis.uncertainty)
         operating_part(part, road)
-        st.subheader(say("road_test.happened"))
+        st.header(say("road_test.happened"))
         events_table(test, happened)
-        st.subheader(say("road_test.understood"))
+        st.header(say("road_test.understood"))
         log_form.understood_table(log)
         if log.unused:
             st.caption(say("road_test.not_used", columns=show.plain(", ".join(log.unused))))

@@ -96,7 +96,7 @@ def lands(diagnosis: Diagnosis) -> None:
     choice(diagnosis, say)
     if diagnosis.without_sheet:  # where no picture is drawn above
         opened_pair(diagnosis, say)
-    st.subheader(say("diagnosis.flagged_pairs"))
+    st.header(say("diagnosis.flagged_pairs"))
     if diagnosis.flagged:
         table(pair_table(diagnosis, diagnosis.flagged, say).without(*ON_PAPER), "flagged", pressable=True)
         said = [say("diagnosis.shares_of", fluid=fluid_in_state(diagnosis, say))]
@@ -108,7 +108,7 @@ def lands(diagnosis: Diagnosis) -> None:
     if lines := advice(diagnosis, advised(diagnosis, say), say):
         with st.expander(say("show.open_verdicts", count=len(lines))):
             st.markdown("\n".join(lines))
-    st.subheader(say("diagnosis.matrix"))
+    st.header(say("diagnosis.matrix"))
     conditions.matrix(diagnosis)
     every = fields.fold(say("diagnosis.all_lands", count=len(diagnosis.lands)), key=f"all-lands-{session().generation}")
     if every.open:
@@ -163,10 +163,13 @@ def opened_pair(diagnosis: Diagnosis, say: Wording) -> None:
     advise = advised(diagnosis, say)
     verdicts: dict[tuple[str, int], str] = {land.key: land.verdict for land in diagnosis.lands}
     drawing = _themed(spool_svg(diagnosis.controller, name, verdicts, say))
-    heading = f"<h3>{escape(component_words(diagnosis.controller, name, say))}</h3>"
+    heading = f"<h2>{escape(component_words(diagnosis.controller, name, say))}</h2>"
     lands = "".join(_land(each, say, advise(each.land)) for each in opened_lands(diagnosis, name, say))
     with st.container(border=True, key="opened-pair"):
-        mount(f'{heading}<div class="drawing">{drawing}</div><div class="lands">{lands}</div>', key=f"opened-{name}")
+        mount(
+            f'{heading}<div class="drawing" tabindex="0">{drawing}</div><div class="lands">{lands}</div>',
+            key=f"opened-{name}",
+        )
         made_of = fields.fold(say("uncertainty.made_of"), key=f"made-of-{session().generation}")
         if made_of.open:
             with made_of:
@@ -217,7 +220,7 @@ def _land(each: OpenedLand, say: Wording, advice: str) -> str:
     said = "".join(f"<li>{escape(line)}</li>" for line in filter(None, (*each.why, advice, *each.does)))
     tables = each.shares.html() + (each.rules.html() if each.rules.rows else "")
     verdict = each.land.verdict
-    heading = f"<h4>{escape(say('diagnosis.land', land=number))} {leveled(say.signed(verdict), verdict)}</h4>"
+    heading = f"<h3>{escape(say('diagnosis.land', land=number))} {leveled(say.signed(verdict), verdict)}</h3>"
     opened = " open" if verdict.flagged else ""
     fold = f"<details{opened}><summary>{escape(say('diagnosis.numbers'))}</summary><dl>{facts}</dl>{tables}</details>"
     return f"<section>{heading}<ul>{said}</ul>{fold}</section>"

@@ -120,9 +120,9 @@ def draw(diagnosis: Diagnosis) -> Estimate:
         if fold.open:
             with fold:
                 _switches(repairs, others, say, {})
-    st.subheader(say("estimate_page.sums"))
+    st.header(say("estimate_page.sums"))
     _sums(words)
-    st.subheader(say("estimate_page.leaves"))
+    st.header(say("estimate_page.leaves"))
     pairs.table(effect_table(estimated.effect, say), "repair-effect")
     for sentence in words.ends():
         st.write(show.plain(sentence))

@@ -30,7 +30,7 @@ from pages.shared.show import plain
 _HERE = Path(__file__).parent
 _CURSOR = st.components.v2.component(
     "atleak_log_cursor",
-    html='<div class="cursor"><div class="bar"><button>◀</button><input type="range"><button>▶</button><output>'
+    html='<div class="cursor"><div class="bar" hidden><button>◀</button><input type="range"><button>▶</button><output>'
     "</output></div><dl></dl></div>",
     css=(_HERE / "log_cursor.css").read_text(encoding="utf-8"),
     js=(_HERE / "log_cursor.js").read_text(encoding="utf-8"),
@@ -73,10 +73,10 @@ def section(diagnosis: Diagnosis) -> None:
         st.write(reader.say()("diagnosis.no_log"))
         return
     if diagnosis.without_sheet:  # its findings are all there is
-        st.subheader(reader.say()("road_test.alone"))
+        st.header(reader.say()("road_test.alone"))
     findings(diagnosis, said_above=diagnosis.without_sheet)
     if diagnosis.without_sheet and diagnosis.road is not None:
-        st.subheader(reader.say()("road_test.alone_over"))
+        st.header(reader.say()("road_test.alone_over"))
     leakage(diagnosis)
 
 

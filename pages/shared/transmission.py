@@ -109,7 +109,7 @@ def draw_flow(step: str, found: Checked, job: Diagnosis) -> None:
     if step in (COMPONENTS, NEW_PARTS):
         return
     say = reader.say()
-    st.subheader(say("transmission.flow"))
+    st.header(say("transmission.flow"))
     with st.container():
         if found.entry is None:
             st.caption(say("transmission.flow_later"))
@@ -147,7 +147,7 @@ def draw_learning(editing: Editing, step: str, found: Checked) -> None:
     if step != NEW_PARTS:
         return
     say = reader.say()
-    st.subheader(say("transmission.learning"))
+    st.header(say("transmission.learning"))
     if found.entry is None:
         st.caption(say("transmission.learning_later"))
         return

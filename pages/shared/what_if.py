@@ -61,7 +61,7 @@ def _beside(diagnosis: Diagnosis, settings: WhatIf) -> None:
     """Show total share, pressures and reserve as they are tried, beside those of the job."""
     say, here = reader.say(), tried(diagnosis, settings)
     now = here.projection
-    st.subheader(say("what_if.beside"))
+    st.header(say("what_if.beside"))
     st.write(say("what_if.same") if now == here.job else say("what_if.changed", condition=tried_words(here, say)))
     share, line, reserve = st.columns(3)
     known = math.isfinite(now.share)
@@ -86,12 +86,12 @@ def _maps(diagnosis: Diagnosis, settings: WhatIf) -> None:
     over = map_over(diagnosis, settings, temperatures_to_try(diagnosis, settings), wears_to_try(diagnosis, settings))
     job = settings.base(diagnosis).temperature, 1.0 if over.axis is Axis.WEAR else 0.0
     now = settings.condition(diagnosis).temperature, getattr(settings, over.axis)
-    st.subheader(say("what_if.map_share"))
+    st.header(say("what_if.map_share"))
     if over.axis is Axis.GROWTH:
         st.caption(say("what_if.map_growth"))
     show.chart(share_map(over, job, now, say), "what-if-share")
     st.caption(say("what_if.map_about", count=len(over.temperatures)))
-    st.subheader(say("what_if.map_pressure"))
+    st.header(say("what_if.map_pressure"))
     _pressure(diagnosis, over, job, now)
 
 

@@ -56,7 +56,7 @@ def draw(say: Wording) -> None:
     draw_faults(editing, checked, say)
     entry_tables.draw(editing, [step], checked)
     _draw_curve(checked, say)
-    st.subheader(say("workshop_data.keep"))
+    st.header(say("workshop_data.keep"))
     draw_saving(desk, editing, checked, say)
 
 
@@ -113,7 +113,7 @@ def choose_start(desk: Desk, say: Wording) -> None:
         _draw_upload(desk, say)
     with right, st.container(border=True):
         _draw_kept(desk, say)
-    st.subheader(say("workshop_data.own"))
+    st.header(say("workshop_data.own"))
     own = own_files(desk.subject.kind)
     if not own:
         st.caption(say("workshop_data.none_own"))
@@ -266,7 +266,7 @@ def _choose_step(editing: Editing, found: Checked, say: Wording) -> str:
 def _draw_curve(found: Checked, say: Wording) -> None:
     """Draw the viscosity of a fluid that is described well enough."""
     if isinstance(found.entry, Fluid):
-        st.subheader(say("workshop_data.curve"))
+        st.header(say("workshop_data.curve"))
         try:
             show.chart(viscosity_curve(found.entry, say), "workshop-data-viscosity")
         except AtleakError as error:

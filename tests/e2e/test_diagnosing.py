@@ -28,7 +28,7 @@ def test_a_pair_is_opened_by_the_picture_a_row_and_the_list(page: Page) -> None:
     valve = page.locator("button[data-pair='25']").first
     valve.focus()
     page.keyboard.press("Enter")
-    opened = page.locator(".st-key-opened-pair h3")
+    opened = page.locator(".st-key-opened-pair h2")
     expect(opened).to_have_text("25 main pressure valve")
     expect(valve).to_have_attribute("aria-pressed", "true")
     expect(page).to_have_url(re.compile(r"[?&]pair=25"))

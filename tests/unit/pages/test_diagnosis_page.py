@@ -187,7 +187,7 @@ def test_a_complaint_stands_at_the_head_and_leads_the_lands(app: AppTest) -> Non
     choice(app, "Complaint").select("slips_hot").run()
     assert not app.exception
     assert texts(app).startswith("**Four-speed valve body of the source study** · **Slips or shifts late when hot**")
-    assert "Complaint: Slips or shifts late when hot" in [widget.value for widget in app.subheader]
+    assert "Complaint: Slips or shifts late when hot" in [widget.value for widget in app.header]
     shows = "It shows at **hot idle in drive, 100 °C**. By calculation the leaks have no effect on a pressure there."
     assert shows in texts(app)
     assert "Every land that leaks there is measured." in texts(app)

@@ -236,7 +236,7 @@ def test_a_vacuum_test_and_flows_are_taken_shown_and_explained_where_they_are_wr
     assert not app.exception
     assert "**stand.csv** · 1 vacuum reading" in texts(app)
     assert "**jug.csv**" in texts(app)
-    titles = [each.value for each in app.subheader]
+    titles = [each.value for each in app.header]
     assert "Flows caught in a jug" in titles
     assert "Vacuum test" in titles
     uploader(app, "Measuring sheet").upload("worse.csv", flows.replace(b"1,5 l", b"1,5 x"), "text/csv").run()

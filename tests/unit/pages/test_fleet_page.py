@@ -77,7 +77,7 @@ def test_without_a_fleet_the_page_says_how_to_make_one(app: AppTest) -> None:
     assert not app.exception
     assert "No fleet has been evaluated on this computer yet" in texts(app)
     assert [each.value for each in app.code] == [fleet.COMMAND]
-    assert not app.subheader
+    assert not app.header
 
 
 def test_a_folder_that_is_gone_is_said_and_can_be_forgotten(app: AppTest, tmp_path: Path) -> None:

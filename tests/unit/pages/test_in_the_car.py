@@ -31,8 +31,8 @@ def tap(app: AppTest, label: str):
 
 def step_line(app: AppTest, heading: str) -> str:
     """What stands beneath the heading of a step."""
-    said = [(widget.type, widget.value) for widget in app.main if widget.type in ("subheader", "markdown")]
-    return said[said.index(("subheader", heading)) + 1][1]
+    said = [(widget.type, widget.value) for widget in app.main if widget.type in ("header", "markdown")]
+    return said[said.index(("header", heading)) + 1][1]
 
 
 @pytest.fixture
@@ -303,9 +303,9 @@ def test_a_complaint_is_chosen_here_or_in_the_panel(app: AppTest) -> None:
 def test_a_log_shows_its_findings_and_in_a_fold_its_picture(app: AppTest) -> None:
     assert steps(app)["4 Drive"].startswith("**● ok** · ")
     assert "Main pressure stayed nowhere below" in texts(app)
-    assert "What happened" not in [widget.value for widget in app.subheader]
+    assert "What happened" not in [widget.value for widget in app.header]
     unfold(app, "log-in-full")
-    assert "What happened" in [widget.value for widget in app.subheader]
+    assert "What happened" in [widget.value for widget in app.header]
 
 
 @pytest.mark.page(GUIDE)

@@ -253,7 +253,7 @@ def test_a_log_alone_is_judged_by_its_main_pressure(app: AppTest, sample_log: Pa
     assert not app.exception
     assert app.title[0].value == ":red[✖ critical] · provisional"
     assert "\nMain pressure stayed below what is permitted for 11" in texts(app)
-    headings = [widget.value for widget in app.subheader]
+    headings = [widget.value for widget in app.header]
     assert headings == ["What the road test says", "Over the road test"]
     assert "Main pressure is low in every gear and state that was judged" in texts(app)
     assert "(choice of this project)" in texts(app)

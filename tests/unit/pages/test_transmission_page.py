@@ -44,7 +44,7 @@ def test_every_table_opens_for_a_unit_and_for_nothing(app: AppTest) -> None:
         for each, tables in STEPS.items():
             step(app, each)
             assert not app.exception
-            assert [heading.value for heading in app.subheader][: len(tables)] == list(tables)
+            assert [heading.value for heading in app.header][: len(tables)] == list(tables)
         labelled(app.button, "Edit another one").click().run()
 
 
