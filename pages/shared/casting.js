@@ -53,7 +53,7 @@ class Marking {
             this.bores = bores
             this.words = words
             this.select.replaceChildren(...bores.map(([id]) => new Option("", id)))
-            this.part("img").alt = words.title
+            this.part("img").alt = this.photo.ariaLabel = words.title
             for (const name of ["bore", "press", "undo"]) this.part(`.${name}`).textContent = words[name]
             this.select.value = this.following() ?? bores[0][0]
         }

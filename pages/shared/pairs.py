@@ -68,7 +68,7 @@ def picture(diagnosis: Diagnosis, say: Wording) -> None:
         counted = escape(say(f"diagnosis.valves_{verdict}", count=len(buttons)))
         head = f"<summary>{leveled(look_of(verdict).sign, verdict)} {counted}</summary>"
         folds += f'<details>{head}<div class="grid">{"".join(buttons)}</div></details>'
-    note = f"{say('casting.schematic')} {say('casting.photo_wanted')}"
+    note = f"{say('casting.schematic')} · {say('casting.photo_wanted')}"
     shown = f'<div class="grid worst">{flagged}</div>{folds}<p>{escape(note)}</p>'
     with show.refusing("casting"):
         if casting := load_casting(diagnosis.controller.id):

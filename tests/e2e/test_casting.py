@@ -68,7 +68,7 @@ def test_bores_are_marked_once_and_verdicts_stand_on_the_photo(tmp_path: Path, v
         expect(valve).to_contain_text("was 30")
         valve.focus()
         page.keyboard.press("Enter")
-        expect(page.locator(".st-key-opened-pair h3")).to_contain_text("26 ")
+        expect(page.locator(".st-key-opened-pair h2")).to_contain_text("26 ")
         page.set_viewport_size({"width": 390, "height": 844})
         expect(leaders.last).to_be_hidden()
         expect(shown.locator(".number", has_text="25")).to_be_visible()

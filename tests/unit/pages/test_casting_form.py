@@ -10,11 +10,12 @@ import pytest
 from PIL import Image
 from streamlit.testing.v1 import AppTest
 
-from atleak.catalogue.castings import casting_file, keep_casting, load_casting
-from tests.unit.pages.conftest import go, press, texts
+from atleak.catalogue.castings import Casting, casting_file, keep_casting, load_casting
+from atleak.catalogue.entries import shipped_files, write_own
+from tests.unit.pages.conftest import go, part, press, texts
 
 ID = "four_speed_2023"
-SCHEMATIC = "Schematic: in the order of the valve body's file"
+SCHEMATIC = "Schematic, in the order of the valve body's file"
 
 pytestmark = pytest.mark.page("20_Library")
 
@@ -96,3 +97,18 @@ def test_the_diagnosis_draws_on_the_photo_and_says_where_it_has_only_a_schematic
     drawn = picture(app)
     assert SCHEMATIC in drawn.replace("&#x27;", "'")
     assert "load the photo again on the page Library" in texts(app)
+
+
+def test_a_valve_body_that_is_renamed_keeps_its_photo(app: AppTest) -> None:
+    shipped = shipped_files("controllers")["minimal_example"].read_text(encoding="utf-8")
+    write_own("controllers", "my_box", shipped.replace('"minimal_example"', '"my_box"', 1))
+    keep_casting("my_box", Casting.of_photo("casting.png", photo(40, 30)))
+    part(app, "transmission", "library")
+    press(app, "Edit")
+    next(each for each in app.text_input if each.label == "Id *").set_value("your_box").run()
+    next(each for each in app.checkbox if each.label.startswith("Rename")).check().run()
+    press(app, "Save as own file")
+    assert not app.exception
+    assert load_casting("your_box") == load_casting("my_box") is not None
+    press(app, "Undo")
+    assert load_casting("my_box") is not None
