@@ -100,4 +100,4 @@ def test_every_shipped_complaint_says_where_it_comes_from(controller: Controller
     assert controller.complaints
     for complaint in controller.complaints:
         assert "choice of this project" in complaint.source
-        assert "representative" in complaint.source
+        assert "assumed" in complaint.source

@@ -188,7 +188,7 @@ def test_what_is_not_published_of_it_says_so(five_speed: Controller) -> None:
         five_speed.line_source,
     ]
     for source in sources:
-        assert "representative" in source or any(name in source for name in named), source
+        assert "assumed" in source or any(name in source for name in named), source
     published = [land for land in five_speed.lands if "nominal_diameter_mm" not in land.representative]
     assert {land.component for land in published} == {"boost_valve"}
 
@@ -381,7 +381,7 @@ def test_every_table_says_what_it_is_known_from_and_names_who_says_so(unit: str)
     for table in sourced:
         known = table["evidence"], table.get("set_evidence", table["evidence"])
         assert "published" not in known or any(name in table["source"] for name in WHO_SAYS_SO), table
-        assert "representative" not in known or "representative" in table["source"], table
+        assert "representative" not in known or "assumed" in table["source"], table
     assert all("set_evidence" in table for table in data["circuits"] if "set_kpa" in table)
     feeds = chain.from_iterable(table.get("feeds", []) for table in data["circuits"])
     assert all("evidence" in table for table in (*feeds, *data["gaps"]))
