@@ -176,6 +176,6 @@ def test_a_changed_sentence_keeps_its_translation_as_a_draft(
 def test_names_of_the_shipped_catalogue_are_translated_and_others_stay(tool: ModuleType) -> None:
     assert len(tool.shipped_names()) > 250
     assert wording("de").name("main pressure valve") == "Hauptdruckventil"
-    assert wording("de").name("representative of steel") == "repräsentativ für Stahl"
+    assert wording("de").name("assumed, typical of steel") == "angenommen, wie für Stahl"
     assert wording("de").name("valve of a workshop's own file") == "valve of a workshop's own file"
     assert wording("de").name("Start") == "Start", "a word of the program"
