@@ -115,7 +115,7 @@ def test_what_is_blue_is_open_and_all_else_is_protected_without_a_password(book)
     assert differing == []
 
 
-OF_THE_EXAMPLE = "Every number of this example is representative."
+OF_THE_EXAMPLE = "Every number of this example is assumed."
 
 
 @pytest.fixture(scope="module", params=["en", pytest.param("de", marks=pytest.mark.slow), "pl"])
