@@ -50,7 +50,8 @@ class Cursor {
 
     /** Take the chart once it is drawn, and again where another was drawn in its place. */
     find() {
-        const chart = document.querySelector(`.st-key-${CSS.escape(this.data.chart)} .js-plotly-plot`)
+        const name = this.data.chart.replace(/[^a-zA-Z0-9_-]/g, "-") // as Streamlit writes a key in a class
+        const chart = document.querySelector(`.st-key-${name} .js-plotly-plot`)
         if (!chart?.on || chart === this.chart) return
         this.drop()
         this.chart = chart
@@ -79,8 +80,7 @@ class Cursor {
         this.curves = (this.chart._fullData ?? []).filter(trace => trace.meta?.look)
         this.bar.hidden = this.values.hidden = !this.curves.length
         if (!this.curves.length) return
-        const stamps = new Set(this.curves.filter(each => each.meta.look === "own").flatMap(each => Array.from(each.x)))
-        this.stamps = Float64Array.from(stamps).sort()
+        this.stamps = this.chart._fullLayout.meta.stamps // those at which every curve has the sample that holds there
         this.slider.max = this.stamps.length - 1
         const kept = moments.get(this.data.chart) ?? this.stamps[0]
         this.go(Math.max(place(this.stamps, kept), 0))
@@ -103,9 +103,8 @@ class Cursor {
         this.slider.value = step
         this.time.textContent = this.slider.ariaValueText = `${this.written(moment, 2)} s`
         this.mark(moment)
-        const rows = new Map()
-        for (const trace of this.curves) rows.set(trace.yaxis, [...(rows.get(trace.yaxis) ?? []), trace])
-        this.values.replaceChildren(...[...rows.values()].map(traces => this.row(traces, moment)))
+        const own = this.curves.filter(trace => trace.meta.look === "own")
+        this.values.replaceChildren(...own.map(trace => this.row(trace, moment)))
     }
 
     mark(moment) {
@@ -119,16 +118,15 @@ class Cursor {
         if (this.line.parentElement !== this.chart) this.chart.append(this.line)
     }
 
-    row(traces, moment) {
-        const of = look => traces.filter(trace => trace.meta.look === look)
-        const [own] = of("own")
+    row(own, moment) {
+        const of = look => this.curves.filter(trace => trace.yaxis === own.yaxis && trace.meta.look === look)
         const [name, value] = [document.createElement("dt"), document.createElement("dd")]
         const small = words => value.append(Object.assign(document.createElement("small"), { textContent: words }))
         const there = this.at(own, moment)
         name.textContent = own.name.replaceAll("&lt;", "<")
         value.textContent = `${this.written(there)} ${own.meta.unit}`
         for (const other of of("over")) {
-            const theirs = this.at(other, moment)
+            const theirs = moment > other.x.at(-1) ? null : this.at(other, moment)
             const less = theirs === null || there === null ? null : theirs - there
             small(` | ${this.written(theirs)} (${less > 0 ? "+" : ""}${this.written(less)})`)
         }

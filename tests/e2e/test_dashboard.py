@@ -221,6 +221,7 @@ def test_dragging_across_the_log_sets_the_part_shown(page: Page) -> None:
             break
     expect(first).to_have_count(1)
     expect(cursors.filter(has_text=re.compile(r"^[56](\.\d+)?$"))).to_have_count(1)
+    expect(page.locator(".st-key-log-cursor dl div").first).to_contain_text("rpm")  # the cursor reads that part
 
 
 @pytest.mark.page("3_In_the_car")

@@ -28,7 +28,8 @@ _ROW, _LANE = 130, 22  # pixels
 def log_channels(test: RoadTest, curves: Sequence[Curve], say: Wording, marked: Sequence[Event] = ()) -> Figure:
     """Draw the events and the curves of a log one above the other, suspect samples crossed, breaks dotted.
 
-    Each trace of a curve says in its ``meta`` its unit and what it is, for the cursor that a page lays over them.
+    Each trace of a curve says in its ``meta`` its unit and what it is, for the cursor that a page lays over them; the
+    layout's says at which stamps it may stand. There every curve has its own sample, however much it is thinned.
 
     Parameters
     ----------
@@ -36,6 +37,10 @@ def log_channels(test: RoadTest, curves: Sequence[Curve], say: Wording, marked: 
         events: every one has its bar in a lane of its own; a few are also marked through all curves.
     """
     inside = [each for each in marked if each.stop >= test.time[0] and each.start <= test.time[-1]]
+    times = {id(each.time): each.time for each in curves}
+    stamps = np.unique(np.concatenate([test.time[:1], *times.values()]))
+    if len(stamps) > _POINTS:
+        stamps = stamps[np.linspace(0, len(stamps) - 1, _POINTS // 2).astype(int)]
     kinds = list(dict.fromkeys(event.kind for event in inside))
     lane = 1 if inside else 0
     rows = lane + len(curves)
@@ -49,7 +54,7 @@ def log_channels(test: RoadTest, curves: Sequence[Curve], say: Wording, marked: 
         title = f"{words}<br>[{curve.unit}]" if curve.unit else words
         figure.update_yaxes(title=title, rangemode="tozero" if curve.from_zero else None, row=row)
         for each in (*curve.beside[::-1], curve):  # the log's own on top
-            _curve(figure, each, row)
+            _curve(figure, each, row, stamps)
         if curve.suspect is not None:
             _crosses(figure, *curve.suspect, say("road_test.suspect"), row)
         for stamp, value, words, symbol in curve.marks:
@@ -57,6 +62,7 @@ def log_channels(test: RoadTest, curves: Sequence[Curve], say: Wording, marked: 
             told = {"hovertemplate": "%{y:.2f}"}
             figure.add_scatter(x=[stamp], y=[value], name=words, mode="markers", marker=marker, row=row, **told)
     figure.update_xaxes(title=f"{say('log_quantities.time')} [s]", row=max(rows, 1))
+    figure.update_layout(meta={"stamps": stamps.tolist()})
     return framed(figure, 70 + sum(heights), hovermode="closest", showlegend=False)
 
 
@@ -67,11 +73,12 @@ _DRAWN = {
 _LIMIT = {"color": SUSPECT, "width": 1.2, "dash": "dot"}
 
 
-def _curve(figure: Figure, curve: Curve, row: int) -> None:
+def _curve(figure: Figure, curve: Curve, row: int, stamps: np.ndarray) -> None:
     if curve.look == "edge":
         figure.add_hline(y=float(curve.values[0]), line=_LIMIT, row=row, text=curve.name, font={"size": 11})
     elif len(curve.values):
-        keep = thinned([curve.values], _POINTS)
+        there = np.searchsorted(curve.time, stamps, side="right") - 1  # the last sample at or before each
+        keep = np.union1d(thinned([curve.values], _POINTS), there[there >= 0])
         figure.add_scatter(
             x=curve.time[keep],
             y=curve.values[keep],

@@ -175,7 +175,8 @@ def _channel_curve(test: RoadTest, channel: Channel, scale: Scale, say: Wording)
     unit, convert = scale
     time, good, suspect = channel.time, channel.good, None
     if channel.source == "constant":
-        time, good = test.time[[0, -1]], np.full(2, channel.values[0])
+        time = test.time[:: max(len(test.time) - 1, 1)]  # both ends, as far as there are samples
+        good = np.full(len(time), channel.values[0])
     elif (doubted := channel.suspect & np.isfinite(channel.values)).any():
         suspect = time[doubted], convert(channel.values[doubted])
     name, steps = say(f"log_quantities.{channel.quantity}"), channel.quantity in _STEPS

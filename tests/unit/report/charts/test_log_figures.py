@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.road_pressure import permitted_pressure
 from atleak.measurements.events import Event
+from atleak.measurements.road_test import Channel
 from atleak.report.charts.figure import Figure
 from atleak.report.charts.log_figures import LINES, histogram_figure, log_channels, operating_map_figure
 from atleak.report.charts.operating_map import histogram, operating_map
@@ -38,6 +40,30 @@ def test_long_logs_are_thinned_and_keep_a_spike_of_one_sample(log_of) -> None:
     assert np.nanmax(line.y) == 950.0
     assert np.isnan(np.asarray(line.y, dtype=float)).any()
     assert line.connectgaps is False
+
+
+def test_where_the_cursor_may_stand_every_curve_has_its_own_sample_however_long_the_log_is(log_of) -> None:
+    time = np.arange(60_000) * 0.01
+    held = {"engine_speed": 25.0 + 15.0 * np.sin(time / 7.0), "main_pressure": 600e3 + 90e3 * np.cos(time / 3.0)}
+    figure = drawn(log_of(time, **held), over=LaidOver(log_of(time, **held), 0.25))
+    stamps = np.asarray(figure.layout.meta["stamps"])
+    assert (stamps[0], stamps[-1]) == (time[0], time[-1])
+    for name, factor in (("engine speed", 60.0), ("main (line) pressure", 1e-3)):
+        values = factor * held["engine_speed" if factor > 1.0 else "main_pressure"]
+        for line, shift in ((curve(figure, name), 0.0), (curve(figure, f"{name}, own.csv"), 0.25)):
+            inside = stamps[stamps >= shift]
+            shown = np.asarray(line.y)[np.searchsorted(line.x, inside, side="right") - 1]
+            true = values[np.searchsorted(time + shift, inside, side="right") - 1]
+            assert shown == pytest.approx(true, rel=1e-12, abs=0.0)
+
+
+def test_a_part_without_a_sample_has_no_curve_of_a_constant(log_of) -> None:
+    one, other = (log_of(np.arange(5.0), main_pressure=600e3, gear=2.0) for _ in range(2))
+    gear = Channel("gear", other.time[:1], np.array([2.0]), np.array([False]), source="constant", independent=1)
+    other = replace(other, channels={**other.channels, "gear": gear})
+    whole, away = (drawn(one, over=LaidOver(other.window(*ends), 9.0)) for ends in ((0.0, 4.0), (7.0, 8.0)))
+    assert list(curve(whole, "gear, own.csv").x) == [9.0, 13.0]
+    assert "gear, own.csv" not in {line.name for line in away.data}
 
 
 def test_channels_are_drawn_in_the_unit_asked_for_and_suspect_samples_are_crossed(log_of) -> None:
