@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+import numpy as np
 import streamlit as st
 
 from atleak.analysis.formulas import CHANNEL_NAMES, FUNCTIONS, FormulaChannel, formula_channel
@@ -147,6 +148,9 @@ def window(test: RoadTest, happened: Sequence[Event]) -> tuple[float, float] | N
     all_of_it = (start, stop) == (first, last)
     if chosen is None:
         kept.pop(test.sha256, None) if all_of_it else kept.update({test.sha256: (start, stop)})
+    low, high = np.searchsorted(test.time, start), np.searchsorted(test.time, stop, side="right")
+    if low == high:  # between two samples: both are shown
+        start, stop = float(test.time[low - 1]), float(test.time[low])
     return None if all_of_it else (start, stop)
 
 

@@ -323,3 +323,6 @@ def test_another_part_of_the_log_diagnoses_and_reads_nothing_again(
     cursors.set_value((3.0, 9.0)).run()
     assert not app.exception
     assert not log_values(app).equals(whole)
+    cursors.set_value((3.001, 3.004)).run()  # between two samples
+    assert not app.exception
+    assert len(log_values(app))
