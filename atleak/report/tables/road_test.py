@@ -200,10 +200,8 @@ def leakage_curves(road: RoadLeakage, limits: Limits | None, say: Wording) -> li
     """
     leakage, shares = [], []
     for row in road_instants(road):
-        words, symbol = (
-            f"{row.label(say)}, {say.number(row.instant.time, 2)} s",
-            "diamond" if row.leads else "diamond-open",
-        )
+        words = f"{row.label(say)}, {say.number(row.instant.time, 2)} s"
+        symbol = "diamond" if row.leads else "diamond-open"
         if row.name not in _OF_SHARE:
             flow = say.convert(row.instant.leakage * DM3_MIN, "flow")
             leakage.append((row.instant.time, flow, words, symbol))
@@ -211,16 +209,8 @@ def leakage_curves(road: RoadLeakage, limits: Limits | None, say: Wording) -> li
             shares.append((row.instant.time, row.instant.share * PERCENT, words, symbol))
 
     def curve(name: str, kind: str, values: np.ndarray, marks: list[Any], beside: tuple[Curve, ...] = ()) -> Curve:
-        shown = say.convert(values, kind)
-        return Curve(
-            say(f"road_test.{name}"),
-            say.unit(kind),
-            road.time,
-            shown,
-            beside=beside,
-            marks=tuple(marks),
-            from_zero=True,
-        )
+        named, shown = say(f"road_test.{name}"), say.convert(values, kind)
+        return Curve(named, say.unit(kind), road.time, shown, beside=beside, marks=tuple(marks), from_zero=True)
 
     curves = [curve("leakage_row", "flow", road.leakage * DM3_MIN, leakage)]
     if road.pump_capacity is None or road.share is None:
