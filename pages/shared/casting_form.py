@@ -35,8 +35,9 @@ def draw(controller: Controller) -> None:
 
     def marked() -> None:
         with show.refusing(key):
-            if casting is not None and (marks := st.session_state[f"{key}-photo"].get("marks")) is not None:
-                keep_casting(controller.id, casting.marked(marks))
+            marks, now = st.session_state[f"{key}-photo"].get("marks"), load_casting(controller.id)
+            if casting and now and now.photo == casting.photo and marks is not None:  # they are of no other photo
+                keep_casting(controller.id, now.marked(marks))
 
     drop_zone.draw(key, say("casting.load"), take, types=["jpg", "jpeg", "png", "webp"])
     if casting is not None:

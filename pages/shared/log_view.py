@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import streamlit as st
@@ -312,13 +312,13 @@ def picture(part: Part, happened: Sequence[Event], road: RoadLeakage | None, dia
         return
     # what is computed over the log stays the same object where nothing changed that it rests on
     owner, key = part.whole if road is None else road.extremes, (part.key, say)
-    curves = kept_with(owner, "curves", key, lambda: _curves(part, road, diagnosis, say), most=2)
+    curves = cache(partial(_curves, part, road, diagnosis, say))  # as large as the log: made where asked for, not kept
     with fields.fold(say("road_test.values"), key="log-values") as place:
         if place.open:
-            log_form.values_table(kept_with(owner, "values", key, lambda: value_rows(curves, say), most=2))
+            log_form.values_table(kept_with(owner, "values", key, lambda: value_rows(curves(), say), most=2))
             st.caption(say("road_test.values_help"))
     figure = kept_with(
-        owner, "picture", (*key, show.dark()), lambda: figures.log_channels(part.test, curves, say, happened), most=2
+        owner, "picture", (*key, show.dark()), lambda: figures.log_channels(part.test, curves(), say, happened), most=2
     )
     road_page.under_cursor(figure, f"channels-{part.ends}", partial(look_between, part.whole))
     first, last = part.span
