@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -87,6 +88,13 @@ def load_casting(controller: str) -> Casting | None:
         problem = Sentence("holds no photo of a valve body that can be shown")
         expected = Sentence("the file as atleak wrote it; load the photo again on the page Library")
         raise CatalogueError(problem, place=Place(file=str(path)), expected=expected) from error
+
+
+def sound_casting(controller: str) -> Casting | None:
+    """Return what `load_casting` returns; None for a damaged file too: Library and Diagnosis tell of it."""
+    with suppress(CatalogueError):
+        return load_casting(controller)
+    return None
 
 
 def keep_casting(controller: str, casting: Casting | None) -> None:

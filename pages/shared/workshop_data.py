@@ -12,7 +12,7 @@ from typing import Any
 
 import streamlit as st
 
-from atleak.catalogue.castings import keep_casting, load_casting
+from atleak.catalogue.castings import keep_casting, sound_casting
 from atleak.catalogue.entries import own_files, remove_own, removed_own, restore_own, write_own
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.workbook.draft import Checked, draft_of
@@ -197,7 +197,7 @@ def _used_by(desk: Desk, name: str) -> list[Slot]:
 def _renamed(desk: Desk, old: str, name: str) -> None:
     """Take the file of the former name away, and let the job use the new one."""
     used = _used_by(desk, old)
-    if desk.subject.kind == "controllers" and (casting := load_casting(old)):
+    if desk.subject.kind == "controllers" and (casting := sound_casting(old)):
         keep_casting(name, casting)
     if _tried(remove_own, desk.subject.kind, old):
         for slot in used:

@@ -12,7 +12,7 @@ from typing import Any
 
 from atleak.analysis.estimate import Line
 from atleak.analysis.record_doubts import components_of, record_doubts
-from atleak.catalogue.castings import load_casting
+from atleak.catalogue.castings import sound_casting
 from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.catalogue.words import PART_WORDS
@@ -212,7 +212,7 @@ class Body(PrintedPart):
         valves = {land.component for land in diagnosis.controller.lands}
         columns, letters = picture_look(len(valves))
         verdicts = {land.key: land.verdict for land in diagnosis.lands}
-        casting = load_casting(diagnosis.controller.id)
+        casting = sound_casting(diagnosis.controller.id)
         drawings = [] if casting is None else [casting_drawing(casting, diagnosis, say).svg]
         unmarked = valves.difference(() if casting is None else casting.marks)
         if unmarked:

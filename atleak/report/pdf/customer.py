@@ -17,7 +17,7 @@ from atleak.analysis.estimate import Line
 from atleak.analysis.pressures import lowest_first, pressures_at
 from atleak.analysis.record_doubts import components_of, needless_work
 from atleak.analysis.repair.totals import Total
-from atleak.catalogue.castings import load_casting
+from atleak.catalogue.castings import sound_casting
 from atleak.common.units import KPA, PERCENT
 from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import begun, isolated
@@ -450,7 +450,7 @@ class CustomerPage(PrintedPart):
             note=self.say("casting.schematic"),
         )
         schematic = {"svg": svg, "alt": alt, "least": 0.8, "lengths": len(_LENGTHS)}
-        casting = load_casting(self.diagnosis.controller.id)
+        casting = sound_casting(self.diagnosis.controller.id)
         if casting is None:
             return [schematic]
         urgent = {each.component: each.urgency for each in self.valves}

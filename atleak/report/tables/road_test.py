@@ -101,11 +101,7 @@ def place_table(permitted: RoadPressure, say: Wording) -> Table:
         Column("place_lowest", "pressure", 0, of=lambda place: worst(place, lambda at: at.pressure), times=KPA),
         Column("place_limit", "pressure", 0, of=lambda place: worst(place, lambda at: at.limit), times=KPA),
         Column(
-            "place_below_by",
-            "percent",
-            1,
-            of=lambda place: worst(place, lambda at: max(at.fraction, 0.0)),
-            times=PERCENT,
+            "place_below_by", "percent", 1, of=lambda place: worst(place, lambda at: max(at.fraction, 0)), times=PERCENT
         ),
         Column("place_below", "time", 2, of="below"),
         Column("place_above", "time", 2, of="above"),
@@ -250,10 +246,9 @@ def short(value: float | None, say: Wording) -> str:
     """Return a number with three digits and every digit before the decimal sign: ``1.65``, ``92.7``, ``2 346``."""
     if value is None or not math.isfinite(value):
         return say.number(None, 0)
-    size = abs(value)
     if value.is_integer():
         return say.number(value, 0)
-    digits = 3 if size < 0.001 else min(max(2 - math.floor(math.log10(size)), 0), 5)
+    digits = 3 if abs(value) < 0.001 else min(max(2 - math.floor(math.log10(abs(value))), 0), 5)
     return say.number(value, digits)
 
 
@@ -372,9 +367,8 @@ def _columns(road: RoadLeakage) -> list[tuple[str, Sentence, str, np.ndarray, fl
         columns.append(("pump_capacity_dm3_min", Sentence("pump capacity"), "flow", road.pump_capacity, DM3_MIN))
         columns.append(("share_percent", Sentence("share"), "percent", share, PERCENT))
     for section, flow in road.sections.items():
-        columns.append(
-            (f"leakage_{section}_dm3_min", Sentence("leakage {section}", section=section), "flow", flow, DM3_MIN)
-        )
+        said = Sentence("leakage {section}", section=section)
+        columns.append((f"leakage_{section}_dm3_min", said, "flow", flow, DM3_MIN))
     for circuit, pressure in road.circuits.items():
         columns.append((f"{circuit}_kpa", Sentence("{circuit}, computed", circuit=circuit), "pressure", pressure, KPA))
     for quantity, name, said, kind, factor in (

@@ -97,6 +97,8 @@ def test_the_diagnosis_draws_on_the_photo_and_says_where_it_has_only_a_schematic
     drawn = picture(app)
     assert SCHEMATIC in drawn.replace("&#x27;", "'")
     assert "load the photo again on the page Library" in texts(app)
+    go(app, "6_Report")
+    assert not app.exception  # the report is written, with the schematic
 
 
 def test_a_valve_body_that_is_renamed_keeps_its_photo(app: AppTest) -> None:

@@ -73,7 +73,7 @@ def test_low_pressure_is_said_with_how_long_where_and_how_far(alone: Alone) -> N
 def test_whose_limits_they_are_is_said_with_them(alone: Alone) -> None:
     sentences = list(pressure_sentences(alone().log, ENGLISH))
     assert sentences[0].startswith("Main pressure stayed nowhere below what is permitted for a second (11.9 s judged)")
-    assert sentences[1].startswith("Limits: representative:")
+    assert sentences[1].startswith("Limits: assumed:")
 
 
 @pytest.mark.parametrize(
