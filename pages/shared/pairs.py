@@ -168,7 +168,7 @@ def opened_pair(diagnosis: Diagnosis, say: Wording) -> None:
     with st.container(border=True, key="opened-pair"):
         mount(
             f'{heading}<div class="drawing" tabindex="0">{drawing}</div><div class="lands">{lands}</div>',
-            key=f"opened-{name}",
+            key="opened",
         )
         made_of = fields.fold(say("uncertainty.made_of"), key=f"made-of-{session().generation}")
         if made_of.open:

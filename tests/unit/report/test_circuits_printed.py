@@ -591,4 +591,4 @@ def test_without_circuits_only_the_pump_is_drawn_and_nothing_where_pressures_are
         data = printed(found)
         (section,) = data["sections"]
         assert sum(block["kind"] == "image" for block in section["blocks"]) == drawn
-        assert data["customer"]["drawing"] is not None
+        assert data["customer"]["drawings"]

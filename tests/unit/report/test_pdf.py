@@ -186,7 +186,7 @@ def test_says_where_everything_comes_from(worn, printed):
     for digest in (worn.readings.sha256, worn.road.road_test.sha256, worn.controller.sha256, worn.limits.origin.sha256):
         assert digest in text
     assert "10.3390/en16227667" in text
-    assert "representative" in text
+    assert "assumed" in text
 
 
 def test_nothing_is_printed_for_what_was_not_filled_in(unmeasured):
