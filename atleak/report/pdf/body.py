@@ -216,10 +216,10 @@ class Body(PrintedPart):
         drawings = [] if casting is None else [casting_drawing(casting, diagnosis, say).svg]
         unmarked = valves.difference(() if casting is None else casting.marks)
         if unmarked:
-            only, named, note = () if casting is None else unmarked, say.name, say("casting.schematic")
             drawn = controller_svg(
-                diagnosis.controller, verdicts, columns=columns, letters=letters, named=named, only=only, note=note
-            )
+                diagnosis.controller, verdicts, columns=columns, letters=letters, named=say.name,
+                only=unmarked if casting else (), note=say("casting.schematic"),
+            )  # fmt: skip
             drawings.append(drawn)
         counts = Counter(verdicts.values())
         open_ = [land.state for land in diagnosis.lands if land.verdict is Verdict.NOT_MEASURED]
