@@ -16,7 +16,6 @@ from pages.shared import (
     workshop_data,
 )
 from pages.shared.cases import catalogue_list, own_faults, shown_name
-from pages.shared.editing import ask_step, checked_now, draw_faults
 
 case, diagnosis = panel.shown()
 say = reader.say()
@@ -62,29 +61,9 @@ def entry_of(kind: str) -> None:
     )  # fmt: skip
 
 
-def describe() -> None:
-    """Describe a valve body in tables: from a shipped one, an own one or from nothing, and save it as an own file."""
-    st.write(say("transmission.about"))
-    editing = transmission.DESK.current()
-    workshop_data.draw_undo(transmission.DESK, say)
-    if editing is None:
-        workshop_data.choose_start(transmission.DESK, say)
-        return
-    checked = checked_now(editing)
-    transmission.draw_head(editing, checked)
-    step = ask_step(editing, list(transmission.STEPS), lambda name: say(f"transmission.step_{name}"), say)
-    draw_faults(editing, checked, say)
-    transmission.draw_spools(step, checked)
-    transmission.draw_tables(editing, step, checked)
-    transmission.draw_learning(editing, step, checked)
-    transmission.draw_flow(step, checked, diagnosis)
-    st.header(say("transmission.keep"))
-    transmission.draw_saving(editing, checked)
-
-
 PARTS = {
     "catalogue": catalogue,
-    "transmission": describe,
+    "transmission": lambda: transmission.draw(diagnosis),
     "workshop_data": lambda: workshop_data.draw(say),
     "gauge_study": lambda: gauge_study_form.draw(say),
 }

@@ -32,7 +32,7 @@ from atleak.report.tables.catalogue import evidence_counts, open_values
 from atleak.report.tables.learned import learned_lands, learned_outliers, learned_units
 from pages.shared import entry_tables, reader, show, workshop_data
 from pages.shared.cases import sheets_remembered
-from pages.shared.editing import Desk, Editing
+from pages.shared.editing import Desk, Editing, ask_step, checked_now, draw_faults
 from pages.shared.sheet_form import AS_STATED, unit_said
 
 _TYPES = ["xlsx", "xls", "ods", "csv", "tsv", "txt"]  # of sheets
@@ -61,6 +61,27 @@ def _of_workbook(content: bytes, name: str) -> Draft:
 
 _UNITS = ("length", "clearance", "pressure")
 DESK = Desk(CONTROLLER, "transmission", _UNITS, _of_workbook)
+
+
+def draw(diagnosis: Diagnosis) -> None:
+    """Describe a valve body in tables: from a shipped one, an own one or from nothing, and save it as an own file."""
+    say = reader.say()
+    st.write(say("transmission.about"))
+    editing = DESK.current()
+    workshop_data.draw_undo(DESK, say)
+    if editing is None:
+        workshop_data.choose_start(DESK, say)
+        return
+    checked = checked_now(editing)
+    draw_head(editing, checked)
+    step = ask_step(editing, list(STEPS), lambda name: say(f"transmission.step_{name}"), say)
+    draw_faults(editing, checked, say)
+    draw_spools(step, checked)
+    draw_tables(editing, step, checked)
+    draw_learning(editing, step, checked)
+    draw_flow(step, checked, diagnosis)
+    st.header(say("transmission.keep"))
+    draw_saving(editing, checked)
 
 
 def draw_head(editing: Editing, found: Checked) -> None:
