@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import islice
-from pathlib import Path
 
 import streamlit as st
 
@@ -27,14 +26,7 @@ from atleak.report.tables.road_words import (
 from pages.shared import reader, show
 from pages.shared.show import plain
 
-_HERE = Path(__file__).parent
-_CURSOR = st.components.v2.component(
-    "atleak_log_cursor",
-    html='<div class="cursor"><div class="bar" hidden><button>◀</button><input type="range"><button>▶</button><output>'
-    "</output></div><dl></dl></div>",
-    css=(_HERE / "log_cursor.css").read_text(encoding="utf-8"),
-    js=(_HERE / "log_cursor.js").read_text(encoding="utf-8"),
-)
+_CURSOR = show.component("log_cursor")
 TESTS = 6  # most minimum-acceleration tests that have a sentence of their own
 
 
