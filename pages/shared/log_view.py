@@ -317,8 +317,9 @@ def picture(part: Part, happened: Sequence[Event], road: RoadLeakage | None, dia
         if place.open:
             log_form.values_table(kept_with(owner, "values", key, lambda: value_rows(curves(), say), most=2))
             st.caption(say("road_test.values_help"))
+    drawn = (*key, show.dark(), tuple(diagnosis.limits.fixed_bands), diagnosis.controller.sha256)
     figure = kept_with(
-        owner, "picture", (*key, show.dark()), lambda: figures.log_channels(part.test, curves(), say, happened), most=2
+        owner, "picture", drawn, lambda: figures.log_channels(part.test, curves(), say, happened), most=2
     )
     road_page.under_cursor(figure, f"channels-{part.ends}", partial(look_between, part.whole))
     first, last = part.span
