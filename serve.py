@@ -1,6 +1,7 @@
 """Serve the dashboard: ``atleak app`` starts it by ``streamlit run``."""
 
 import asyncio
+import logging
 import threading
 import webbrowser
 from collections.abc import AsyncIterator
@@ -9,11 +10,11 @@ from pathlib import Path
 
 import streamlit as st
 from starlette.requests import Request
-from starlette.responses import RedirectResponse
+from starlette.responses import RedirectResponse, Response
 from starlette.routing import Route
 
 from atleak.common.printable import printable_log
-from pages.shared import customer, places
+from pages.shared import places
 from pages.shared.entrance import may_send_files
 from pages.shared.left_sessions import let_go_in_time
 from pages.shared.requests_let_in import bracketed, guards
@@ -24,10 +25,20 @@ def moved(request: Request) -> RedirectResponse:
     return RedirectResponse(places.moved(request.url.path.rpartition("/")[2], request.url.query))
 
 
+async def customers_screen(request: Request) -> Response:
+    """Answer at the address that shows a customer his job; what that needs is imported when it is first asked for."""
+    from pages.shared.customer import screen
+
+    return await screen(request)
+
+
 @asynccontextmanager
 async def served(_: st.App) -> AsyncIterator[None]:
     """Show the dashboard in a browser, where this machine has a screen, and let sessions go that were left."""
     printable_log()
+    logging.disable(logging.WARNING)  # else it says twice that no page is drawn by this
+    st.navigation([Path(app.script_path)])  # else the first request for a page's address imports all of it unseen
+    logging.disable(logging.NOTSET)
     if not st.get_option("server.headless"):
         address = f"http://{bracketed(st.get_option('server.address'))}:{st.get_option('server.port')}"
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
@@ -41,7 +52,7 @@ app = st.App(
     lifespan=served,
     routes=[
         *(Route(f"/{old}", moved) for old in places.MOVED),
-        Route(f"{customer.PATH}/{{token}}", customer.screen, methods=["GET", "POST"]),
+        Route(f"{places.CUSTOMER}/{{token}}", customers_screen, methods=["GET", "POST"]),
     ],
     middleware=guards(st.get_option("server.allowedHosts"), may_send_files),
 )

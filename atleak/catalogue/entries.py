@@ -208,6 +208,29 @@ def _shipped(shelf: Shelf[Any], path: Path, changed: int) -> Any:
     return shelf.made_of(*read_tables(shelf.kind, path))
 
 
+@dataclass(frozen=True)
+class ShippedName:
+    """What one sees of a shipped entry where one chooses."""
+
+    id: str
+    name: str
+    origin: Origin
+    measures: tuple[str, ...]  # parts that an instrument measures
+
+
+@cache
+def shipped_names(kind: str) -> Mapping[str, ShippedName]:
+    """Return what shipped entries of a kind are called, by id: read from the heads of their files, without the rest."""
+    heads = {path: path.read_text(encoding="utf-8").partition("\n[")[0] for path in shipped_files(kind).values()}
+    read = {path: tomllib.loads(head) for path, head in heads.items()}
+    return MappingProxyType(
+        {
+            path.stem: ShippedName(head["id"], head["name"], Origin(path, ""), tuple(head.get("measures", ())))
+            for path, head in read.items()
+        }
+    )
+
+
 @cache  # they stay the same as long as a process, and a fleet asks for them with every unit
 def shipped_files(kind: str) -> Mapping[str, Path]:
     """Return ids and files of one kind (one of `KINDS`) that ship with atleak, sorted by id."""

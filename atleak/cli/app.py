@@ -16,7 +16,7 @@ from typing import Any
 from urllib.parse import urlencode
 
 from atleak.cli.parser import add_command
-from atleak.common.access import ALLOWED, answered_names, is_here_alone, read_allowed, read_sign_in
+from atleak.common.access import ALLOWED, answered_names, is_here_alone
 from atleak.common.errors import InputError, extra_installed, reason_of
 from atleak.common.files import DATABASE_URL, HOME, home, shipped
 from atleak.common.sentences import Sentence
@@ -66,6 +66,8 @@ def _reach(options: argparse.Namespace) -> tuple[Sequence[str], str]:
         return () if here_alone else _answering(options.address, options.host), ""
     if find_spec("authlib") is None or find_spec("httpx") is None:
         raise InputError(Sentence("signing in needs Authlib and httpx"), expected=extra_installed("auth"))
+    from atleak.common.sign_in import read_allowed, read_sign_in
+
     secrets = (options.secrets or home() / _SECRETS).resolve()
     allowed = (options.allowed or home() / _ALLOWED).resolve()
     name = read_sign_in(secrets)

@@ -39,6 +39,11 @@ def isolated(text: str) -> str:
     return f"\u2068{text}\u2069" if from_the_right else text
 
 
+def joined(parts: Iterable[str], between: str = ", ") -> str:
+    """Join the parts that are not empty; each keeps its own direction of writing."""
+    return between.join(isolated(part) for part in parts if part)
+
+
 def begun(sentence: str) -> str:
     """Begin a sentence with a capital letter.
 

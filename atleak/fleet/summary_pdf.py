@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from atleak.common.style import DEFAULT_PAPER, HEADING
-from atleak.common.wording import wording
+from atleak.common.wording import joined, wording
 from atleak.fleet.summary_sections import Depth, FleetSections
 from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.sums import FleetSummary
 from atleak.measurements.job_card import Job
 from atleak.report.charts.drawing import shortened
 from atleak.report.charts.paper import drawn_on_paper
-from atleak.report.pdf.blocks import joined, section_blocks
+from atleak.report.pdf.blocks import section_blocks
 from atleak.report.pdf.typesetting import write_page
 from atleak.report.printed_fonts import OwnFont
 from atleak.report.tables.table import Picture

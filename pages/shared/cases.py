@@ -8,6 +8,7 @@ session that has them, `LARGE_KEPT` of them, and go with it.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
@@ -17,7 +18,7 @@ from weakref import WeakValueDictionary
 import streamlit as st
 
 from atleak.catalogue.controller import Controller
-from atleak.catalogue.entries import ListedEntry, catalogue_files, listed_entries, own_files
+from atleak.catalogue.entries import ListedEntry, catalogue_files, listed_entries, own_files, shipped_names
 from atleak.catalogue.instruments import Instruments
 from atleak.common.errors import AtleakError, CatalogueError, Message, OutputError
 from atleak.common.memory import give_back_soon, kept_with
@@ -238,6 +239,15 @@ def entry_doubts(name: str, choice: CaseChoice) -> tuple[Message, ...]:
 def catalogue_list(name: str) -> ListedEntry[Any]:
     """Return the entries to choose from, shipped and own, and what is wrong with own files that cannot be used."""
     return listed_entries(SLOTS[name].folder, partial(catalogue_entry, name))
+
+
+def catalogue_names(name: str) -> dict[str, Any]:
+    """Return what entries to choose from are called, by id: those that ship, and own ones that can be used."""
+    folder, own = SLOTS[name].folder, {}
+    for id in own_files(folder):
+        with suppress(AtleakError):  # said by `own_faults`
+            own[id] = catalogue_entry(name, id)
+    return dict(sorted({**own, **shipped_names(folder)}.items()))
 
 
 def own_faults() -> list[CatalogueError]:

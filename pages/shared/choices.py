@@ -22,7 +22,7 @@ from atleak.common.sentences import Sentence
 from atleak.engine.profile import PROFILES, UNKNOWN, Profile
 from atleak.job.case import SLOTS, CaseChoice, SourceFile
 from pages.shared import fields, reader, show
-from pages.shared.cases import catalogue_list, controller_of, entry_doubts, shown_name
+from pages.shared.cases import catalogue_names, controller_of, entry_doubts, shown_name
 from pages.shared.state import choose, pick, session
 
 OPTIONS = ("diameter", "viscosity", "pump_draw", "pump_efficiency", "entry_loss", "form")
@@ -32,7 +32,7 @@ def catalogue_entry(name: str) -> None:
     """Ask which entry of the catalogue the job takes: a shipped one, one of the user's own, or the file given last."""
     say, now, slot = reader.say(), session(), SLOTS[name]
     current = getattr(now.case, name)
-    known = catalogue_list(name).entries
+    known = catalogue_names(name)
     options: list[CaseChoice | None] = [None] if name == "fluid" else []
     options += [each for each, entry in known.items() if slot.part is None or slot.part in entry.measures]
     given = current if isinstance(current, SourceFile) else now.own.get(name)

@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-import segno
 import streamlit as st
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
@@ -20,10 +19,9 @@ from atleak.common.errors import AtleakError
 from atleak.common.translations import languages
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.customer_screen import Answer, closed, offered, shows_the_same, written
-from pages.shared import book, comparison, plan, reader, show
+from pages.shared import book, places, plan, reader, show
 from pages.shared.state import RECORD, job, session
 
-PATH = "/customer"
 _TOLD = "answers-told"  # those that this session has taken or left
 _SHOWN = "customer-shown"  # token of the screen to be opened
 _UNKEPT: dict[str, dict[str, Any]] = {}  # screens of jobs that the book does not hold, by token: the latest
@@ -124,6 +122,7 @@ def _take(diagnosis: Diagnosis, screen: Mapping[str, Any], answer: Answer) -> No
 
 def _screen(diagnosis: Diagnosis, language: str) -> dict[str, Any]:
     from atleak.report.pdf.customer_screen import customer_screen
+    from pages.shared import comparison
 
     return customer_screen(diagnosis, job(), language=language, units=reader.say().units, visits=comparison.beside())
 
@@ -133,7 +132,7 @@ def draw_button(diagnosis: Diagnosis) -> None:
     st.button(reader.say()("customer_link.show_customer"), key="customer-show", on_click=_show, args=(diagnosis,))
     show.refused(_SHOWN)
     if token := st.session_state.pop(_SHOWN, ""):
-        address = f"'{PATH}/{token}'"
+        address = f"'{places.CUSTOMER}/{token}'"
         opens = f"window.open({address}) ?? location.assign({address})"
         st.html(f"<script>{opens}</script>", unsafe_allow_javascript=True)
 
@@ -157,6 +156,8 @@ def _show(diagnosis: Diagnosis) -> None:
 
 def section(diagnosis: Diagnosis, name: str, language: str) -> None:
     """Offer the customer's screen as a file, and addresses of it; say what was answered."""
+    import segno
+
     from atleak.job_book.customer_links import close_link, links_of_job, make_link
 
     say, in_book, made = reader.say(), session().in_book, _screen(diagnosis, language)
@@ -193,7 +194,7 @@ def section(diagnosis: Diagnosis, name: str, language: str) -> None:
     for link in links:
         with st.container(horizontal=True, vertical_alignment="center", key=f"customer-link-{link.id}"):
             if link.open:
-                address = f"{here.scheme}://{here.netloc}{PATH}/{link.token}"
+                address = f"{here.scheme}://{here.netloc}{places.CUSTOMER}/{link.token}"
                 st.link_button(say("customer_link.show"), address)
                 with st.popover(say("customer_link.code")):
                     st.image(segno.make(address).svg_data_uri(scale=5, border=4, light="white"))

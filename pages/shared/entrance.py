@@ -8,7 +8,7 @@ from pathlib import Path
 import streamlit as st
 from streamlit.runtime.scriptrunner import get_script_run_ctx
 
-from atleak.common.access import ALLOWED, is_here_alone, read_allowed
+from atleak.common.access import ALLOWED, is_here_alone
 from atleak.common.errors import InputError
 from pages.shared import reader
 
@@ -39,6 +39,8 @@ def _is_open() -> bool:
         return is_here_alone(str(st.get_option("server.address")))
     if not path:
         return True
+    from atleak.common.sign_in import read_allowed
+
     try:
         return bool(st.user.get("is_logged_in")) and read_allowed(Path(path)).admits(st.user.to_dict())
     except InputError:
@@ -81,6 +83,8 @@ def person() -> str:
 
 
 def _refusal(path: str) -> str:
+    from atleak.common.sign_in import read_allowed
+
     say = reader.say()
     try:
         read_allowed(Path(path))

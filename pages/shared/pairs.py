@@ -18,7 +18,7 @@ from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.report.charts import land_figures as figures
 from atleak.report.charts.casting import casting_drawing
 from atleak.report.charts.drawing import component_svgs, on_dark, spool_svg
-from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.printed_names import PrintedNames
 from atleak.report.tables.clearances import budget_rows
 from atleak.report.tables.lands import (
     ON_PAPER,

@@ -7,6 +7,7 @@ from pathlib import Path
 PAGES = Path(__file__).resolve().parents[1]
 START, *EVERY = sorted(PAGES.glob("[0-9]*_*.py"), key=lambda path: int(path.stem.partition("_")[0]))
 STEPS = [path for path in EVERY if path.stem[1] == "_"]  # of a job, in their order
+CUSTOMER = "/customer"  # before the token of a screen
 MOVED = {  # by the name in an address of before: where it leads
     "Readings": "Measure",
     **dict.fromkeys(("Pressures", "Road_test"), "In_the_car"),

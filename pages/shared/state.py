@@ -33,7 +33,7 @@ from atleak.report.json.diagnosis import diagnosis_record
 from pages.shared.cases import (
     FITTED,
     PageCase,
-    catalogue_list,
+    catalogue_names,
     chosen_by_id,
     diagnosis_of,
     held,
@@ -308,7 +308,7 @@ def _take_head(diagnosis: Diagnosis) -> None:
 def _followed(now: Session, error: AtleakError) -> bool:
     """Choose the controller that the head of a new sheet names, where the catalogue holds it; return whether it did."""
     first = next(iter(getattr(error, "problems", (error,))))
-    known = {name.casefold(): name for name in catalogue_list("controller").entries} if now.follow else {}
+    known = {name.casefold(): name for name in catalogue_names("controller")} if now.follow else {}
     name = known.get(first.named.casefold()) if isinstance(first, OtherControllerError) else None
     if name is None:
         return False

@@ -20,7 +20,7 @@ from atleak.engine.profile import UNKNOWN
 from atleak.report.charts.condition_figures import MapPlace, pressure_map, share_map
 from atleak.report.tables.what_if import tried_circuit_table, tried_total_table, tried_words
 from pages.shared import address, fields, reader, show
-from pages.shared.cases import PageCase, catalogue_entry, catalogue_list, shown_name
+from pages.shared.cases import PageCase, catalogue_entry, catalogue_names, shown_name
 from pages.shared.state import session
 
 _MOST_WEAR, _MOST_GROWTH = 5.0, 200  # that can be tried: times as measured, and %
@@ -251,7 +251,7 @@ def _slide(place: Any, name: str, low: Any, high: Any, step: Any) -> Any:
 def _fluids(diagnosis: Diagnosis) -> dict[str | None, str]:
     say = reader.say()
     as_in_job = say("what_if.fluid_job", name=say.name(diagnosis.fluid.name))
-    known = catalogue_list("fluid").entries
+    known = catalogue_names("fluid")
     return {None: as_in_job, **{name: shown_name(entry, say) for name, entry in known.items()}}
 
 

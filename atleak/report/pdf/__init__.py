@@ -19,9 +19,9 @@ from atleak.report.pdf.annex import Annex
 from atleak.report.pdf.body import Body, chosen_sections
 from atleak.report.pdf.customer import CustomerPage
 from atleak.report.pdf.front import Front
-from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.pdf.typesetting import named_characters, unprintable, write_page
 from atleak.report.printed_fonts import OwnFont
+from atleak.report.printed_names import PrintedNames
 from atleak.report.tables.road_test import road_series
 
 _ROAD_POINTS = 1200

@@ -13,6 +13,7 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.limits import RuleKind
 from atleak.common.style import DECISION_MARKS
 from atleak.common.units import MM, PERCENT, UM
+from atleak.common.wording import joined
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import LandUncertainty, RuleDecision, UnitUncertainty
@@ -20,8 +21,8 @@ from atleak.diagnosis.uncertainty.results import MOST_BUDGETS, BudgetLine, budge
 from atleak.equations.statistics import normal_cdf, normal_quantile
 from atleak.measurements.clearances import LandClearance
 from atleak.measurements.readings import Reading
-from atleak.report.pdf.blocks import Block, joined, listed, named_facts, text
-from atleak.report.pdf.printed_names import PrintedPart
+from atleak.report.pdf.blocks import Block, listed, named_facts, text
+from atleak.report.printed_names import PrintedPart
 from atleak.report.tables.names import component_words, has_number, land_number
 from atleak.report.tables.table import VERDICT, Column
 

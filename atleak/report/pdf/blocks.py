@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any
 
 from atleak.common.verdicts import Band, Verdict
-from atleak.common.wording import Wording, begun, isolated
+from atleak.common.wording import Wording, begun
 from atleak.report.tables.table import VERDICT, Column, Facts, Picture, Points, Section, SectionPart, Table, Text
 
 Block = dict[str, Any]
@@ -199,8 +199,3 @@ def with_notes(blocks: Iterable[Block]) -> Iterator[Block]:
             yield block
     if table:
         yield table
-
-
-def joined(parts: Iterable[str], between: str = ", ") -> str:
-    """Join the parts that are not empty; each keeps its own direction of writing."""
-    return between.join(isolated(part) for part in parts if part)

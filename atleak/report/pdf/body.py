@@ -21,7 +21,7 @@ from atleak.common.sentences import Sentence
 from atleak.common.style import look_of
 from atleak.common.units import G_CM3, MM2_S, PERCENT, UM
 from atleak.common.verdicts import VERDICTS, Verdict
-from atleak.common.wording import Wording, begun, isolated
+from atleak.common.wording import Wording, begun, isolated, joined
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.gauge_check import CheckedReading
 from atleak.diagnosis.land import LandDiagnosis
@@ -37,7 +37,6 @@ from atleak.report.pdf.annex import Annex, Budget
 from atleak.report.pdf.blocks import (
     Block,
     bullets,
-    joined,
     listed,
     named_facts,
     passage,
@@ -48,7 +47,7 @@ from atleak.report.pdf.blocks import (
     with_notes,
 )
 from atleak.report.pdf.conditions import Conditions, Pressures, RoadTestSection
-from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
+from atleak.report.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.answer import missing_table
 from atleak.report.tables.assumed import assumed_section
 from atleak.report.tables.estimate import open_words

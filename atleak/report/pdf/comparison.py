@@ -13,12 +13,12 @@ from atleak.analysis.record_doubts import components_of
 from atleak.common.style import DEFAULT_PAPER
 from atleak.common.units import KPA, UM
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import Wording, isolated, wording
+from atleak.common.wording import Wording, isolated, joined, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.measurements.job_card import Job, RepairDecision
 from atleak.report.charts.paper import drawn_on_paper
-from atleak.report.pdf.blocks import joined, section_blocks, signatures
+from atleak.report.pdf.blocks import section_blocks, signatures
 from atleak.report.pdf.typesetting import write_page
 from atleak.report.printed_fonts import OwnFont
 from atleak.report.tables.comparison import differing_sentence, how_sure, total_picture, visit_caveats, with_uncertainty

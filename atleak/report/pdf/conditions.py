@@ -8,15 +8,15 @@ from typing import Any
 
 from atleak.analysis.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
 from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, gear_name
-from atleak.common.wording import begun
+from atleak.common.wording import begun, joined
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.charts.flows import FlowDiagram, flow_diagram, flow_svg, flow_words
 from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.charts.paper_curves import pump_chart, road_chart
-from atleak.report.pdf.blocks import Block, bullets, ends, joined, named_facts, picture, printed, section_blocks, text
-from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
+from atleak.report.pdf.blocks import Block, bullets, ends, named_facts, picture, printed, section_blocks, text
+from atleak.report.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
 from atleak.report.tables.first_sentence import pump_sentence
 from atleak.report.tables.gauges import permissible_text

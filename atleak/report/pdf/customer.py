@@ -20,7 +20,7 @@ from atleak.analysis.repair.totals import Total
 from atleak.catalogue.castings import sound_casting
 from atleak.common.units import KPA, PERCENT
 from atleak.common.verdicts import VERDICTS, Band, Verdict
-from atleak.common.wording import begun, isolated
+from atleak.common.wording import begun, isolated, joined
 from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.missing import Cause
@@ -28,8 +28,8 @@ from atleak.engine.operation import LINE
 from atleak.measurements.job_card import RepairDecision
 from atleak.report.charts.casting import casting_drawing
 from atleak.report.charts.drawing import controller_svg, shortened
-from atleak.report.pdf.blocks import Block, joined, listed, signatures
-from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
+from atleak.report.pdf.blocks import Block, listed, signatures
+from atleak.report.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.answer import answer_facts
 from atleak.report.tables.complaint import End, WornValve, explanations, most_lost, worn_valves
 from atleak.report.tables.first_sentence import impossible_part, may_parts, measured_sentence, shown_verdict, worn_pump

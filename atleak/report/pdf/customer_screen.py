@@ -13,12 +13,11 @@ from atleak.analysis.estimate import Line
 from atleak.analysis.repair.options import decimals
 from atleak.common.style import look_of
 from atleak.common.units import PERCENT
-from atleak.common.wording import wording
+from atleak.common.wording import joined, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
-from atleak.report.pdf.blocks import joined
 from atleak.report.pdf.customer import CustomerPage, can_be_agreed_to
-from atleak.report.pdf.printed_names import PrintedNames, PrintedPart
+from atleak.report.printed_names import PrintedNames, PrintedPart
 
 _ASKED = None, "proposed", "approved", "declined", "deferred"  # states that a customer may still change
 

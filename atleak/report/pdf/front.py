@@ -10,10 +10,11 @@ from atleak.analysis.pressures import lowest_first, pressures_at
 from atleak.catalogue.workbook.cells import gear_shown
 from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.verdicts import Verdict
+from atleak.common.wording import joined
 from atleak.engine.projection import Projection
-from atleak.report.pdf.blocks import Block, ends, joined, listed, named_facts
+from atleak.report.pdf.blocks import Block, ends, listed, named_facts
 from atleak.report.pdf.conditions import Conditions
-from atleak.report.pdf.printed_names import PrintedPart
+from atleak.report.printed_names import PrintedPart
 from atleak.report.tables.first_sentence import first_sentence, measured_sentence, pump_sentence
 from atleak.report.tables.sentences import (
     caveat_marks,

@@ -13,9 +13,9 @@ from atleak.diagnosis.vacuum_card import GROWN
 from atleak.measurements.job_card import Job
 from atleak.measurements.vacuum import VacuumStand
 from atleak.report.pdf.blocks import printed
-from atleak.report.pdf.printed_names import PrintedNames
 from atleak.report.pdf.typesetting import write_page
 from atleak.report.printed_fonts import OwnFont
+from atleak.report.printed_names import PrintedNames
 from atleak.report.tables.gauges import card_notes, card_table
 from atleak.report.tables.sentences import fluid_in_state
 from atleak.report.tables.table import Column, Table

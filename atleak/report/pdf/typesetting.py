@@ -24,10 +24,9 @@ from atleak.common.pictures import printable_picture
 from atleak.common.seals import KEYWORD
 from atleak.common.style import LOOKS, PAPER_INKS, SHEET_OF_PAPER, Paper, find_paper
 from atleak.common.verdicts import VERDICTS, Verdict
-from atleak.common.wording import Wording
+from atleak.common.wording import Wording, joined
 from atleak.measurements.job_card import Job, clean_text
 from atleak.report.charts.drawing import shortened
-from atleak.report.pdf.blocks import joined
 from atleak.report.printed_fonts import BOX_FONT, FONTS, OWN_FONT, OwnFont, box_font, characters_of
 from atleak.version import __version__
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from atleak.catalogue.controller_file import controllers, load_controller
+from atleak.catalogue.controller_file import CONTROLLERS, controllers, load_controller
 from atleak.catalogue.entries import (
     KINDS,
+    Shelf,
     catalogue_files,
     listed_entries,
     own_files,
@@ -19,9 +21,12 @@ from atleak.catalogue.entries import (
     removed_own,
     restore_own,
     shipped_files,
+    shipped_names,
     write_own,
 )
-from atleak.catalogue.fluid import load_fluid
+from atleak.catalogue.fluid import FLUIDS, load_fluid
+from atleak.catalogue.instruments import INSTRUMENTS
+from atleak.catalogue.limits import LIMIT_SETS
 from atleak.common.errors import CatalogueError, OutputError
 from atleak.common.files import made_folder
 from atleak.job.case import Case
@@ -154,3 +159,13 @@ def test_a_file_is_not_brought_back_over_another_one(put: Put) -> None:
 def test_taking_out_what_is_not_there_is_refused_in_words(own_home: Path) -> None:
     with pytest.raises(OutputError, match=r"my_box.toml: cannot be moved"):
         remove_own("controllers", "my_box")
+
+
+@pytest.mark.parametrize("shelf", [CONTROLLERS, FLUIDS, LIMIT_SETS, INSTRUMENTS], ids=lambda shelf: shelf.kind)
+def test_where_one_chooses_shipped_entries_are_called_as_in_their_files(shelf: Shelf[Any]) -> None:
+    names = shipped_names(shelf.kind)
+    assert list(names) == list(shipped_files(shelf.kind))
+    for entry in map(shelf.load, names):
+        listed = names[entry.id]
+        assert (listed.name, listed.measures) == (entry.name, getattr(entry, "measures", ()))
+        assert not listed.origin.own

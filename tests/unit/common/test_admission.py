@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from atleak.common.access import Allowed, answered_names, is_here_alone, read_allowed, read_sign_in
+from atleak.common.access import answered_names, is_here_alone
 from atleak.common.errors import InputError
+from atleak.common.sign_in import Allowed, read_allowed, read_sign_in
 
 SECRETS = """[auth]
 redirect_uri = "https://atleak.shop.example/oauth2callback"

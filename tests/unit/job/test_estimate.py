@@ -27,7 +27,7 @@ from atleak.engine.projection import project
 from atleak.measurements.job_card import Job
 from atleak.measurements.readings import Readings
 from atleak.report.pdf.body import Body
-from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.printed_names import PrintedNames
 from atleak.report.tables.estimate import EstimateWords, open_words
 from atleak.report.xlsx import write_workbook
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
-from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.printed_names import PrintedNames
 from pages.shared import pairs
 
 

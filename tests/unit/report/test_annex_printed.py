@@ -27,7 +27,7 @@ from atleak.report.pdf import write_pdf
 from atleak.report.pdf.annex import Annex, Budget
 from atleak.report.pdf.body import Body
 from atleak.report.pdf.front import Front
-from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.printed_names import PrintedNames
 
 JOB = Job(
     number="2026-0417",

@@ -26,7 +26,7 @@ from atleak.measurements.job_card import Job
 from atleak.measurements.readings import Reading, Readings
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.customer import CustomerPage, digits_apart
-from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.printed_names import PrintedNames
 from atleak.report.tables.complaint import End, explanations, worn_valves
 from atleak.report.tables.sentences import consequence_words
 from tests.unit.conftest import first_of, with_clearances

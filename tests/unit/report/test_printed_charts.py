@@ -22,7 +22,7 @@ from atleak.measurements.job_card import Job
 from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.charts.paper_curves import pump_chart, road_chart
 from atleak.report.pdf.body import Body
-from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.printed_names import PrintedNames
 from atleak.report.tables.pressures import pressure_chart, pump_over_speed
 from atleak.report.tables.road_test import road_series
 

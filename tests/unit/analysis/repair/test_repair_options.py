@@ -29,7 +29,7 @@ from atleak.measurements.job_card import Job
 from atleak.measurements.readings import Readings
 from atleak.report.json.diagnosis import diagnosis_record
 from atleak.report.pdf.conditions import Conditions
-from atleak.report.pdf.printed_names import PrintedNames
+from atleak.report.printed_names import PrintedNames
 from atleak.report.tables.repairs import option_rows, plan_ends, planned
 from atleak.report.terminal import print_diagnosis
 from atleak.report.xlsx import write_workbook

@@ -7,13 +7,12 @@ from functools import cached_property
 
 from atleak.analysis.estimate import estimate
 from atleak.analysis.repair.plan import RepairPlan, plan_repairs
-from atleak.common.wording import Wording, isolated
+from atleak.common.wording import Wording, isolated, joined
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import Remedy
 from atleak.measurements.job_card import Job
-from atleak.report.pdf.blocks import joined
 from atleak.report.tables.estimate import EstimateWords
 from atleak.report.tables.lands import MatrixRow, pair_table
 from atleak.report.tables.names import component_words, land_number
