@@ -25,6 +25,8 @@ if TYPE_CHECKING:  # for type checkers; `_MODULES` says the same to the interpre
     from atleak.engine.profile import PROFILES as PROFILES
     from atleak.engine.profile import Profile as Profile
     from atleak.engine.profile import find_profile as find_profile
+    from atleak.engine.unit import Unit as Unit
+    from atleak.engine.unit import load as load
     from atleak.measurements.clearances import clearances as clearances
     from atleak.measurements.gauge_readings import PressureTable as PressureTable
     from atleak.measurements.readings import Readings as Readings
@@ -46,10 +48,12 @@ _MODULES = {
     "Profile": "engine.profile",
     "Readings": "measurements.readings",
     "RoadTest": "measurements.road_test",
+    "Unit": "engine.unit",
     "clearances": "measurements.clearances",
     "diagnose": "diagnosis.examination",
     "diagnosis_record": "report.json.diagnosis",
     "find_profile": "engine.profile",
+    "load": "engine.unit",
     "load_controller": "catalogue.controller_file",
     "load_fluid": "catalogue.fluid",
     "load_limits": "catalogue.limits",

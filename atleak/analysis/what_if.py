@@ -186,9 +186,8 @@ class WhatIf:
         if self.eccentricity is not None:
             profile = profile.with_options(eccentricity=self.eccentricity)
         states = tuple(land.state for land in diagnosis.lands)
-        return replace(
-            model, clearances=worn(states, self.wear, self.growth), fluid=self.fluid_of(diagnosis), profile=profile
-        )
+        tried_clearances = worn(states, self.wear, self.growth)
+        return LeakageModel(model.controller, tried_clearances, self.fluid_of(diagnosis), profile)
 
 
 @dataclass(frozen=True)

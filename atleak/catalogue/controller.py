@@ -39,6 +39,7 @@ from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump, PumpClearances
 from atleak.catalogue.repairs import Complaint, LandKey, Repair
 from atleak.common.errors import InputError, Message, unknown
+from atleak.common.printable import brief
 from atleak.common.sentences import Name, Sentence
 from atleak.equations import clearance as clearance_equations
 
@@ -236,6 +237,7 @@ class Gap:
         return self.evidence is Evidence.PUBLISHED
 
 
+@brief
 @dataclass(frozen=True)
 class Controller(Headed):
     """A type of valve body: its lands, the gaps that they seal, circuits, pump and operating points.

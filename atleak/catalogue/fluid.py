@@ -29,6 +29,7 @@ from atleak.catalogue.entries import (
 from atleak.catalogue.keys import key, made
 from atleak.common.errors import CatalogueError, DomainError, InputError, Message, Place, unknown
 from atleak.common.file_faults import NotAccepted, place_of, validated
+from atleak.common.printable import brief
 from atleak.common.sentences import Name, Sentence
 from atleak.common.units import PERCENT, Quantity
 from atleak.equations import fluid as fluid_equations
@@ -43,6 +44,7 @@ USED_THINNER = tuple(round(PERCENT * (1.0 - factor)) for factor in reversed(_USE
 HIGHEST_TEMPERATURE = 150.0  # °C: no source in the catalogue measured a fluid above it
 
 
+@brief
 @dataclass(frozen=True)
 class Fluid(Headed):
     """One automatic transmission fluid.

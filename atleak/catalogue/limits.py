@@ -19,6 +19,7 @@ from atleak.catalogue.entries import Entry, Headed, NonEmptyText, Origin, Shelf,
 from atleak.catalogue.keys import key, made, unit_of
 from atleak.common.errors import CatalogueError, Message
 from atleak.common.file_faults import NotAccepted, WrongTogether, validated
+from atleak.common.printable import brief
 from atleak.common.sentences import Sentence
 from atleak.common.units import KPA, PERCENT, UM
 from atleak.common.verdicts import BANDS, FLAGGED, Band, Verdict
@@ -243,6 +244,7 @@ class Steps:
         return next((limit for name, limit in self.levels if name == level), None)
 
 
+@brief
 @dataclass(frozen=True)
 class Limits(Headed):
     """A set of limits; a rule that is None is not applied.

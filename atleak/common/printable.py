@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import logging
 import os
+import reprlib
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import Any, TextIO, cast
+from dataclasses import fields
+from typing import Any, TextIO, TypeVar, cast
 
 _KEPT = "\n\t"
+_LONGEST = 2000  # characters of a result at the prompt: choice of this project
+_PARTS = reprlib.Repr()
+_PARTS.maxtuple = _PARTS.maxdict = _PARTS.maxfrozenset = 2
+_PARTS.maxstring = _PARTS.maxother = 120
+_Result = TypeVar("_Result")
 _CONTROLS = {code: None for code in (*range(0x20), *range(0x7F, 0xA0)) if chr(code) not in _KEPT}
 
 
@@ -20,6 +27,21 @@ def printable(text: str) -> str:
     'p_g [31m2J[kPa]\n'
     """
     return text.translate(_CONTROLS)
+
+
+def brief(result: type[_Result]) -> type[_Result]:
+    """Let the results of a dataclass show the beginning of each field at the prompt: they hold megabytes.
+
+    Whatever compares results, or keeps something by them, uses their fields or a hash of the file: never this text.
+    """
+
+    def shown(self: Any) -> str:
+        parts = (f"{each.name}={_PARTS.repr(getattr(self, each.name))}" for each in fields(self) if each.repr)
+        text = f"{type(self).__name__}({', '.join(parts)})"
+        return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 2]}…)"
+
+    result.__repr__ = shown  # type: ignore[assignment,method-assign]
+    return result
 
 
 class PrintableStream:

@@ -7,6 +7,9 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from importlib import import_module
+
+import pandas as pd
 
 from atleak.catalogue.circuits import Circuit
 from atleak.catalogue.controller import Controller, Land
@@ -43,12 +46,16 @@ from atleak.engine.profile import Profile
 from atleak.engine.projection import Projection
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.engine.road_pressure import SLUMP_SPAN, TemperatureClass, temperature_classes
+from atleak.engine.unit import Unit
 from atleak.measurements.flow_readings import FlowTable
 from atleak.measurements.readings import MeasuringTemperature, Readings
 from atleak.measurements.road_test import RoadTest
 from atleak.measurements.vacuum import VacuumTable
 
 APART = 0.2  # relative: by which two engine speeds differ that tell a pump from what is stuck: choice of this project
+
+_NAMED = 3  # lands that are named at the prompt
+_NOTEBOOK = "atleak.report.notebook"  # a room above: found by its name when asked, as pandas finds what plots for it
 
 
 @dataclass(frozen=True)
@@ -137,7 +144,7 @@ class Diagnosis:
     limits: Limits
     profile: Profile
     mileage: float | None
-    model: LeakageModel = field(repr=False)
+    model: Unit = field(repr=False)
     as_new: LeakageModel = field(repr=False)
     as_unworn: LeakageModel = field(repr=False)
     lands: tuple[LandDiagnosis, ...]
@@ -164,6 +171,33 @@ class Diagnosis:
     repairs: tuple[Repair, ...] = ()
     vacuum_table: VacuumTable | None = None
     lines_of_visits: Mapping[LandKey, WearLine] | None = field(default=None, repr=False)
+
+    def __repr__(self) -> str:
+        named = [f"{'{}/{}'.format(*land.key)} {land.verdict}" for land in self.flagged[:_NAMED]]
+        named += [f"{len(self.flagged) - _NAMED} more"] if len(self.flagged) > _NAMED else []
+        count = f"{self.measured} of {len(self.lands)} lands measured"
+        return (
+            f"<Diagnosis of {self.controller.id}: {self.verdict}; {count}; {', '.join(named) or 'none past a limit'}>"
+        )
+
+    def _repr_html_(self) -> str:
+        return str(import_module(_NOTEBOOK).html(self))
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Return the tables of `atleak.diagnosis_record` as DataFrames; names of columns say the unit.
+
+        Returns
+        -------
+        dict
+            ``lands``, ``lands_at_conditions``, ``gaps``, ``conditions``, ``circuits``, ``repair_plan``, ``messages``,
+            ``assumed`` … by name; what has no rows is left out. A table of lands has component and land as its index.
+        """
+        tables: dict[str, pd.DataFrame] = import_module(_NOTEBOOK).frames(self)
+        return tables
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a row for every land, by component and land: clearance, wear, leakage, share, verdict and decision."""
+        return self.tables()["lands"]
 
     @property
     def projection(self) -> Projection:

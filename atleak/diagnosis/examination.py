@@ -26,11 +26,11 @@ from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR, Assumptions, Un
 from atleak.diagnosis.vacuum import repaired_messages, vacuum_findings, vacuum_messages, with_vacuum
 from atleak.diagnosis.warm_up import warm_up
 from atleak.diagnosis.weighed_evidence import AllEvidence, Beside
-from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import pressure_losses
 from atleak.engine.profile import WORKSHOP, Profile
 from atleak.engine.projection import BesideNew, project
 from atleak.engine.road_leakage import RoadLeakage
+from atleak.engine.unit import Unit
 from atleak.measurements.clearances import clearances
 from atleak.measurements.flow_readings import FlowTable
 from atleak.measurements.gauge_readings import NO_GAUGES, PressureTable
@@ -153,8 +153,9 @@ def diagnose(
     states = clearances(readings, controller, temperature=temperature, instruments=instruments)
     if vacuum is not None:
         states = with_vacuum(states, readings, controller, vacuum, instruments, assumptions)
-    unit = BesideNew.of(LeakageModel(controller, states, fluid, profile), states, condition)
-    road = diagnosed_road(road_test, unit.model, condition, limits, assumptions, guard_factor)
+    model = Unit(controller, states, fluid, profile)
+    unit = BesideNew.of(model, states, condition)
+    road = diagnosed_road(road_test, model, condition, limits, assumptions, guard_factor)
     measured = [state.land.key for state in states if state.measured]
     findings = () if vacuum is None else vacuum_findings(vacuum, unit, limits, assumptions, guard_factor)
     rules, uncertainty = _judged(
@@ -194,7 +195,7 @@ def diagnose(
         limits=limits,
         profile=profile,
         mileage=mileage,
-        model=unit.model,
+        model=model,
         as_new=unit.as_new,
         as_unworn=unit.as_unworn,
         lands=tuple(diagnosed_land(state, unit.now, unit.new, rules, mileage, uncertainty) for state in states),

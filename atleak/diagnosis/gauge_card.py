@@ -13,6 +13,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_tables import SelectorRange
 from atleak.catalogue.instruments import Instruments, load_instruments
 from atleak.catalogue.operating_point import OperatingPoint
+from atleak.common.printable import brief
 from atleak.diagnosis.uncertainty import Assumptions
 from atleak.diagnosis.uncertainty.posterior import PosteriorUnit
 from atleak.diagnosis.uncertainty.sources import LandSources, find_sources
@@ -113,6 +114,7 @@ def point_of(
     return standing_point(controller, gear_in(cell.range, controller.gears), state, temperature, engine_speed)
 
 
+@brief
 @dataclass(frozen=True)
 class GaugeCard:
     """What gauges should show on a unit.

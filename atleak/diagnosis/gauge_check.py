@@ -16,6 +16,7 @@ from atleak.catalogue.controller_tables import SelectorRange
 from atleak.catalogue.limits import LimitOrigin, Limits, RuleKind, Steps
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.errors import Message, Place
+from atleak.common.printable import brief
 from atleak.common.sentences import Sentence, in_a_row
 from atleak.common.units import KPA, Quantity, gear_name
 from atleak.common.verdicts import Verdict, worst
@@ -134,6 +135,7 @@ class CheckedReading:
         return max(self.decisions, key=lambda each: each.severity, default=None)
 
 
+@brief
 @dataclass(frozen=True)
 class PressureCheck:
     """A pressure table with everything that is said of it."""

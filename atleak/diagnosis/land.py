@@ -18,6 +18,7 @@ from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.pump import Pump
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import Message
+from atleak.common.printable import brief
 from atleak.common.sentences import Sentence
 from atleak.common.units import Quantity
 from atleak.common.verdicts import Verdict, worst
@@ -261,6 +262,7 @@ def without_rate(lands: Iterable[LandUncertainty], mileage: float | None) -> Mes
     return Message("info", NO_RATE, text)
 
 
+@brief
 @dataclass(frozen=True)
 class LandDiagnosis:
     """One land's clearance, its leakage at the stated condition, its verdict and how sure that is."""

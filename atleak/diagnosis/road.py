@@ -14,6 +14,7 @@ from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.errors import Message, RoadTestError
 from atleak.common.memory import kept_with
+from atleak.common.printable import brief
 from atleak.common.sentences import Sentence
 from atleak.common.units import gear_name
 from atleak.diagnosis.rules import Rule
@@ -36,6 +37,7 @@ NO_LEAKAGE = "no_leakage_over_log"  # code of the message why none is computed o
 _LOGGED = ("main_pressure", "converter_pressure", "atf_temperature", "gear")  # channels from which leakage follows
 
 
+@brief
 @dataclass(frozen=True)
 class RoadFindings:
     """What a log says by itself: its events, gears and temperatures, and its main pressure beside what it should be."""

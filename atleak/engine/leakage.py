@@ -30,6 +30,7 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.catalogue.pump import Pump
 from atleak.common.errors import translates_refusals
+from atleak.common.printable import brief
 from atleak.engine import network as circuits
 from atleak.engine import restrictions
 from atleak.engine.profile import UNKNOWN, Profile
@@ -260,6 +261,7 @@ class _Factors(NamedTuple):
     length: np.ndarray  # [m]
 
 
+@brief
 @dataclass(frozen=True)
 class LeakageModel:
     """A controller with given clearances, a fluid and a profile, ready to be evaluated at any condition.

@@ -13,6 +13,7 @@ from atleak.catalogue.circuits import Circuit, Leak, PermissiblePressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.operating_point import STATED, OperatingPoint
 from atleak.common.errors import InputError, Message, one_of, translates_refusals
+from atleak.common.printable import brief
 from atleak.common.sentences import Name, Sentence
 from atleak.common.units import KPA, PERCENT, Quantity, gear_name
 from atleak.engine.balance import Balance
@@ -47,6 +48,7 @@ class LeakFlow:
     drawn_from_pump: bool  # counts as leakage
 
 
+@brief
 @dataclass(frozen=True)
 class Projection:
     """Leakage and pump flow at one stated condition."""
@@ -236,17 +238,27 @@ def stated_condition(
     temperature: float | None = None,
     engine_speed: float | None = None,
     gear: int | None = None,
+    main_pressure: float | None = None,
     base: OperatingPoint | None = None,
 ) -> OperatingPoint:
     """Return an operating point, the controller's first unless given, with the given values in place of its own.
 
+    Parameters
+    ----------
+    temperature
+        [°C].
+    engine_speed
+        [1/s].
+    main_pressure
+        p_g that is required [Pa]; what the line is set to there unless given.
+
     Raises
     ------
     InputError
-        a gear the controller does not have, or a speed that is not positive.
+        a gear the controller does not have, or a speed or pressure that is not positive.
     """
     point = controller.operating_points[0] if base is None else base
-    if temperature is None and engine_speed is None and gear is None:
+    if temperature is None and engine_speed is None and gear is None and main_pressure is None:
         return point
     if gear is not None and gear not in controller.gears:
         problem = Sentence("{controller} has no such gear", controller=Name(controller.name))
@@ -255,6 +267,9 @@ def stated_condition(
         raise InputError(
             Sentence("engine speed not accepted"), value=engine_speed * 60.0, expected=Sentence("more than 0 rpm")
         )
+    if main_pressure is not None and not (main_pressure > 0.0 and math.isfinite(main_pressure)):
+        expected = Sentence("more than 0 kPa")
+        raise InputError(Sentence("main pressure not accepted"), value=main_pressure * KPA, expected=expected)
     if temperature is not None and not math.isfinite(temperature):
         raise InputError(Sentence("temperature not accepted"), value=temperature, expected=Sentence("a number in °C"))
     point = replace(
@@ -267,7 +282,9 @@ def stated_condition(
         source=f"set by the user; pressures of {point.label}",
     )
     label = f"gear {gear_name(point.gear)}, {point.temperature:g} °C, {point.engine_speed * 60.0:.0f} rpm"
-    return controller.with_line(replace(point, label=label))
+    if main_pressure is None:
+        return controller.with_line(replace(point, label=label))
+    return replace(point, label=f"{label}, {main_pressure * KPA:.0f} kPa", main_pressure=main_pressure)
 
 
 @translates_refusals
@@ -361,5 +378,15 @@ def _with_clearance(state: LandClearance, radial_clearance: float) -> LandCleara
 
 
 def with_even_clearance(state: LandClearance, radial_clearance: float) -> LandClearance:
-    """Return a land with another clearance, the same all around."""
-    return replace(_with_clearance(state, radial_clearance), stations=())
+    """Return a land with another clearance, the same all around: the form that was measured is gone."""
+    return replace(
+        _with_clearance(state, radial_clearance),
+        stations=(),
+        min_clearance=radial_clearance,
+        max_clearance=radial_clearance,
+        worst_direction=None,
+        spool_ovality=None,
+        sleeve_ovality=None,
+        spool_taper=None,
+        sleeve_taper=None,
+    )

@@ -19,6 +19,7 @@ from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_tables import State
 from atleak.catalogue.operating_point import IDLE_SPEED, OperatingPoint
 from atleak.common.errors import Message, MessageLevel, Place, RoadTestError, translates_refusals
+from atleak.common.printable import brief
 from atleak.common.sentences import Name, Sentence, counted, in_a_row
 from atleak.common.units import KPA, Quantity, gear_name
 from atleak.engine.extremes import Extremes, Instant, first_largest, share_of_samples, sustained_window
@@ -258,6 +259,7 @@ class CircuitRange:
     main_pressure: float  # [Pa] measured where it is lowest
 
 
+@brief
 @dataclass(frozen=True)
 class RoadLeakage:
     """Leakage over a road test; arrays have shape (samples,) and are NaN where a channel was not usable."""

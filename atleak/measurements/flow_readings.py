@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from atleak.catalogue.circuits import Consumer
 from atleak.catalogue.controller import Controller
 from atleak.common.errors import Message, Place
+from atleak.common.printable import brief
 from atleak.measurements.gauge_readings import FileOfReadings
 
 COOLER = "cooler"  # what flows through the cooler, whatever the valve body's file calls that consumer
@@ -22,6 +23,7 @@ class FlowReading:
     place: Place = Place()  # noqa: RUF009  frozen, so safe to share
 
 
+@brief
 @dataclass(frozen=True)
 class FlowTable(FileOfReadings):
     """All flows of one table."""

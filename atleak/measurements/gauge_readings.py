@@ -11,6 +11,7 @@ from atleak.catalogue.circuits import Circuit, PermissiblePressure
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_tables import SelectorRange, StandingState
 from atleak.common.errors import Message, Place
+from atleak.common.printable import brief
 from atleak.common.sentences import Name, Sentence
 
 LINE_TAP = "line"  # the tap of main pressure
@@ -92,6 +93,7 @@ class FileOfReadings:
     sheet: str | None
 
 
+@brief
 @dataclass(frozen=True)
 class PressureTable(FileOfReadings):
     """All gauge readings of one table; a cell that is not among them was not measured.

@@ -16,6 +16,7 @@ from atleak.catalogue.instruments import Part
 from atleak.catalogue.pump import NO_CLEARANCES, PumpClearances
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import Message, Place, ReadingsError, unknown
+from atleak.common.printable import brief
 from atleak.common.sentences import Sentence
 from atleak.measurements.gauge_readings import FileOfReadings, PressureTable
 
@@ -186,6 +187,7 @@ class SheetCells:
     turned: bool = False
 
 
+@brief
 @dataclass(frozen=True)
 class Readings(FileOfReadings):
     """All readings of one measuring sheet.

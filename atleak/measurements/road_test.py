@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 
 from atleak.common.errors import Message
+from atleak.common.printable import brief
 from atleak.common.sentences import Sentence
 
 _BREAKS = 400  # edges of stretches without values that are kept of each thinned series at most
@@ -132,6 +133,7 @@ class Segment:
         return self.start + self.duration
 
 
+@brief
 @dataclass(frozen=True, eq=False)
 class RoadTest:
     """A road test as the engine takes it.

@@ -8,6 +8,7 @@ from itertools import groupby
 
 from atleak.catalogue.repairs import LandKey
 from atleak.common.errors import Message, Place
+from atleak.common.printable import brief
 from atleak.common.units import IN_HG
 from atleak.equations.vacuum import STANDARD_ATMOSPHERE
 from atleak.measurements.gauge_readings import FileOfReadings
@@ -66,6 +67,7 @@ class LeakClearance:
         return math.hypot(self.u_reading, self.u_stand, self.u_position, self.u_length)
 
 
+@brief
 @dataclass(frozen=True)
 class VacuumTable(FileOfReadings):
     """All readings of one vacuum test."""

@@ -16,6 +16,7 @@ from atleak.analysis.repair.choice import Choice, choose
 from atleak.analysis.repair.options import Cost, Move, Option, Options, Prices, cost_of, pump_option
 from atleak.analysis.repair.totals import RepairableUnit, RepairedAt, Total
 from atleak.catalogue.repairs import LandKey
+from atleak.common.printable import brief
 from atleak.common.verdicts import Band, Verdict
 from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -117,6 +118,7 @@ class Remainder:
         return Band(self.total.rule.steps.judge(self.new_share, Band.GREEN)[0]) is not Band.GREEN
 
 
+@brief
 @dataclass(frozen=True)
 class RepairPlan:
     """The repairs in their order, and the totals that they end at."""

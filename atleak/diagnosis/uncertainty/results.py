@@ -14,6 +14,7 @@ from typing import Literal
 from atleak.catalogue.instruments import Instruments, Part
 from atleak.catalogue.limits import RuleKind
 from atleak.common.errors import Message
+from atleak.common.printable import brief
 from atleak.common.sentences import Sentence
 from atleak.common.units import UM
 from atleak.common.verdicts import Band
@@ -174,6 +175,7 @@ class AtCondition:
     clearance_fraction: float  # part of that variance which the clearance carries
 
 
+@brief
 @dataclass(frozen=True)
 class LandUncertainty:
     """The uncertainty of one land's numbers and decisions; a land that was not measured has none."""
@@ -347,6 +349,7 @@ class InstantUncertainty:
     share_interval: Interval | None  # None where the instant has no share
 
 
+@brief
 @dataclass(frozen=True)
 class UnitUncertainty:
     """The uncertainty of all lands and totals, with the inputs it follows from."""
