@@ -7,6 +7,7 @@ from pages.shared import (
     conditions,
     guide,
     job_form,
+    live_log,
     log_form,
     log_view,
     panel,
@@ -49,7 +50,9 @@ pending = log_form.pending(case)
 with guide.step("drive") as opened:
     if opened:
         panel.drop("drive", say("in_the_car.drop_log"))
+        live_log.ask()
         remembered_columns.draw()
+live_log.draw()
 if pending is not None:
     if diagnosis.log is not None and pending[0] == case.road_test:
         road.findings(diagnosis)

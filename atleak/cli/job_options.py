@@ -42,10 +42,22 @@ if TYPE_CHECKING:
 _POSITION = "eccentricity"  # an option of the profile that people also look for among the assumptions
 
 
-def add_job_options(parser: argparse.ArgumentParser) -> None:
-    """Add the files and choices of a job, which `chosen_job` makes a job of."""
+def add_job_options(parser: argparse.ArgumentParser, *, grows: bool = False) -> None:
+    """Add the files and choices of a job, which `chosen_job` makes a job of.
+
+    Parameters
+    ----------
+    grows
+        whether its log is one that a logger is still writing: named first, as a file or as the folder that it is in.
+    """
+    if grows:
+        help = "text that a logger is writing, or the folder of which the newest log is followed; sample: one of atleak"
+        log = parser.add_argument_group("the log")
+        log.add_argument("road_test", metavar="LOG", type=or_sample(SAMPLE_LOG), help=help)
+        add_columns(log)
     _add_measured(parser.add_argument_group("what was measured"))
-    _add_road_test(parser.add_argument_group("the road test"))
+    if not grows:
+        _add_road_test(parser.add_argument_group("the road test"))
     add_mapping(
         parser.add_argument_group("which column is what, of sheet and log, where the headings do not tell"), keeps=True
     )
@@ -232,6 +244,17 @@ def keep_columns(options: argparse.Namespace, case: Case, diagnosis: Diagnosis) 
     units = {**dict(case.units), **({"value": case.sheet_unit} if case.sheet_unit else {})}
     of_sheet = dict(readings.columns) if readings is not None else {}
     write_map_file(options, {**of_sheet, **dict(case.columns)}, units, case.sheet_name)
+
+
+def save_job(options: argparse.Namespace, case: Case, job: Job | None, diagnosis: Diagnosis) -> str:
+    """Put a job into the job book, remember its columns, and return its id."""
+    from atleak.analysis.record_doubts import with_sheet
+    from atleak.job.parts import job_parts
+    from atleak.job_book.book import open_book
+
+    id = open_book().save(job_parts(diagnosis, with_sheet(job, diagnosis.readings), as_read(case))).id
+    keep_columns(options, case, diagnosis)
+    return id
 
 
 def chosen_case(options: argparse.Namespace) -> Case:

@@ -11,9 +11,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from atleak.analysis.record_doubts import with_sheet
 from atleak.cli.app import PORT, open_page, port_number
-from atleak.cli.job_options import add_job_options, as_read, chosen_job, keep_columns
+from atleak.cli.job_options import add_job_options, chosen_job, save_job
 from atleak.cli.parser import add_command, add_group
 from atleak.cli.shared import (
     SHOWN,
@@ -38,7 +37,6 @@ from atleak.common.seals import SealedKind
 from atleak.common.sentences import Sentence
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import signed, wording
-from atleak.job.parts import job_parts
 from atleak.job.result import judged_otherwise, result_record
 from atleak.job_book.book import Book, JobRow, open_book
 from atleak.job_book.compared_jobs import compare_jobs, compared_record, job_of, named_job
@@ -365,10 +363,7 @@ def _date(text: str) -> dt.date:
 
 def _add(options: argparse.Namespace) -> int:
     case, job = chosen_job(options)
-    diagnosis = case.diagnose()
-    parts = job_parts(diagnosis, with_sheet(job, diagnosis.readings), as_read(case))
-    print(open_book().save(parts).id, file=asked_for(sys.stdout))
-    keep_columns(options, case, diagnosis)
+    print(save_job(options, case, job, case.diagnose()), file=asked_for(sys.stdout))
     return 0
 
 

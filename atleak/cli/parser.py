@@ -21,6 +21,10 @@ COMMANDS = {
     "compare": ("jobs", "two jobs of one unit side by side, before and after"),
     "variants": ("studies", "W1 to W8 of the source study, as printed and as computed"),
     "import-log": ("import_log", "what is understood of a road-test log"),
+    "watch": (
+        "watch",
+        "follow a log while it is being written: pressure beside what is permitted, events as they happen",
+    ),
     "report": ("report", "the reports of job files"),
     "template": ("template", "a measuring sheet to fill in"),
     "gauge-card": ("template", "what gauges should show at every tap, as a card to fill in"),

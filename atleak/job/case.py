@@ -360,7 +360,7 @@ class Case:
             pressures=_one_table(pressures, readings),
             vacuum=None if self.vacuum is None else loader.vacuum(self, controller),
             flows=None if self.flows is None else loader.flows(self, controller),
-            road_test=None if self.road_test is None else self._driven(loader.log(self), controller),
+            road_test=None if self.road_test is None else self.driven(loader.log(self), controller),
             profile=self.engine_profile,
             condition=self.condition(controller),
             mileage=self.mileage,
@@ -373,8 +373,14 @@ class Case:
         )
         return replace(diagnosis, repairs=find_repairs(controller.repairs, self.repairs, controller.name))
 
-    def _driven(self, log: Understood, controller: Controller) -> RoadTest:
-        """Return the road test of a log, with the main pressure that is assumed for it."""
+    def driven(self, log: Understood, controller: Controller) -> RoadTest:
+        """Return the road test of a log, with the main pressure that is assumed for it.
+
+        Raises
+        ------
+        AtleakError
+            why there is none: what the log lacks, or the question that it leaves open.
+        """
         road_test = _road_test(log)
         if not self.assumes_pressure:
             return road_test

@@ -47,6 +47,16 @@ def _is_open() -> bool:
         return False
 
 
+def is_of_this_computer() -> bool:
+    """Tell whether nobody but this computer's user reaches the dashboard: then it may open what a path names here.
+
+    A proxy that hands on what others ask for says so in a header, whatever name it calls this computer by.
+    """
+    names = (str(st.get_option("server.address")), *map(str, st.get_option("server.allowedHosts") or ()))
+    handed_on = any(name in st.context.headers for name in ("Forwarded", "X-Forwarded-For", "X-Forwarded-Host"))
+    return not os.environ.get(ALLOWED) and all(map(is_here_alone, names)) and not handed_on
+
+
 def may_send_files(session: str) -> bool:
     """Tell whether a session, by its id, was let in when its page was drawn last."""
     return session in _INSIDE

@@ -35,7 +35,7 @@ from atleak.report.tables.road_test import (
     value_rows,
     whole,
 )
-from atleak.report.tables.road_words import event_name
+from atleak.report.tables.road_words import event_span
 from pages.shared import fields, log_form, reader, show
 from pages.shared import road as road_page
 from pages.shared.cases import understood
@@ -132,7 +132,7 @@ def window(test: RoadTest, happened: Sequence[Event]) -> tuple[float, float] | N
     if not last > first:
         return None
     kept = session().windows
-    names = kept_with(test, "event names", say, lambda: [_event_name(event, say) for event in happened])
+    names = kept_with(test, "event names", say, lambda: [event_span(event, say) for event in happened])
     number = st.selectbox(
         say("road_test.look_at"),
         [None, *range(len(happened))],
@@ -166,11 +166,6 @@ def look_between(test: RoadTest, start: float, stop: float) -> None:
 
 def _picked(test: RoadTest) -> str:
     return f"window-event-{test.sha256}"
-
-
-def _event_name(event: Event, say: Wording) -> str:
-    first, last = say.number(event.start, 1), say.number(event.stop, 1)
-    return say("road_test.from_to", what=event_name(event, say), first=first, last=last)
 
 
 def part_of(test: RoadTest, ends: tuple[float, float] | None, over: tuple[RoadTest, float] | None) -> Part:

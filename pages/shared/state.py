@@ -27,6 +27,7 @@ from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import SLOTS, CaseChoice, SourceFile
 from atleak.job.result import judged_otherwise
+from atleak.job.watched_log import WatchedLog
 from atleak.job.zip_file import read_job_file
 from atleak.measurements.job_card import Job
 from atleak.report.json.diagnosis import diagnosis_record
@@ -100,6 +101,7 @@ class Session:
     follow: bool = False  # whether the sheet that is tried may choose the controller that its head names
     steps: Steps = field(default_factory=Steps)  # that can be taken back and done again
     windows: dict[str, tuple[float, float]] = field(default_factory=dict)  # part shown [s], by the log's SHA-256
+    watched: WatchedLog | None = None  # a log that is followed while it is being written
     over: SourceFile | None = None  # a second log, drawn over the job's
     offset: float = 0.0  # [s] by which it is shifted
     unkept: tuple[str, str] = ("", "")  # SHA-256 of a log whose columns could not be remembered, and why

@@ -14,22 +14,24 @@ from typing import Any, Literal
 import numpy as np
 
 from atleak.analysis.formulas import Dimension, FormulaChannel
+from atleak.catalogue.controller import Controller
 from atleak.catalogue.limits import Limits
 from atleak.catalogue.workbook.cells import gear_shown
 from atleak.common.sentences import Sentence
-from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, Unit
+from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, Unit, gear_name
 from atleak.common.units import unit as named_unit
 from atleak.common.wording import Wording
+from atleak.diagnosis.road import RoadFindings
 from atleak.diagnosis.uncertainty import UnitUncertainty
 from atleak.engine.extremes import Extremes, Instant
 from atleak.engine.road_leakage import RoadLeakage
-from atleak.engine.road_pressure import Departure, PlaceFinding, RoadPressure
+from atleak.engine.road_pressure import Departure, PlaceFinding, RoadPressure, permitted_pressure
 from atleak.measurements.events import Event
 from atleak.measurements.road_test import Channel, RoadTest, thinned
 from atleak.readers.logs.understood import workshop_unit
 from atleak.report.json.conditions import interval_ends, named_record
 from atleak.report.tables.road_words import event_remark
-from atleak.report.tables.table import Column, Table
+from atleak.report.tables.table import Column, Facts, Table
 
 Scale = tuple[str, Callable[[Any], Any]]  # a unit's name, and the function from SI to it
 Scales = Mapping[str, Scale]  # by quantity
@@ -120,6 +122,36 @@ def circuit_table(road: RoadLeakage, say: Wording) -> Table:
         Column("circuit_mean", "pressure", 0, of="mean", times=KPA),
     )
     return Table("circuits", columns, [*road.circuit_ranges.values()], say)
+
+
+def present_values(log: RoadFindings, controller: Controller, say: Wording) -> Facts:
+    """Return what a log shows at its last sample, main pressure first, and beside it what is permitted there."""
+    test, scales = log.road_test, channel_scales(log.road_test, say)
+    limits = permitted_pressure(controller, test)
+    rows = [(say("log_quantities.time"), f"{say.number(test.time[-1], 1)} s")]
+    for name in (each for each in test.channels if each in scales or each == "gear"):
+        unit, convert = scales.get(name, ("", as_it_is))
+        last = float(np.asarray(test.values(name))[-1])
+        if math.isnan(last):
+            shown = "–"
+        else:
+            shown = gear_name(int(last)) if name == "gear" else f"{short(float(convert(last)), say)} {unit}"
+        if name == "main_pressure" and limits is not None:
+            shown += _beside_limits(last, (limits[0][-1], limits[1][-1]), convert, say)
+        rows.insert(1 if name == "main_pressure" else len(rows), (say(f"log_quantities.{name}"), shown))
+    return Facts(rows)
+
+
+def _beside_limits(pressure: float, limits: tuple[float, float], convert: Callable[[Any], Any], say: Wording) -> str:
+    """Say what main pressure is permitted where it is now, and on which side of it it lies; nothing without a limit."""
+    ends = dict(zip(_LIMITS, limits, strict=True))
+    known = {name: short(float(convert(end)), say) for name, end in ends.items() if not math.isnan(end)}
+    if not known:
+        return ""
+    name = "_".join(known)
+    side = "below" if pressure < ends["least"] else "above" if pressure > ends["most"] else ""
+    outside = f" ▲ {say(f'live.{side}')}" if side else ""
+    return f" ({say(f'live.{name}', **known)}){outside}"
 
 
 def log_curves(

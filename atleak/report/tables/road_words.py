@@ -116,6 +116,12 @@ def event_name(event: Event, say: Wording) -> str:
     return say(f"events.{event.kind}") + (f" {event.gears}" if event.gears else "")
 
 
+def event_span(event: Event, say: Wording) -> str:
+    """Return an event's name, and from when to when it was: ``shift 1 → 2, 12.3 to 12.9 s``."""
+    first, last = say.number(event.start, 1), say.number(event.stop, 1)
+    return say("road_test.from_to", what=event_name(event, say), first=first, last=last)
+
+
 def event_remark(event: Event, say: Wording) -> str:
     """Return what else is to be said of an event."""
     return say.sentence(event.note) if event.test is None else how_driven(event, event.test, say)

@@ -1,0 +1,166 @@
+"""Follow the log of a job while its logger is still writing it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+from atleak.catalogue.controller import Controller
+from atleak.catalogue.limits import Limits
+from atleak.common.errors import AtleakError, Place, RoadTestError, reason_of
+from atleak.common.sentences import Sentence
+from atleak.diagnosis.road import RoadFindings, road_findings
+from atleak.diagnosis.uncertainty import DEFAULTS, GUARD_FACTOR
+from atleak.job.case import SLOTS, Case, Reader, SourceFile
+from atleak.measurements.events import Event
+from atleak.readers.cells.sheet_file import stated_encoding
+from atleak.readers.logs.log_file import HEAD_BYTES, form_of, refuse_what_is_no_log
+
+SETTLED = 3.0  # [s] after which nothing that is still to come moves an event: the longest pause within a shift
+LINES = (
+    100  # a text that has more of them, and cannot be read as a log, is none; no logger writes as many above a table
+)
+_ENDINGS = (".csv", ".tsv", ".txt", ".log", ".dat", ".asc", ".json", ".jsonl")  # of logs that grow line by line
+_GROWS = Sentence("a text that the logger writes line by line")
+
+
+@dataclass
+class WatchedLog:
+    """A log that grows: what its whole lines hold so far. A last line without an end waits until it has one.
+
+    The log is read anew whenever there is more of it, by the readers of every other log, for at most half of the time.
+    A log that is replaced, or cut off, has begun anew: what was read before is kept in ``earlier``.
+    """
+
+    path: Path  # of the log, or of a folder of which the newest log is followed
+    case: Case  # the job: how the log is read, and with what it is judged
+    file: SourceFile | None = None  # what was read: the whole lines
+    findings: RoadFindings | None = None  # what they say
+    waits: AtleakError | None = None  # why what is there now says nothing, or nothing more
+    since: float = field(default_factory=time.monotonic)  # when it had a new line last, or where it has none was begun
+    earlier: list[SourceFile] = field(default_factory=list)  # logs that had begun before this one
+    _seen: tuple[object, ...] = ()  # path, size and time of the file that was read last
+    _rests_until: float = 0.0
+    _told: set[tuple[object, ...]] = field(default_factory=set)
+
+    @property
+    def quiet(self) -> float:
+        """Return for how long no whole line was added [s]."""
+        return time.monotonic() - self.since
+
+    @cached_property
+    def controller(self) -> Controller:
+        """Return the valve body by which it is judged."""
+        controller: Controller = Reader().entry(SLOTS["controller"], self.case.controller)
+        return controller
+
+    @cached_property
+    def _limits(self) -> Limits:
+        limits: Limits = Reader().entry(SLOTS["limits"], self.case.limits)
+        return limits
+
+    def look(self) -> bool:
+        """Read what was written since the last time; return whether there was any.
+
+        Raises
+        ------
+        AtleakError
+            a file that is no log, or cannot be opened, before anything was read.
+        """
+        now = time.monotonic()
+        if now < self._rests_until:
+            return False
+        try:
+            path = _newest(self.path)
+            state = path.stat()
+            seen = (path, state.st_size, state.st_mtime_ns)
+            if seen == self._seen:
+                return False
+            data = path.read_bytes()
+        except (OSError, RoadTestError) as error:
+            if not isinstance(error, RoadTestError):
+                problem = Sentence("cannot be opened: {reason}", reason=reason_of(error))
+                error = RoadTestError(problem, place=Place(file=self.path.name))
+            self.waits, first = error, not self._seen
+            self._seen = (None,)  # what comes there next is read
+            if first:  # where one was there, a new one may be about to begin
+                raise error from None
+            return False
+        first, again, self._seen = not self._seen, self._seen == (None,), seen
+        if new := self._take(path.name, data, again=again):
+            written = max(0.0, time.time() - state.st_mtime) if first else 0.0
+            self.since, self._rests_until = now - written, 2 * time.monotonic() - now
+        return new
+
+    def _take(self, name: str, data: bytes, *, again: bool) -> bool:
+        """Read the whole lines of a log, also where there is no new one if ``again``; return whether there is one."""
+        before = b"" if self.file is None else self.file.content
+        whole = whole_lines(data)
+        if self.file is not None and (name != self.file.name or not whole.startswith(before)):
+            if self.findings is not None:
+                self.earlier.append(self.file)
+            self.file, self.findings, self.since, before = None, None, time.monotonic(), b""
+            self._told.clear()
+        if data.strip(b"\0 \t\r\n") and self.findings is None:
+            _refuse_what_does_not_grow(name, data)
+        if not whole or (whole == before and not again):
+            if not whole:
+                expected = Sentence("the first lines, as the logger writes them")
+                self.waits = RoadTestError(Sentence("is empty so far"), place=Place(file=name), expected=expected)
+            return False
+        file = SourceFile(name, whole)
+        try:
+            self.findings, self.waits = self._found(replace(self.case, road_test=file)), None
+        except AtleakError as error:
+            if self.findings is None and whole.count(b"\n") > LINES:
+                raise
+            self.waits = error
+        self.file = file
+        return whole != before
+
+    def _found(self, case: Case) -> RoadFindings:
+        test = case.driven(Reader().log(case), self.controller)
+        guard = GUARD_FACTOR if case.guard_factor is None else case.guard_factor
+        assumptions = DEFAULTS.with_settings(dict(case.assumptions))
+        return road_findings(self.controller, test, self._limits, assumptions, guard)
+
+    def news(self, *, ended: bool = False) -> Iterator[Event]:
+        """Yield events that are over and were not told yet; with ``ended`` those too that reach to the last line."""
+        if self.findings is None:
+            return
+        over = self.findings.road_test.time[-1:] - (0.0 if ended else SETTLED)
+        for event in self.findings.events:
+            named = (event.kind, round(event.start, 1))
+            if named not in self._told and (event.stop <= over).any():
+                self._told.add(named)
+                yield event
+
+
+def whole_lines(data: bytes) -> bytes:
+    r"""Return the lines of a text that have an end.
+
+    >>> whole_lines(b"t;p\r\n0.1;74")
+    b't;p\r\n'
+    """
+    end = max(data.rfind(b"\n"), data.rfind(b"\r")) + 1
+    return data[: end + end % 2] if (stated_encoding(data) or "").startswith("utf-16") else data[:end]
+
+
+def _newest(path: Path) -> Path:
+    """Return the log at a path; of a folder the newest one in it."""
+    if not path.is_dir():
+        return path
+    logs = [each for each in path.iterdir() if each.suffix.lower() in _ENDINGS and not each.name.startswith(".")]
+    if not logs:
+        problem = Sentence("holds no log")
+        raise RoadTestError(problem, place=Place(file=path.name), expected=Sentence("a file of a logger in the folder"))
+    return max(logs, key=lambda each: (each.stat().st_mtime_ns, each.name))
+
+
+def _refuse_what_does_not_grow(name: str, data: bytes) -> None:
+    refuse_what_is_no_log(data[:HEAD_BYTES], name)
+    if data[:2] == b"\x1f\x8b" or form_of(data) not in ("text", "json"):
+        raise RoadTestError(Sentence("is no log that grows line by line"), place=Place(file=name), expected=_GROWS)
