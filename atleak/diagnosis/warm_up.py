@@ -25,10 +25,11 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
 from atleak.catalogue.controller_tables import State
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.errors import DomainError
+from atleak.common.memory import kept_with
 from atleak.diagnosis.gauge_card import GaugeCard, standing_point
 from atleak.diagnosis.missing import Amount
 from atleak.diagnosis.uncertainty.posterior import PosteriorUnit
-from atleak.engine.extremes import CountedSamples, Lasting
+from atleak.engine.extremes import CountedSamples, Lasting, smoothed
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.operation import LINE, Operation, consumed
 from atleak.engine.projection import Projection, project
@@ -130,7 +131,10 @@ def warm_up(road_test: RoadTest, card: GaugeCard, stated: OperatingPoint) -> War
     command = _commanded(road_test) is not None
     if not (command or model.controller.permissible_in_gear):
         return None
-    shown = [*stretches(model.controller, road_test, card.assumptions.main_pressure)]
+    controller, relative = model.controller, card.assumptions.main_pressure
+    shown = kept_with(
+        road_test, "stretches", (controller, relative), lambda: [*stretches(controller, road_test, relative)], most=1
+    )
     fit = _Fit.of(card, shown)
     if fit is None:
         return WarmUp("not_there", command)
@@ -152,7 +156,7 @@ def stretches(controller: Controller, road_test: RoadTest, relative: float) -> I
         standard uncertainty of main pressure [-].
     """
     counted, gear = CountedSamples(road_test), np.asarray(gear_engaged(road_test))
-    pressure, commanded = counted.smooth(np.asarray(road_test.values("main_pressure"))), _commanded(road_test)
+    pressure, commanded = smoothed(road_test, "main_pressure"), _commanded(road_test)
     temperature, speed = (np.asarray(road_test.values(name)) for name in ("atf_temperature", "engine_speed"))
     known = np.isfinite(pressure) & np.isfinite(temperature) & np.isfinite(speed) & (pressure > 0.0)
     least, required = (np.full(len(pressure), np.nan) for _ in range(2))

@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 from pandas.api.indexers import BaseIndexer
 
+from atleak.common.memory import kept_with
 from atleak.measurements.events import Thresholds, engine_starts, gear_shifts
 from atleak.measurements.events.event import segments, within_span
 from atleak.measurements.road_test import RoadTest, Segment
@@ -206,7 +207,7 @@ class CountedSamples:
     """
 
     def __init__(self, road_test: RoadTest) -> None:
-        self.time, self._segments = road_test.time, road_test.segments
+        self.time = road_test.time
         shifts = (event for event in gear_shifts(road_test) if event.duration < LASTING)
         cut_out = (*engine_starts(road_test), *shifts)
         engine, out = road_test.values("engine_speed"), within_span(self.time, cut_out)
@@ -227,11 +228,17 @@ class CountedSamples:
         """Return how long some of the log's samples take [s], each until the next one of its segment."""
         return float(np.sum(self.steps[mask]))
 
-    def smooth(self, values: np.ndarray) -> np.ndarray:
-        """Return the median of half a second where there are samples enough for one; what is unknown stays so."""
-        clock = clock_at(self.time, self._segments, SUSTAINED_SECONDS)
+
+def smoothed(road_test: RoadTest, name: str) -> np.ndarray:
+    """Return a channel's median of half a second where there are samples enough for one; what is unknown stays so."""
+
+    def smooth() -> np.ndarray:
+        values = np.asarray(road_test.values(name))
+        clock = clock_at(road_test.time, road_test.segments, SUSTAINED_SECONDS)
         medians = running_median(values, clock, SUSTAINED_SECONDS)
         return np.where(np.isnan(values) | np.isnan(medians), values, medians)
+
+    return kept_with(road_test, "smoothed", name, smooth, most=2)
 
 
 class Lasting:

@@ -19,7 +19,7 @@ from atleak.catalogue.controller_tables import StandingState
 from atleak.catalogue.limits import ROUNDING, Steps
 from atleak.catalogue.operating_point import IDLE_SPEED
 from atleak.common.verdicts import BANDS, Band
-from atleak.engine.extremes import CountedSamples, Lasting
+from atleak.engine.extremes import CountedSamples, Lasting, smoothed
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.road_leakage import RoadLeakage, channels_of
 from atleak.engine.series import leakage_series
@@ -188,7 +188,7 @@ class _Permitted:
         self.gear, self.counted = np.asarray(gear_engaged(road_test)), CountedSamples(road_test)
         temperature = road_test.values("atf_temperature")
         self.temperature = np.full(len(self.time), np.nan) if temperature is None else temperature
-        self.pressure = self.counted.smooth(np.asarray(road_test.values("main_pressure")))
+        self.pressure = smoothed(road_test, "main_pressure")
         self.engine_speed = np.asarray(road_test.values("engine_speed"))
         self.low, self.high = (np.full(len(self.time), np.nan) for _ in range(2))
         self.number = np.full(len(self.time), -1)  # of the limits in the valve body's file
@@ -276,7 +276,7 @@ def compare_with_commanded(road_test: RoadTest) -> CommandedPressure | None:
     if len(logged) < len(names) or logged[0].kind == "commanded":
         return None
     counted = CountedSamples(road_test)
-    actual, commanded = (counted.smooth(np.asarray(road_test.values(name))) for name in names)
+    actual, commanded = (smoothed(road_test, name) for name in names)
     difference, everywhere = actual - commanded, np.ones(len(road_test.time), bool)
     sides = (Lasting(counted, difference), Lasting(counted, -difference))
     largest = [(lasting, sample) for lasting in sides if (sample := lasting.worst(everywhere)) is not None]
