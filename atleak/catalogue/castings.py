@@ -13,7 +13,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
-from PIL import Image
 from pydantic import Field
 
 from atleak.catalogue.entries import NonEmptyText, Strict, own_folder
@@ -43,6 +42,8 @@ class Casting(Strict):
         InputError
             if the file is no picture that can be read.
         """
+        from PIL import Image  # only who loads a photo needs it
+
         suffix, picture = printable_picture(name, content)
         with Image.open(io.BytesIO(picture)) as opened:
             width, height = opened.size

@@ -13,7 +13,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, get_args
 
-import tomli_w
 from pydantic import BaseModel, ValidationError
 
 from atleak import equations
@@ -512,6 +511,8 @@ def written_toml(data: Mapping[str, Any], model: type[BaseModel] = ControllerFil
     model
         what such a file holds; that of a controller unless given.
     """
+    import tomli_w  # only who writes a file needs it
+
     return tomli_w.dumps(_ordered(data, model))
 
 

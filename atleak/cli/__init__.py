@@ -71,6 +71,10 @@ def _run(arguments: Sequence[str] | None) -> int:
     except BaseException as error:  # a panic of a library in Rust is no Exception; nobody is helped by a traceback
         if os.environ.get("ATLEAK_TRACEBACK"):
             raise
+        library = (error.name or "").partition(".")[0] if isinstance(error, ModuleNotFoundError) else ""
+        if library not in ("", "atleak"):
+            print(f"atleak: this needs the library {library}, which is not installed", file=sys.stderr)
+            return 2
         print(f"atleak: unexpected {type(error).__name__}: {error}", file=sys.stderr)
         print("This is a fault of atleak. ATLEAK_TRACEBACK=1 in the environment shows where.", file=sys.stderr)
         return 2

@@ -90,7 +90,7 @@ def _evidence(options: argparse.Namespace) -> int:
     diagnosis = case.diagnose()
     keep_columns(options, case, diagnosis)
     outputs.write(json=lambda: evidence_record(diagnosis))
-    if outputs.shown:
+    if outputs.shown and not getattr(options, "quiet", False):
         say = wording("en", options.units)
         warnings = [message for message in diagnosis.messages if message.level == "warning"]
         print_sections(closed_sections(diagnosis, say), warnings, say)
@@ -142,7 +142,7 @@ def _diagnosed(options: argparse.Namespace) -> int:
         return result_record(diagnosis, job)
 
     outputs.write(xlsx=workbook, pdf=pdf, job_file=job_file, json=record)
-    if outputs.shown:
+    if outputs.shown and not getattr(options, "quiet", False):
         from atleak.report.terminal import print_diagnosis
 
         print_diagnosis(diagnosis, printed["units"])

@@ -17,6 +17,7 @@ import os
 import re
 import secrets
 import stat
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -43,9 +44,13 @@ def home() -> Path:
     """
     if folder := os.environ.get(HOME):
         return Path(os.path.expanduser(folder)).absolute()  # noqa: PTH111  the other one refuses the name of no user
-    from platformdirs import user_data_path  # only who names no folder of their own needs it
+    with suppress(ModuleNotFoundError):  # of the engine alone in an environment of few libraries
+        from platformdirs import user_data_path  # only who names no folder of their own needs it
 
-    return user_data_path("atleak", appauthor=False)
+        return user_data_path("atleak", appauthor=False)
+    usual = {"win32": os.environ.get("LOCALAPPDATA", "~/AppData/Local"), "darwin": "~/Library/Application Support"}
+    other = os.environ.get("XDG_DATA_HOME", "").strip() or "~/.local/share"
+    return Path(usual.get(sys.platform, other), "atleak").expanduser()
 
 
 def made_folder(folder: Path) -> Path:

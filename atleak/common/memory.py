@@ -15,12 +15,11 @@ from pathlib import Path
 from typing import Any, TypeVar
 from weakref import finalize
 
-import psutil
-
 _CONTAINERS = (  # folder, limit and use, and what of the use is of files and is let go of where it is needed
     ("/sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"),
     ("/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"),
 )
+_FREE = 2 << 30  # bytes that are taken as free where nothing tells: choice of this project
 _aside = 0  # modules that were there when what there was was set aside
 _LATER = (20.0, 150.0, 900.0)  # [s]
 _SOON = 10.0  # [s]
@@ -31,7 +30,11 @@ _KEPT: dict[int, dict[str, tuple[tuple[Any, Any], ...]]] = {}  # keys and what w
 
 def free_memory() -> int:
     """Return how many bytes of memory are free on this machine, or within this container."""
-    found = [int(psutil.virtual_memory().available)]
+    found = []
+    with suppress(ModuleNotFoundError):  # of the engine alone in an environment of few libraries
+        import psutil  # a plain computation asks for nothing
+
+        found.append(int(psutil.virtual_memory().available))
     for folder, limit, used, of_files in _CONTAINERS:
         with suppress(OSError, ValueError):  # a container without a limit writes max
             limits, use, of_kinds = (
@@ -39,7 +42,7 @@ def free_memory() -> int:
             )
             kinds = dict(line.split() for line in of_kinds.splitlines())
             found.append(int(limits) - int(use) + int(kinds.get(of_files, 0)))
-    return max(min(found), 0)
+    return max(min(found, default=_FREE), 0)
 
 
 def give_back() -> None:

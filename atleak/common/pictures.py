@@ -5,8 +5,6 @@ from __future__ import annotations
 import io
 import warnings
 
-from PIL import Image, ImageOps
-
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import InputError
 from atleak.common.sentences import Sentence
@@ -24,6 +22,8 @@ def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
     InputError
         if the picture is no PNG, JPEG or WebP file, is damaged or is too large.
     """
+    from PIL import Image, ImageOps  # only who loads a picture needs it
+
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of damaged notes of the camera: the picture can be seen all the same

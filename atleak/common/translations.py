@@ -101,17 +101,22 @@ def catalogue(language: str) -> gettext.NullTranslations:
 
 def _compiled(written: bytes, language: str) -> bytes:
     """Compile the source of an editable checkout, once for each content: the user's cache keeps what was made of it."""
+    try:
+        return _kept_or_made(written, language)
+    except ModuleNotFoundError as missing:
+        line = 'no %s to compile the texts of "%s", which stay English: python -m pip install -e ".[test]" brings it'
+        logging.getLogger(__name__).warning(line, missing.name, language)
+        return b""
+
+
+def _kept_or_made(written: bytes, language: str) -> bytes:
     from platformdirs import user_cache_path  # only a checkout needs it
 
     kept = user_cache_path(DOMAIN, appauthor=False) / f"{language}-{hashlib.sha256(written).hexdigest()}.mo"
     with suppress(OSError):  # not made yet, or of a home that may not be read
         return kept.read_bytes()
-    try:
-        from babel.messages import mofile, pofile
-    except ModuleNotFoundError:
-        line = 'no Babel to compile the texts of "%s", which stay English: python -m pip install -e ".[test]" brings it'
-        logging.getLogger(__name__).warning(line, language)
-        return b""
+    from babel.messages import mofile, pofile
+
     made = io.BytesIO()
     mofile.write_mo(made, pofile.read_po(io.BytesIO(written), language))
     with suppress(OutputError):

@@ -26,8 +26,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, BinaryIO, Literal, TypeVar, cast
 
-import psutil
-
 from atleak.common.damage import own_fault
 from atleak.common.errors import InputError, Place
 from atleak.common.sentences import Sentence
@@ -200,6 +198,9 @@ class _Child:
             creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
         )
         self._input, self._output = cast(BinaryIO, self.process.stdin), cast(BinaryIO, self.process.stdout)
+        import psutil  # a sheet or a log of plain text needs no process of its own
+
+        self._gone, self._dead = psutil.Error, (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
         self._killed, self._deadline = False, math.inf  # by the monotonic clock [s]
         try:
             self._watched = psutil.Process(self.process.pid)
@@ -215,7 +216,7 @@ class _Child:
         """Return the bytes of memory it uses; 0 when it has ended."""
         try:
             usage = self._watched.memory_info()
-        except psutil.Error:
+        except self._gone:
             return 0
         return max(usage.rss, getattr(usage, "private", 0))  # Windows: also what was moved out to the disk
 
@@ -223,9 +224,9 @@ class _Child:
         """Return whether it may read another file."""
         if self._killed or self.process.poll() is not None:
             return False
-        with contextlib.suppress(psutil.Error):
+        with contextlib.suppress(self._gone):
             # a child killed while several of its threads ran is dead for a moment before poll() can say so
-            return self._watched.status() not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
+            return self._watched.status() not in self._dead
         return False
 
     def end(self) -> None:
@@ -242,7 +243,7 @@ class _Child:
     def kill(self) -> None:
         """End it at once; the closed pipe ends the wait for its answer."""
         self._killed = True
-        with contextlib.suppress(psutil.Error):
+        with contextlib.suppress(self._gone):
             self._watched.kill()
         with contextlib.suppress(OSError):
             self.process.kill()

@@ -8,8 +8,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import tomli_w
-
 from atleak.analysis.learning.learned_words import without_sheets
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import written_toml
@@ -80,7 +78,7 @@ def exported_controller(tables: Mapping[str, Any], controller: Controller, day: 
         "lands": len(controller.lands),
         "learned": {"lands": len(units), "units": [min(units), max(units)] if units else [], "on": learned_on},
     }
-    head = "".join(f"# {line}\n" for line in tomli_w.dumps({"provenance": provenance}).splitlines() if line)
+    head = "".join(f"# {line}\n" for line in written_toml({"provenance": provenance}).splitlines() if line)
     own = dict.fromkeys(text for key, text in _texts(given) if key in _WORDS and text not in shipped | {""})
     return Exported(head + "\n" + written_toml(given), tuple(own), count)
 

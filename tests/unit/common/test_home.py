@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
 
 from atleak.common.errors import OutputError
-from atleak.common.files import home, made_folder
+from atleak.common.files import HOME, home, made_folder
 from atleak.readers.logs import default_path, recall, remember
 
 
@@ -62,3 +63,10 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="ATLEAK_HOME") as caught:
         made_folder(tmp_path / "file" / "catalogue")
     assert caught.value.place.file == str(tmp_path / "file" / "catalogue")
+
+
+def test_without_platformdirs_it_is_the_same_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(HOME, raising=False)
+    usual = home()
+    monkeypatch.setitem(sys.modules, "platformdirs", None)
+    assert home() == usual
