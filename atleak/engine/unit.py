@@ -160,9 +160,8 @@ class Unit(LeakageModel):
             axes = {name: [value] for name, value in fixed.items()} or {"temperature_c": [base.temperature]}
         every = list(itertools.product(*axes.values()))
         rows = [self._row(base, land, {**fixed, **dict(zip(axes, each, strict=True))}) for each in every]
-        several = pd.MultiIndex.from_tuples(every, names=list(axes)) if len(axes) > 1 else None
-        first, values = next(iter(axes.items()))
-        return pd.DataFrame(rows, index=pd.Index(values, name=first) if several is None else several)
+        index = pd.MultiIndex.from_tuples(every, names=list(axes))
+        return pd.DataFrame(rows, index=index if len(axes) > 1 else index.get_level_values(0))
 
     def _row(self, base: OperatingPoint, land: str | None, values: dict[str, Any]) -> dict[str, Any]:
         unit, speed, pressure = self, values.get("engine_rpm"), values.get("main_pressure_kpa")
