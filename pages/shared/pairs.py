@@ -108,14 +108,13 @@ def lands(diagnosis: Diagnosis) -> None:
     if lines := advice(diagnosis, advised(diagnosis, say), say):
         with st.expander(say("show.open_verdicts", count=len(lines))):
             st.markdown("\n".join(lines))
-    st.header(say("diagnosis.matrix"))
-    conditions.matrix(diagnosis)
     every = fields.fold(say("diagnosis.all_lands", count=len(diagnosis.lands)), key=f"all-lands-{session().generation}")
     if every.open:
         with every:
             show.chart(figures.leakage_ranking(diagnosis, say), "ranking")
-            rows = pair_table(diagnosis, diagnosis.ranked, say, at=diagnosis.presented)
-            table(rows.without(*ON_PAPER), "all", pressable=True)
+            table(pair_table(diagnosis, diagnosis.ranked, say, at=()).without(*ON_PAPER), "all", pressable=True)
+            st.header(say("diagnosis.matrix"))
+            conditions.matrix(diagnosis)
     if diagnosis.uncertainty is not None:
         sure = fields.fold(say("uncertainty.title"), key=f"how-sure-{session().generation}")
         if sure.open:

@@ -268,6 +268,7 @@ def test_flagged_pairs_are_cards_on_a_phone_and_the_matrix_shows_two_conditions(
     press = card.get_by_role("button").bounding_box()
     assert press is not None
     assert press["height"] >= 44.0
+    page.get_by_text("All 47 lands", exact=True).click()
     by_condition = page.locator("h2", has_text="Lands at each condition")
     matrix = by_condition.locator("xpath=following::*[@data-testid='stDataFrame'][1]")
     matrix.locator("thead th").first.wait_for(state="attached")

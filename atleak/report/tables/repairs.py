@@ -423,6 +423,8 @@ def offered_words(diagnosis: Diagnosis, each: OfferedRepair, say: Wording, *, sh
     )
     lands = ", ".join(filter(None, (land_in_words(diagnosis, first.key, say), others)))
     work = say("repair_plan.as_new") if option is None else repair_name(option.repair, say)
+    if short and all(map(diagnosis.can_wait, each.lands)):
+        work = f"{work} ({say('repair_plan.can_wait')})"
     at = each.best_at
     alone = say("repair_plan.no_help")
     if at.saving > 0.0:

@@ -82,6 +82,8 @@ def test_a_fresh_start_says_which_part_it_is_and_shows_the_flagged_pairs_of_the_
     for line in ("**What is wrong:** ", "**What to do:** 25/1 main pressure valve: ", "**How sure:** "):
         assert line in said
     assert re.search(r"\n\d+ ■ replace, \d+ ▲ watch of 47 measured lands; 25/1 main ", said)
+    (waits,) = (switch.label for switch in app.toggle if r"as new \(can wait\)" in switch.label)
+    assert waits.startswith("14/1 ")
     assert set(flagged(app)) == {"■ replace", "▲ watch"}
     assert flagged(app) == sorted(flagged(app), key=["■ replace", "▲ watch"].index)
 
@@ -93,6 +95,7 @@ def test_a_fresh_start_says_which_part_it_is_and_shows_the_flagged_pairs_of_the_
     assert first["Decided by"].startswith("share of the pump's flow, one land 6.6\u00a0% (limit 4.0\u00a0%), hot idle")
     assert "Lands that cost it" not in {column for frame in app.dataframe for column in frame.value}
 
+    unfold(app, "all-lands")
     shares = ["Driving in second, 80 °C [%]", "Hot idle in drive, 100 °C [%]"]
     matrix = next(widget.value for widget in app.dataframe if shares[1] in widget.value)
     assert list(matrix)[1:3] == shares
@@ -191,6 +194,7 @@ def test_a_complaint_stands_at_the_head_and_leads_the_lands(app: AppTest) -> Non
     shows = "It shows at **hot idle in drive, 100 °C**. By calculation the leaks have no effect on a pressure there."
     assert shows in texts(app)
     assert "Every land that leaks there is measured." in texts(app)
+    unfold(app, "all-lands")
     shares = ["Hot idle in drive, 100 °C [%]", "Driving in second, 80 °C [%]"]
     matrix = next(widget.value for widget in app.dataframe if shares[0] in widget.value)
     assert list(matrix)[1:3] == shares
