@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import os
 import threading
 import webbrowser
 from collections.abc import AsyncIterator
@@ -13,10 +14,11 @@ from starlette.requests import Request
 from starlette.responses import RedirectResponse, Response
 from starlette.routing import Route
 
+from atleak.common.access import ENDS_AFTER
 from atleak.common.printable import printable_log
 from pages.shared import places
 from pages.shared.entrance import may_send_files
-from pages.shared.left_sessions import let_go_in_time
+from pages.shared.left_sessions import end_when_left, let_go_in_time
 from pages.shared.requests_let_in import bracketed, guards
 
 
@@ -42,9 +44,12 @@ async def served(_: st.App) -> AsyncIterator[None]:
     if not st.get_option("server.headless"):
         address = f"http://{bracketed(st.get_option('server.address'))}:{st.get_option('server.port')}"
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
-    letting_go = asyncio.create_task(let_go_in_time())
+    tasks = [asyncio.create_task(let_go_in_time())]
+    if seconds := os.environ.get(ENDS_AFTER):
+        tasks.append(asyncio.create_task(end_when_left(float(seconds))))
     yield
-    letting_go.cancel()
+    for task in tasks:
+        task.cancel()
 
 
 app = st.App(

@@ -1,24 +1,27 @@
-"""Start the dashboard in a browser: ``atleak app``."""
+"""Start the dashboard in a browser, or in a window of its own: ``atleak app``."""
 
 from __future__ import annotations
 
 import argparse
 import errno
 import os
+import shutil
 import socket
 import subprocess
 import sys
+import time
 import webbrowser
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
 from atleak.cli.parser import add_command
-from atleak.common.access import ALLOWED, answered_names, is_here_alone
+from atleak.common.access import ALLOWED, ENDS_AFTER, answered_names, is_here_alone
 from atleak.common.errors import InputError, extra_installed, reason_of
-from atleak.common.files import DATABASE_URL, HOME, home, shipped
+from atleak.common.files import DATABASE_URL, HOME, home, made_folder, shipped
 from atleak.common.sentences import Sentence
 
 PORT = 8501  # streamlit's own
@@ -28,17 +31,26 @@ _PORTS = range(1, 65536)
 _SECRETS, _ALLOWED = "secrets.toml", "allowed.toml"
 # Else the GNU C library gives every thread, of which each run of a page has its own, memory that it keeps for that one.
 _SPARING = {"MALLOC_ARENA_MAX": "2"}
+_WINDOW, _TAB = 60, 600  # [s] without a connected page, after which the server of a window, or of a tab, ends
+_STARTS = 60.0  # [s] that a server may take to answer
+_SOON = 5.0  # [s] within which a browser ends that cannot start, or that hands its window on to one that runs
+# Browsers that show a page in a window of its own: programs on the PATH; in folders of Windows; in bundles of macOS.
+_PROGRAMS = ("google-chrome", "google-chrome-stable", "chromium", "chromium-browser", "microsoft-edge", "brave-browser")
+_ON_WINDOWS = ("Microsoft/Edge/Application/msedge.exe", "Google/Chrome/Application/chrome.exe")
+_ON_MACOS = ("Google Chrome", "Microsoft Edge", "Chromium")
 _INTERNET = (socket.AF_INET, socket.AF_INET6)
 
 
 def add_parser(commands: Any, name: str) -> None:
     """Add the command."""
-    examples = ("app", "app --port 8600", "app --address 0.0.0.0", "app --host atleak.shop.example")
+    examples = ("app", "app --window", "app --port 8600", "app --address 0.0.0.0", "app --host atleak.shop.example")
     parser = add_command(commands, name, run, examples=examples, quiet=False)
     help = f"at which it answers: the first free one from {PORT} on unless given"
     parser.add_argument("--port", metavar="N", type=port_number, help=help)
     help = f"of this machine at which it answers: {_HERE}, which no other machine reaches, unless given"
     parser.add_argument("--address", metavar="A", default=_HERE, help=help)
+    help = "in a window of its own, where Edge, Chrome or Chromium is there, else in a tab; it ends with the window"
+    parser.add_argument("--window", action="store_true", help=help)
     others = parser.add_argument_group("where other machines reach it (docs/network.md)")
     help = "a further name under which it answers, such as that of a proxy; may be repeated"
     others.add_argument("--host", metavar="NAME", action="append", default=[], help=help)
@@ -54,6 +66,11 @@ def add_parser(commands: Any, name: str) -> None:
 def run(options: argparse.Namespace) -> int:
     """Start the server; it runs until somebody ends it."""
     _check_streamlit()
+    if options.window:
+        if any(_reach(options)):
+            expected = Sentence("{command}, with no other option than --port", command="atleak app --window")
+            raise InputError(Sentence("--window is for this machine alone"), expected=expected)
+        return _in_window(options.port)
     _check_free(options.address, options.port)
     return _start(options.address, options.port, *_reach(options))
 
@@ -118,11 +135,18 @@ def _check_streamlit() -> None:
 
 
 def _start(address: str, port: int | None, reach: Sequence[str], allowed: str = "") -> int:
+    return _serve(*_server(address, port, reach, allowed))
+
+
+def _server(
+    address: str, port: int | None, reach: Sequence[str], allowed: str = ""
+) -> tuple[list[str], Path, dict[str, str]]:
+    """Return the command of the server, the folder in which it runs, and its environment."""
     server = shipped("serve.py")
     command = [sys.executable, "-m", "streamlit", "run", str(server), "--server.address", address, *reach]
     if port is not None:
         command += ["--server.port", str(port)]
-    return _serve(command, server.parent, {**_SPARING, **os.environ, **_places(), ALLOWED: allowed})
+    return command, server.parent, {**_SPARING, **os.environ, **_places(), ALLOWED: allowed}
 
 
 def _places() -> dict[str, str]:
@@ -175,3 +199,135 @@ def _serve(command: list[str], folder: Path, environment: Mapping[str, str]) -> 
         os.chdir(folder)
         os.execve(command[0], command, environment)
     return subprocess.call(command, cwd=folder, env=environment)
+
+
+# --- a window of its own
+
+
+def _in_window(port: int | None) -> int:
+    """Serve the dashboard as long as its window is open; where one is open already, open another one of that.
+
+    The note beside the browser's profile says which: the port, and the process of its server.
+    """
+    folder = made_folder(home() / "window")
+    note = folder / "server"
+    while True:
+        with suppress(FileExistsError):
+            note.touch(exist_ok=False)
+            break
+        if (running := _running(note)) is not None:
+            _open(folder, running)
+            return 0
+        note.unlink(missing_ok=True)  # of one that ended without a word
+    try:
+        return _until_closed(folder, note, port)
+    finally:
+        note.unlink(missing_ok=True)
+
+
+def _running(note: Path) -> int | None:
+    """Return the port of the dashboard that a note tells of, once it answers; None where it runs no more."""
+    import psutil
+
+    until = time.monotonic() + _STARTS
+    while time.monotonic() < until:
+        try:
+            words = note.read_text(encoding="utf-8").split()
+            old = time.time() - note.stat().st_mtime > _SOON
+        except FileNotFoundError:
+            return None
+        if len(words) == 2:
+            try:
+                command = psutil.Process(int(words[1])).cmdline()
+            except (psutil.Error, ValueError):
+                return None
+            if str(shipped("serve.py")) not in command:
+                return None
+            if _is_up(int(words[0])):
+                return int(words[0])
+        elif old:
+            return None
+        time.sleep(0.1)
+    return None
+
+
+def _until_closed(folder: Path, note: Path, port: int | None) -> int:
+    """Start a server, open its window, and end the server when that is closed."""
+    port = _free_port() if port is None else port
+    _check_free(_HERE, port)
+    command, place, environment = _server(_HERE, port, ["--server.headless", "true"])
+    environment[ENDS_AFTER] = str(_TAB if _browser() is None else _WINDOW)
+    log = folder / "server.log"
+    with log.open("wb") as stream:
+        server = _started(command, stdout=stream, cwd=place, env=environment)
+    try:
+        note.write_text(f"{port} {server.pid}", encoding="utf-8")
+        until = time.monotonic() + _STARTS
+        while not _is_up(port):
+            if server.poll() is not None or time.monotonic() > until:
+                problem = Sentence("the dashboard did not start; {file} says why", file=str(log))
+                raise InputError(problem, expected=Sentence("{command} in a terminal", command="atleak app"))
+            time.sleep(0.1)
+        window, opened = _open(folder, port), time.monotonic()
+        while server.poll() is None:
+            if window is not None and window.poll() is not None:
+                if time.monotonic() - opened > _SOON:
+                    break
+                if window.returncode:  # it cannot start
+                    webbrowser.open(_address(port))
+                window = None  # the server ends by itself when no page is connected any longer
+            time.sleep(0.2)
+    finally:
+        server.terminate()
+        server.wait()
+    return 0
+
+
+def _open(folder: Path, port: int) -> subprocess.Popen[bytes] | None:
+    """Open a window, and return the browser of it; None where it is a tab of the usual browser."""
+    browser, address = _browser(), _address(port)
+    print(address, flush=True)
+    if browser is None:
+        webbrowser.open(address)
+        return None
+    profile = f"--user-data-dir={folder / 'profile'}"
+    plainly = ("--no-first-run", "--no-default-browser-check", "--disable-background-mode", "--window-size=1366,900")
+    return _started([browser, f"--app={address}", profile, *plainly], stdout=subprocess.DEVNULL)
+
+
+def _started(command: list[str], **settings: Any) -> subprocess.Popen[bytes]:
+    """Start a program that shows no console, and whose messages go where its output does."""
+    hidden = getattr(subprocess, "CREATE_NO_WINDOW", 0)
+    return subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stderr=subprocess.STDOUT, creationflags=hidden, **settings
+    )
+
+
+def _browser() -> str | None:
+    """Return the first browser that shows a page in a window of its own."""
+    return next(_browsers(), None)
+
+
+def _browsers() -> Iterator[str]:
+    if sys.platform == "win32":
+        folders = [
+            os.environ[name] for name in ("PROGRAMFILES(X86)", "PROGRAMFILES", "LOCALAPPDATA") if name in os.environ
+        ]
+        files = [Path(folder) / program for program in _ON_WINDOWS for folder in folders]
+    else:
+        files = [Path("/Applications") / f"{name}.app" / "Contents" / "MacOS" / name for name in _ON_MACOS]
+    yield from (str(file) for file in files if file.is_file())
+    yield from filter(None, map(shutil.which, _PROGRAMS))
+
+
+def _address(port: int) -> str:
+    return f"http://{_HERE}:{port}"
+
+
+def _free_port() -> int:
+    """Return the first free port."""
+    for port in range(PORT, PORT + 100):
+        with suppress(InputError):
+            _check_free(_HERE, port)
+            return port
+    return PORT  # which then says that it is taken

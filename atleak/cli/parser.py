@@ -38,7 +38,8 @@ COMMANDS = {
     "catalogue": ("catalogue", "your own catalogue"),
     "schema": ("shipped", "the JSON Schema of what a command writes, or of a job record"),
     "sample": ("shipped", "the sample files: sheets, a log, gauge readings"),
-    "app": ("app", "the dashboard in a browser"),
+    "app": ("app", "the dashboard in a browser, or in a window of its own"),
+    "shortcut": ("shortcut", "an icon of the dashboard on desktop and start menu"),
 }
 """Every command as help lists them: its module, imported when it is called, and what it does or gives."""
 

@@ -9,6 +9,9 @@ from collections.abc import Collection
 ALLOWED = "ATLEAK_ALLOWED"
 """The variable of the environment by which the server knows the file of who may use it; empty where nobody signs in."""
 
+ENDS_AFTER = "ATLEAK_ENDS_AFTER"
+"""The variable of the environment that says after how many seconds without a connected page the server ends."""
+
 
 def is_here_alone(name: str) -> bool:
     """Tell whether a name or address of this machine reaches no other one.

@@ -1,16 +1,32 @@
-"""Let sessions go that were left: Streamlit looks for those that nobody came back to only when another one ends."""
+"""Let sessions go that were left, and end a server of one window that was.
+
+Streamlit looks for sessions that nobody came back to only when another one ends.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import signal
 from typing import Any
 
 import streamlit as st
+from streamlit.runtime import RuntimeState
 
 from atleak.common.memory import give_back
 
 EVERY = 30.0  # [s]
+LOOKS = 2.0  # [s]
 _HELD = ("_session_state", "_fragment_storage", "_browser_queue")  # by a session of Streamlit's, of its visitor's
+
+
+async def end_when_left(seconds: float) -> None:
+    """End this server once no page has been connected for so long [s], as when its window is closed."""
+    left = 0.0
+    while left < seconds:
+        await asyncio.sleep(LOOKS)
+        connected = st.runtime.get_instance().state is RuntimeState.ONE_OR_MORE_SESSIONS_CONNECTED
+        left = 0.0 if connected else left + LOOKS
+    signal.raise_signal(signal.SIGTERM)
 
 
 async def let_go_in_time() -> None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import socket
-from collections.abc import Callable, Mapping
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -161,3 +164,150 @@ def test_an_address_of_another_machine_is_refused(run: Run, served: Served, addr
     status, _, err = run("app", "--address", address)
     assert (status, served.commands) == (2, [])
     assert f"--address is no address of this machine (found {address!r})" in err
+
+
+# --- a window of its own
+
+
+class Machine:
+    """Servers and browsers as they would be started; each is a process that waits, or ends as a test says."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.started: list[list[str]] = []
+        self.environment: Mapping[str, str] = {}
+        self.tabs: list[str] = []
+        self.up = True
+        self.window = "import time; time.sleep(0.3)"  # what the browser does
+        self.processes: list[subprocess.Popen[bytes]] = []
+        monkeypatch.setattr(app, "_started", self.start)
+        monkeypatch.setattr(app, "_is_up", lambda _: self.up)
+        monkeypatch.setattr(app, "_browser", lambda: self.browser)
+        monkeypatch.setattr(app, "_SOON", 0.1)
+        monkeypatch.setattr(app.webbrowser, "open", self.tabs.append)
+        self.browser: str | None = "chromium"
+        self.server = "import time; time.sleep(60)"
+
+    def start(self, command: list[str], **settings: object) -> subprocess.Popen[bytes]:
+        self.started.append(command)
+        of_server = command[0] == sys.executable
+        if of_server:
+            self.environment = settings["env"]  # type: ignore[assignment]
+        program = self.server if of_server else self.window
+        # what is started is known by its command, as a server is
+        self.processes.append(subprocess.Popen([sys.executable, "-c", program, *command]))
+        return self.processes[-1]
+
+    @property
+    def opened(self) -> list[str]:
+        """The addresses that windows were opened at."""
+        return [each.removeprefix("--app=") for command in self.started for each in command if each[:6] == "--app="]
+
+
+@pytest.fixture
+def machine(monkeypatch: pytest.MonkeyPatch) -> Iterator[Machine]:
+    now = Machine(monkeypatch)
+    yield now
+    for process in now.processes:
+        process.kill()
+        process.wait()
+
+
+def test_the_server_ends_with_its_window(run: Run, machine: Machine, own_home: Path) -> None:
+    status, out, _ = run("app", "--window")
+    (address,) = machine.opened
+    assert (status, out) == (0, f"{address}\n")
+    server, window = machine.processes
+    assert server.poll() is not None
+    assert window.returncode == 0
+    assert f"--user-data-dir={own_home / 'window' / 'profile'}" in machine.started[1]
+    assert machine.environment["ATLEAK_ENDS_AFTER"] == "60"
+    assert [path.name for path in (own_home / "window").iterdir()] == ["server.log"]
+
+
+def test_a_port_that_is_taken_is_passed_over(run: Run, machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        taken = other.getsockname()[1]
+        monkeypatch.setattr(app, "PORT", taken)
+        assert run("app", "--window")[0] == 0
+        (address,) = machine.opened
+        assert int(address.rpartition(":")[2]) > taken
+        assert run("app", "--window", "--port", taken)[0] == 2
+
+
+def test_a_second_start_opens_a_window_of_the_first(run: Run, machine: Machine, own_home: Path) -> None:
+    note = own_home / "window" / "server"
+    note.parent.mkdir(parents=True)
+    first = machine.start([sys.executable, str(app.shipped("serve.py"))], env={})
+    note.write_text(f"8765 {first.pid}", encoding="utf-8")
+    assert run("app", "--window") == (0, "http://127.0.0.1:8765\n", "")
+    assert machine.opened == ["http://127.0.0.1:8765"]
+    assert len(machine.started) == 2  # no second server
+    assert note.is_file()
+
+
+@pytest.mark.parametrize("left", ["", "8765 4000000", "8765 {own}", "8765 x"])
+def test_a_note_that_was_left_is_no_dashboard(
+    run: Run, machine: Machine, own_home: Path, left: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(app, "_SOON", 0.0)
+    note = own_home / "window" / "server"
+    note.parent.mkdir(parents=True)
+    note.write_text(left.format(own=os.getpid()), encoding="utf-8")  # of a process that is another program now
+    assert run("app", "--window")[0] == 0
+    assert machine.opened != ["http://127.0.0.1:8765"]
+    assert not note.exists()
+
+
+def test_without_such_a_browser_it_is_a_tab_and_the_server_ends_by_itself(run: Run, machine: Machine) -> None:
+    machine.browser, machine.server = None, "import time; time.sleep(0.5)"
+    assert run("app", "--window")[0] == 0
+    assert machine.opened == []
+    assert len(machine.tabs) == 1
+    assert machine.environment["ATLEAK_ENDS_AFTER"] == "600"
+
+
+def test_a_browser_that_cannot_start_leaves_a_tab(run: Run, machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(app, "_SOON", 30.0)
+    machine.window, machine.server = "import sys; sys.exit(1)", "import time; time.sleep(1.5)"
+    assert run("app", "--window")[0] == 0
+    assert machine.tabs == machine.opened
+
+
+def test_a_browser_that_hands_its_window_on_leaves_the_server(
+    run: Run, machine: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(app, "_SOON", 30.0)
+    machine.window, machine.server = "", "import time; time.sleep(1.5)"
+    assert run("app", "--window")[0] == 0
+    assert machine.processes[0].returncode == 0  # ended by itself
+    assert machine.tabs == []
+
+
+def test_a_server_that_does_not_start_names_its_log(run: Run, machine: Machine, own_home: Path) -> None:
+    machine.up, machine.server = False, ""
+    status, _, err = run("app", "--window")
+    assert status == 2
+    assert f"the dashboard did not start; {own_home / 'window' / 'server.log'} says why" in err
+
+
+@pytest.mark.parametrize(
+    "others", [("--address", "0.0.0.0", "--without-login"), ("--host", "x.example", "--without-login")]
+)
+def test_a_window_is_for_this_machine_alone(run: Run, machine: Machine, others: tuple[str, ...]) -> None:
+    status, _, err = run("app", "--window", *others)
+    assert (status, machine.started) == (2, [])
+    assert "--window is for this machine alone" in err
+
+
+def test_the_browsers_of_each_system_are_looked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    edge = tmp_path / "Microsoft" / "Edge" / "Application" / "msedge.exe"
+    edge.parent.mkdir(parents=True)
+    edge.touch()
+    monkeypatch.setattr(app.shutil, "which", lambda name: f"/usr/bin/{name}" if name == "chromium" else None)
+    monkeypatch.setattr(app.sys, "platform", "linux")
+    assert app._browser() == "/usr/bin/chromium"
+    monkeypatch.setattr(app.sys, "platform", "win32")
+    monkeypatch.setenv("PROGRAMFILES", str(tmp_path))
+    assert app._browser() == str(edge)
