@@ -18,6 +18,9 @@ import griffe
 #: The first line of an example, and whether the heading of examples stands somewhere above it.
 _EXAMPLE = re.compile(r"^>>> ", re.MULTILINE)
 _HEADING = re.compile(r"^Examples\n-+$", re.MULTILINE)
+_RETURNS = re.compile(r"^(Returns|Yields)\n-+$", re.MULTILINE)
+_SAID = re.compile(r"(?:Return|Compute|Find|Load|Tell|Count) (.+?)(?:[.:](?=\s|$)|$)", re.DOTALL)
+_SECTION = re.compile(r"^(Raises|Notes|Examples|References|See Also|Warns)\n-+$", re.MULTILINE)
 _ATTRIBUTES = re.compile(r"^Attributes\n-+$", re.MULTILINE)
 
 
@@ -55,12 +58,40 @@ def field_description(source: str) -> str:
     return " ".join(f"{word.rstrip('.')}." for word in words if word)
 
 
+def with_returns(text: str, returned: str) -> str:
+    r"""Return a docstring that says what its function returns: by its annotation, in the words of its first sentence.
+
+    >>> text = "Return the land of a plane; None without one.\n\nRaises\n------\nKeyError\n    none."
+    >>> print(with_returns(text, "Land"))
+    Return the land of a plane; None without one.
+    <BLANKLINE>
+    Returns
+    -------
+    Land
+        the land of a plane; None without one
+    <BLANKLINE>
+    Raises
+    ------
+    KeyError
+        none.
+    """
+    said = _SAID.match(text)
+    if said is None or returned in ("", "None") or _RETURNS.search(text):
+        return text
+    words = " ".join(said[1].split())
+    after = _SECTION.search(text)
+    place = len(text) if after is None else after.start()
+    return f"{text[:place].rstrip()}\n\nReturns\n-------\n{returned}\n    {words}\n\n{text[place:]}".rstrip()
+
+
 class Docstrings(griffe.Extension):
     """Puts the headings into every docstring that lacks them."""
 
     def on_instance(self, *, obj: griffe.Object, **_: Any) -> None:
         if obj.docstring is not None:
             obj.docstring.value = with_heading(obj.docstring.value)
+            if isinstance(obj, griffe.Function) and obj.name[0] != "_":
+                obj.docstring.value = with_returns(obj.docstring.value, str(obj.returns or ""))
 
     def on_class_members(self, *, cls: griffe.Class, **_: Any) -> None:
         if cls.docstring is None or _ATTRIBUTES.search(cls.docstring.value):

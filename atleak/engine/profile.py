@@ -113,6 +113,11 @@ def find_profile(name: str, settings: dict[str, str] | None = None) -> Profile:
     settings
         options as text, which replace the profile's own: ``{"eccentricity": "0.5"}``.
 
+    Returns
+    -------
+    Profile
+        with these options.
+
     Raises
     ------
     InputError

@@ -51,6 +51,18 @@ def test_functions_describe_their_parameters() -> None:
     assert {name: each for name, each in wrong.items() if each} == {}
 
 
+def test_functions_say_what_they_return_and_raise() -> None:
+    """Of a method the site says it in the words of its first sentence (``tools/docstrings.py``)."""
+    for name, function in public_functions():
+        described = inspect.cleandoc(function.__doc__ or "")
+        body = inspect.getsource(function).replace(function.__doc__ or "", "")
+        assert "Raises\n---" in described or "raise " not in body, name
+        returns = re.match("Return|Tell|Find|Count|Load", described) or "Returns\n---" in described
+        assert returns or inspect.signature(function).return_annotation in ("None", "Any"), name
+    public = [each for each in (getattr(atleak, name) for name in atleak.__all__) if inspect.isfunction(each)]
+    assert [each.__name__ for each in public if "Returns\n---" not in inspect.cleandoc(each.__doc__ or "")] == []
+
+
 def test_classes_describe_their_fields() -> None:
     wrong = {}
     for kind in (getattr(atleak, name) for name in atleak.__all__):
