@@ -62,6 +62,13 @@ class WatchedLog:
         limits: Limits = Reader().entry(SLOTS["limits"], self.case.limits)
         return limits
 
+    def judge_by(self, case: Case) -> None:
+        """Read and judge it from now on as another job says, such as one with another valve body."""
+        if case != self.case:
+            self.case, self._seen = case, (None,)
+            for name in ("controller", "_limits"):
+                vars(self).pop(name, None)
+
     def look(self) -> bool:
         """Read what was written since the last time; return whether there was any.
 

@@ -19,6 +19,7 @@ from atleak.report.charts.log_figures import log_channels
 from atleak.report.tables.road_test import log_curves, present_values, whole
 from atleak.report.tables.road_words import event_span
 from pages.shared import entrance, fields, reader, show
+from pages.shared.cases import PageCase
 from pages.shared.state import put_file, remember, session
 
 _EVERY = 1.0  # [s]
@@ -37,7 +38,7 @@ def ask() -> None:
         st.caption(say("live.what"))
         path = st.text_input(say("live.path"), **fields.kept(f"live-path-{now.generation}", "")).strip().strip('"')
         if st.button(say("live.start"), disabled=now.watched is not None) and path:
-            log = WatchedLog(Path(path).expanduser(), now.good.with_file("road_test", None))
+            log = WatchedLog(Path(path).expanduser(), _case())
             try:
                 log.look()
             except AtleakError as error:
@@ -49,8 +50,15 @@ def ask() -> None:
 
 def draw() -> None:
     """Show the log that is followed; nothing where none is."""
-    if session().watched is not None and entrance.is_of_this_computer():
+    log = session().watched
+    if log is not None and entrance.is_of_this_computer():
+        log.judge_by(_case())
         _follow()
+
+
+def _case() -> PageCase:
+    """Return the job that is shown, without a log."""
+    return session().good.with_file("road_test", None)
 
 
 @st.fragment(run_every=_EVERY)

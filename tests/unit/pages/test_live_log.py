@@ -9,7 +9,7 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.common.access import ALLOWED
 from pages.shared import entrance
-from tests.unit.pages.conftest import ROOT, go, press, texts, unfold
+from tests.unit.pages.conftest import ROOT, choice, go, press, texts, unfold
 
 PAGE = "3_In_the_car#step-drive"
 pytestmark = pytest.mark.page(PAGE)
@@ -51,6 +51,18 @@ def test_what_is_typed_and_another_page_do_not_end_it(app: AppTest, log: Path) -
     go(app, "1_Job")
     log.write_bytes(SAMPLE)
     go(app, PAGE)
+    assert "1\xa0201 rows so far" in texts(app)
+
+
+def test_another_valve_body_judges_what_is_followed(app: AppTest, log: Path) -> None:
+    log.write_bytes(SAMPLE)
+    follow(app, log)
+    assert "(permitted 412 to 1\xa0176)" in texts(app)
+    choice(app, "Valve body").select("five_speed_2005").run()
+    app.session_state["atleak"].watched._rests_until = 0.0
+    app.run()
+    assert "(permitted 412 to 1\xa0176)" not in texts(app)
+    assert app.session_state["atleak"].watched.controller.id == "five_speed_2005"
     assert "1\xa0201 rows so far" in texts(app)
 
 
