@@ -3,10 +3,15 @@
 A link such as ``../CHANGELOG.md`` works in the checkout, but a site holds only what is in ``docs/``. Files that pages
 lead to, and those that these lead to, are added to the site in the folder ``files/``, and the links follow them. A link
 to a folder keeps its words and leads nowhere.
+
+Blocks of Python on the pages of `RUN` run, and the site shows what each printed and what its last line is.
 """
 
 from __future__ import annotations
 
+import ast
+import contextlib
+import io
 import posixpath
 import re
 from pathlib import Path
@@ -19,6 +24,9 @@ from mkdocs.structure.pages import Page
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = "docs"
 ELSEWHERE = "files"  # where files from outside `docs/` stand in the site
+
+RUN = ("for-engineers.md",)
+_BLOCK = re.compile(r"^```python\n(?P<code>.*?)^```\n", re.MULTILINE | re.DOTALL)
 
 #: ``](target#anchor)`` of a relative link.
 _LINK = re.compile(r"(?P<words>\[[^\]\[]*\])\((?P<target>[^)#\s:]+)(?P<anchor>#[^)\s]*)?\)")
@@ -44,6 +52,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Let links that lead out of ``docs/``, or into it from outside, lead to where the site has the same file."""
     here = page.file.src_uri
+    if here in RUN:
+        names: dict[str, Any] = {}
+        markdown = _BLOCK.sub(lambda found: f"{found[0]}\n{output(found['code'], names)}\n", markdown)
     path = here.removeprefix(f"{ELSEWHERE}/") if here.startswith(f"{ELSEWHERE}/") else posixpath.join(DOCS, here)
 
     def led(found: re.Match[str]) -> str:
@@ -56,6 +67,32 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         return f"{found['words']}({place}{found['anchor'] or ''})"
 
     return _LINK.sub(led, markdown)
+
+
+def output(code: str, names: dict[str, Any]) -> str:
+    """Run a block in the checkout, with the names of those before it; return what it gave as Markdown and HTML.
+
+    >>> output("import atleak\\nprint(atleak.__name__)", {})
+    '```text\\natleak\\n```\\n'
+    """
+    *lines, last = ast.parse(code).body
+    printed, value = io.StringIO(), None
+    with contextlib.chdir(ROOT), contextlib.redirect_stdout(printed):
+        exec(compile(ast.Module(lines, []), "<page>", "exec"), names)
+        if isinstance(last, ast.Expr):
+            value = eval(compile(ast.Expression(last.value), "<page>", "eval"), names)
+        else:
+            exec(compile(ast.Module([last], []), "<page>", "exec"), names)
+    text = f"```text\n{printed.getvalue()}```\n" if printed.getvalue() else ""
+    if hasattr(value, "get_figure"):  # matplotlib's axes
+        drawn = io.StringIO()
+        value.get_figure().savefig(drawn, format="svg", metadata={"Date": None}, bbox_inches="tight")
+        svg = drawn.getvalue()
+        label = f"{value.get_title() or value.get_ylabel()} over {value.get_xlabel()}"
+        return f'{text}<figure role="img" aria-label="{label}">{svg[svg.index("<svg") :]}</figure>\n'
+    if hasattr(value, "_repr_html_"):
+        return f'{text}<div style="overflow-x:auto">{value._repr_html_()}</div>\n'
+    return text
 
 
 def _in_checkout(path: str, target: str) -> str:

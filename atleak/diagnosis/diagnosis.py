@@ -189,8 +189,9 @@ class Diagnosis:
         Returns
         -------
         dict
-            ``lands``, ``lands_at_conditions``, ``gaps``, ``conditions``, ``circuits``, ``repair_plan``, ``messages``,
-            ``assumed`` … by name; what has no rows is left out. A table of lands has component and land as its index.
+            ``lands``, ``lands_at_conditions``, ``gaps``, ``conditions``, ``circuits``, ``explained``, ``repair_plan``,
+            ``messages``, ``assumed`` … by name; what has no rows is left out. A table of lands has component and land
+            as its index.
         """
         tables: dict[str, pd.DataFrame] = import_module(_NOTEBOOK).frames(self)
         return tables

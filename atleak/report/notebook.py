@@ -31,6 +31,7 @@ def frames(diagnosis: Diagnosis) -> dict[str, pd.DataFrame]:
             {**{name: land[name] for name in _LAND}, **at} for land in record["lands"] for at in land["conditions"]
         ],
         "circuits": [{"condition": at["name"], **each} for at in record["conditions"] for each in at["circuits"]],
+        "explained": record["answer"]["explained"],
     }
     lists = {name: rows for name, rows in {**record, **inside}.items() if isinstance(rows, list) and rows}
     return {name: _frame(rows) for name, rows in lists.items()}
