@@ -81,7 +81,8 @@ class LandClearance:
     Means are over repeats, then directions, then planes. A part that was not measured has its nominal diameter, a land
     that was not measured at all its mounting clearance. Ovality is the largest difference between the directions of one
     plane, taper that between the planes, spread of repeats that between *independent* repeats: each is None where the
-    readings cannot tell.
+    readings cannot tell. `Unit.with_clearance` changes clearance, diameters and form together; ``replace`` of one
+    leaves the others as they were read.
     """
 
     land: Land  # as the controller's file describes it
