@@ -9,7 +9,7 @@ from atleak.job.result import result_record
 from atleak.job.zip_file import write_job_file
 from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf import write_pdf
-from atleak.report.pdf.body import PDF_SECTIONS
+from atleak.report.pdf.body import DOCUMENTS
 from atleak.report.xlsx import write_workbook
 from pages.shared import conditions, customer, font_form, panel, reader, show
 from pages.shared.cases import case_with_columns
@@ -24,14 +24,22 @@ name = show.named("atleak", record.number)
 conditions.undecided(diagnosis, closing=True)
 st.header(say("take_along.title"))
 language, paper = reader.pick_print("report")
+document = st.radio(
+    say("take_along.document"), list(DOCUMENTS), format_func=lambda each: say(f"documents.{each}"), horizontal=True,
+    key="report-document",
+)  # fmt: skip
+of_document = DOCUMENTS[document]
 with st.expander(say("take_along.sections")):
     picked = st.pills(
-        say("take_along.sections"), PDF_SECTIONS, selection_mode="multi", default=PDF_SECTIONS, key="report-sections",
-        format_func=lambda section: say(f"sections.{section}"), label_visibility="collapsed",
+        say("take_along.sections"), of_document, selection_mode="multi", default=of_document,
+        key=f"report-sections-{document}", format_func=lambda section: say(f"sections.{section}"),
+        label_visibility="collapsed",
     )  # fmt: skip
-sections = [name for name in PDF_SECTIONS if name in picked]
+sections = [name for name in of_document if name in picked]
 font_form.draw_missing([record])
-of_pdf = partial(write_pdf, diagnosis, record, language=language, paper=paper, sections=sections, units=say.units)
+of_pdf = partial(
+    write_pdf, diagnosis, record, language=language, paper=paper, document=document, sections=sections, units=say.units
+)
 downloads: dict[str, tuple[str, Callable[[], str | bytes]]] = {
     "pdf": ("pdf", font_form.printing(of_pdf)),
     "workbook": ("xlsx", partial(write_workbook, diagnosis, record, language=language, paper=paper, units=say.units)),

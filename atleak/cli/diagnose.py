@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import argparse
 import gc
+from functools import partial
 from typing import Any
 
 from atleak.cli.job_options import add_job_options, as_read, chosen_job, input_files, keep_columns
 from atleak.cli.parser import add_command
 from atleak.cli.shared import (
+    PRINTED,
     Outputs,
+    Printed,
     add_force,
     add_json,
     add_print,
@@ -45,7 +48,8 @@ def _add_diagnose(commands: Any, name: str) -> None:
     )
     add_job_options(parser)
     written = parser.add_argument_group("what is written")
-    written.add_argument("--pdf", metavar="FILE.pdf", help="the report for customer and file")
+    help = "customer's and workshop's report, or NAME=FILE: customer, workshop, annex, all; may be repeated"
+    written.add_argument("--pdf", metavar="FILE.pdf", action=Printed, help=help)
     written.add_argument("--xlsx", metavar="FILE.xlsx", help="everything as a workbook with live formulas")
     written.add_argument("--job-file", metavar="FILE.zip", help="the whole job as one file")
     add_json(written)
@@ -112,7 +116,7 @@ def _diagnosed(options: argparse.Namespace) -> int:
     case, job = chosen_job(options)
     printed = print_options(options, outputs.formats, shown=["units"] if outputs.shown else ())
     font = print_font(options, outputs.formats)
-    if options.sections is not None and options.pdf is None:
+    if options.sections is not None and "pdf" not in outputs.formats:
         doubt_option("--sections", ["--pdf"])
     diagnosis = case.diagnose()
     keep_columns(options, case, diagnosis)
@@ -125,11 +129,11 @@ def _diagnosed(options: argparse.Namespace) -> int:
 
         return write_workbook(diagnosis, job, **printed)
 
-    def pdf() -> bytes:
+    def pdf(document: str) -> bytes:
         from atleak.report.pdf import write_pdf
 
         sections = None if options.sections is None else [name.strip() for name in options.sections.split(",")]
-        return write_pdf(diagnosis, job, **printed, sections=sections, font=font)
+        return write_pdf(diagnosis, job, **printed, document=document, sections=sections, font=font)
 
     def job_file() -> bytes:
         from atleak.job.zip_file import write_job_file
@@ -141,7 +145,8 @@ def _diagnosed(options: argparse.Namespace) -> int:
 
         return result_record(diagnosis, job)
 
-    outputs.write(xlsx=workbook, pdf=pdf, job_file=job_file, json=record)
+    pdfs = {option: partial(pdf, document) for document, option in PRINTED.items()}
+    outputs.write(xlsx=workbook, **pdfs, job_file=job_file, json=record)
     if outputs.shown and not getattr(options, "quiet", False):
         from atleak.report.terminal import print_diagnosis
 
@@ -151,7 +156,7 @@ def _diagnosed(options: argparse.Namespace) -> int:
         from atleak.analysis.record_doubts import record_doubts
 
         say_doubts(record_doubts(job, diagnosis))
-        if options.pdf is not None:
+        if "pdf" in outputs.formats:
             from atleak.report.pdf import missing_characters
 
             say_doubts(missing_characters([job], font))

@@ -340,15 +340,33 @@ def chosen_road_test(options: argparse.Namespace) -> RoadTest:
 
 # --- files written ------------------------------------------------------------------------------------------------
 
+PRINTED = {name: f"pdf_{name}" for name in ("report", "customer", "workshop", "annex", "all")}
+"""The documents that ``--pdf`` writes, with what the options are called in which they are asked for."""
+
+
+class Printed(argparse.Action):
+    """Take ``FILE`` as that of the report and ``NAME=FILE`` as that of a document; other names with = need a folder."""
+
+    def __call__(self, parser: Any, options: argparse.Namespace, value: Any, option: str | None = None) -> None:
+        name, equals, file = str(value).partition("=")
+        if not equals or set(name) & set("/\\"):
+            name, file = "report", str(value)
+        if name not in PRINTED or not file:
+            raise argparse.ArgumentError(self, f"no such document: {name}={file} (expected FILE or {_NAMES}=FILE)")
+        setattr(options, PRINTED[name], file)
+
+
+_NAMES = "|".join(PRINTED)
 _ASKED: dict[str, SealedKind] = {
     "xlsx": "report workbook",
     "pdf": "PDF",
+    **dict.fromkeys(PRINTED.values(), "PDF"),
     "job_file": "job file",
     "csv": "table",
     "report": "table",
     "json": "record",
 }
-_BINARY = ("xlsx", "pdf", "job_file")  # options of which no terminal or pipe takes the file
+_BINARY = ("xlsx", "pdf", *PRINTED.values(), "job_file")  # options of which no terminal or pipe takes the file
 _ENDINGS: dict[SealedKind, tuple[str, ...]] = {
     "record": (".json",),
     "report workbook": (".xlsx",),
@@ -391,7 +409,7 @@ class Outputs:
         for name in _BINARY:
             if self.files.get(name) == "-":
                 problem = Sentence("a workbook, PDF or job file cannot be written to standard output")
-                value = f"--{name.replace('_', '-')} -"
+                value = f"--{'pdf' if name in PRINTED.values() else name.replace('_', '-')} -"
                 raise InputError(problem, value=value, expected=Sentence("a file name"))
         if output in _ONE_ENDING and self.files.get("output", "-") != "-":
             (suffix,) = _ENDINGS[output]
@@ -399,7 +417,8 @@ class Outputs:
                 expected = Sentence("a name{suffix}", suffix=suffix)
                 raise InputError(_ONE_ENDING[output], value=self.files["output"], expected=expected)
         check_targets(options, inputs, [(kinds[name], target) for name, target in self.files.items()])
-        self.formats = [name for name in ("pdf", "xlsx") if name in self.files]
+        printed = any(name in self.files for name in ("pdf", *PRINTED.values()))
+        self.formats = [*(["pdf"] if printed else []), *(["xlsx"] if "xlsx" in self.files else [])]
         self.shown = "-" not in self.files.values()  # else standard output is for a file alone
         self.written: list[str] = []
 

@@ -144,6 +144,7 @@ def _show(diagnosis: Diagnosis) -> None:
     screen, id = _screen(diagnosis, reader.say().language), book.job_id()
     if id is None:
         token = st.session_state[_SHOWN] = secrets.token_urlsafe()
+        st.toast(reader.say()("customer_link.no_answer"))
         _UNKEPT[token] = screen
         for old in list(_UNKEPT)[:-_MOST_UNKEPT]:
             _UNKEPT.pop(old, None)

@@ -85,7 +85,9 @@ def draw_switches(diagnosis: Diagnosis) -> None:
         return
     with st.container(gap=None, key="switches"):
         _switches(repairs, offers[:_FIRST], say, costs, short=True)
-    st.caption(show.plain(" ".join(words.ends())))
+    at = dict.fromkeys(say.condition(each.best_at.condition) for each in offers[:_FIRST] if each.best_at.saving > 0.0)
+    said = [say("repair_plan.shares_at", conditions=", ".join(at))] if at else []
+    st.caption(show.plain(" ".join([*said, *words.ends()])))
     more = len(offers) - _FIRST
     label = say("repair_plan.more", count=more) if more > 0 else say("repair_plan.priced")
     st.page_link(places.page("Plan"), label=label, width="content")

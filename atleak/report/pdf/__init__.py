@@ -33,6 +33,7 @@ def write_pdf(
     *,
     language: str = "en",
     paper: str = DEFAULT_PAPER,
+    document: str = "all",
     sections: Iterable[str] | None = None,
     units: str = "metric",
     font: OwnFont | None = None,
@@ -49,9 +50,11 @@ def write_pdf(
         one of `atleak.common.wording.languages`.
     paper
         one of `atleak.common.style.PAPERS`.
+    document
+        one of `atleak.report.pdf.body.DOCUMENTS`: the customer's page, the workshop's report, the annex, or several.
     sections
-        names of `atleak.report.pdf.body.PDF_SECTIONS`; all of them unless given, or of a road test alone those not
-        about lands.
+        names of `atleak.report.pdf.body.PDF_SECTIONS`; all of the document unless given, or of a road test alone those
+        not about lands.
     units
         one of `atleak.common.units.SYSTEMS`.
     font
@@ -60,7 +63,7 @@ def write_pdf(
     Raises
     ------
     InputError
-        if the language, paper or section is unknown, or a picture cannot be read.
+        if the language, paper, document or section is unknown, or a picture cannot be read.
 
     Notes
     -----
@@ -68,9 +71,9 @@ def write_pdf(
     first page; `missing_characters` tells it beforehand.
     """
     filled, say = job or Job(), wording(language, units)
-    chosen = chosen_sections(sections, without_sheet=diagnosis.without_sheet)
+    chosen = chosen_sections(sections, document, without_sheet=diagnosis.without_sheet)
     words = say("title.report"), say("title.subject")
-    data = partial(report_data, diagnosis, filled, say, chosen)
+    data = partial(report_data, diagnosis, filled, say, chosen, document)
     return write_page("report", words, filled, paper, say, data, date=filled.date, font=font)
 
 
@@ -87,17 +90,18 @@ def missing_characters(jobs: Iterable[Job], font: OwnFont | None = None) -> list
 
 
 def report_data(
-    diagnosis: Diagnosis, job: Job, say: Wording, chosen: tuple[str, ...], pictures: dict[str, str]
+    diagnosis: Diagnosis, job: Job, say: Wording, chosen: tuple[str, ...], document: str, pictures: dict[str, str]
 ) -> dict[str, Any]:
     """Return what the template of the report places beside `common_data`."""
     computed = diagnosis.road if diagnosis.judged and "road_test" in chosen else None  # else it is that of a new unit
     series = None if computed is None else road_series(computed, _ROAD_POINTS)
     names = PrintedNames(diagnosis, job, say)
-    front = Front(names)
+    front, parts = Front(names), Body(names, series, pictures).parts(chosen)
+    customer = CustomerPage(names, signed="signatures" in chosen).data(behind=parts[0]["title"] if parts else "")
     return {
         "end": Annex(names).end(),
-        "customer": CustomerPage(names, signed="signatures" in chosen).data(),
+        "customer": None if document in ("workshop", "annex") else customer,
         "facts": front.facts(),
         "verdict": front.verdict(),
-        "sections": Body(names, series, pictures).sections(chosen),
+        "parts": parts,
     }

@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 from math import isfinite
 from operator import itemgetter
+from types import MappingProxyType
 from typing import Any
 
 from atleak.analysis.estimate import Line
@@ -135,28 +136,47 @@ _OF_LANDS = (
     "picture", "flagged", "matrix", "pressures", "repair_order", "all", "shares", "again", "decisions", "readings",
     "budget",
 )  # fmt: skip
-PDF_SECTIONS = (
-    *_OF_LANDS[:8], "gauges", "before_opening", "road_test", "repair", "estimate", "condition", "photos",
-    "notes", "conditions", "limits", "decisions", "assumptions", "messages", "method", "readings", "budget",
-    "provenance", "signatures",
+_CUSTOMER = ("signatures",)  # at the foot of the customer's page
+_WORKSHOP = (
+    "picture", "flagged", "again", "pressures", "repair_order", "gauges", "before_opening", "road_test", "repair",
+    "estimate", "condition", "photos", "notes",
 )  # fmt: skip
+_ANNEX = (
+    "matrix", "all", "shares", "conditions", "limits", "decisions", "assumptions", "messages", "method", "readings",
+    "budget", "provenance",
+)  # fmt: skip
+PDF_SECTIONS = (*_WORKSHOP, *_ANNEX, *_CUSTOMER)
+DOCUMENTS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "report": (*_WORKSHOP, *_CUSTOMER),
+        "customer": _CUSTOMER,
+        "workshop": _WORKSHOP,
+        "annex": _ANNEX,
+        "all": PDF_SECTIONS,
+    }
+)
+"""What one prints of a diagnosis, with the sections of each; the first is customer's and workshop's report together."""
 _ELSEWHERE = ("sleeve", "spool", "effective", "leakage", "interval")  # of lands: in the table of all of them
 CATALOGUE_LANGUAGE = "en"  # of the sources that the catalogue's files name
 _BARS = 16  # largest number of bars in the chart of shares
 
 
-def chosen_sections(sections: Iterable[str] | None, *, without_sheet: bool = False) -> tuple[str, ...]:
-    """Return the sections asked for, in the report's order; all of them where none is chosen.
+def chosen_sections(
+    sections: Iterable[str] | None, document: str = "all", *, without_sheet: bool = False
+) -> tuple[str, ...]:
+    """Return the sections asked for, in the report's order; those of the document where none is chosen.
 
     Without a measuring sheet those about lands are left out unless they are asked for: no land was measured.
 
     Raises
     ------
     InputError
-        if no report has such a section.
+        if there is no such document, or no report has such a section.
     """
+    if document not in DOCUMENTS:
+        raise unknown(Sentence("no such document"), document, DOCUMENTS)
     if sections is None:
-        return tuple(name for name in PDF_SECTIONS if not (without_sheet and name in _OF_LANDS))
+        return tuple(name for name in DOCUMENTS[document] if not (without_sheet and name in _OF_LANDS))
     wanted = list(sections)
     for name in wanted:
         if name not in PDF_SECTIONS:
@@ -180,7 +200,17 @@ class Body(PrintedPart):
         super().__init__(names)
         self.series, self.pictures = series, pictures
 
-    def sections(self, wanted: Iterable[str]) -> list[dict[str, Any]]:
+    def parts(self, wanted: Iterable[str]) -> list[dict[str, Any]]:
+        """Return workshop report and annex, each with title and sections, as far as they have any of those wanted."""
+        sections, say = self._sections(wanted), self.say
+        of_part = {"workshop": _WORKSHOP, "annex": _ANNEX}
+        parts = (
+            {"title": say(f"documents.{part}"), "sections": [each for each in sections if each["name"] in names]}
+            for part, names in of_part.items()
+        )
+        return [part for part in parts if part["sections"]]
+
+    def _sections(self, wanted: Iterable[str]) -> list[dict[str, Any]]:
         """Return title and blocks of every section that has any content."""
         names = self.names
         conditions, annex = Conditions(names), Annex(names)

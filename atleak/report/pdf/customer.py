@@ -91,8 +91,8 @@ class CustomerPage(PrintedPart):
         """Return the valves that have reached a limit, the worst first."""
         return worn_valves(self.diagnosis, self.names.plan.choice) if self.diagnosis.flagged else ()
 
-    def data(self) -> dict[str, Any]:
-        """Return everything that the template places; ``shortened`` holds one block for each of the lengths."""
+    def data(self, *, behind: str = "") -> dict[str, Any]:
+        """Return everything that the template places; ``behind`` is what follows the page."""
         say, diagnosis, found, do = self.say, self.diagnosis, list(self._found()), list(self._do())
         short, whole = (self._answer(whole=each) for each in (False, True))
         return {
@@ -110,8 +110,7 @@ class CustomerPage(PrintedPart):
             "do": {"title": say("customer.do"), "texts": [" ".join(do[: each.sentences]) for each in _LENGTHS]},
             "cost": self._cost(),
             "signatures": self._signatures() if self.signed else None,
-            "annex": say("customer.annex"),
-            "annex_follows": say("customer.annex_follows"),
+            "follows": say("customer.follows", part=behind) if behind else "",
             "lengths": len(_LENGTHS),
         }
 

@@ -20,6 +20,7 @@ from PIL import Image
 from atleak.analysis.repair.plan import plan_repairs
 from atleak.catalogue.controller_file import load_controller
 from atleak.catalogue.fluid import load_fluid
+from atleak.cli.shared import PRINTED
 from atleak.common.errors import InputError
 from atleak.common.pictures import printable_picture
 from atleak.common.style import look_of
@@ -31,7 +32,7 @@ from atleak.diagnosis.uncertainty import Assumptions
 from atleak.engine.profile import PAPER, WORKSHOP
 from atleak.measurements.job_card import Job
 from atleak.report.pdf import write_pdf
-from atleak.report.pdf.body import PDF_SECTIONS
+from atleak.report.pdf.body import DOCUMENTS, PDF_SECTIONS
 from atleak.report.tables.first_sentence import lands_part
 from atleak.report.tables.lands import leaking_worst_first
 from tests.unit.report.read_back import is_archival, pages_of, squeezed, text_of
@@ -519,3 +520,26 @@ def test_the_readers_units_stand_in_tables_sentences_and_charts(worn, units, the
         assert unit in said
     for unit in gone:
         assert not re.search(rf"(?<![\w/]){re.escape(unit)}(?![\w/])", said), unit
+
+
+def test_each_document_prints_its_own_part_and_all_of_them_the_whole(worn) -> None:
+    said = {name: text_of(write_pdf(worn, document=name)).replace("\u00a0", " ") for name in DOCUMENTS}
+    heads = {"For the customer": "customer", "Workshop report": "workshop", "Technical annex": "annex"}
+    holds = {name: {part for head, part in heads.items() if head in text} for name, text in said.items()}
+    assert holds == {
+        "report": {"customer", "workshop"},
+        "customer": {"customer"},
+        "workshop": {"workshop"},
+        "annex": {"annex"},
+        "all": {"customer", "workshop", "annex"},
+    }
+    for part in ("workshop", "annex"):
+        assert "Behind this page" not in said[part]
+    assert "Behind this page: Workshop report." in said["report"]
+    assert set(DOCUMENTS["workshop"]) | set(DOCUMENTS["annex"]) | set(DOCUMENTS["customer"]) == set(PDF_SECTIONS)
+    assert list(PRINTED) == list(DOCUMENTS)
+
+
+def test_an_unknown_document_is_refused_with_the_known_ones(worn) -> None:
+    with pytest.raises(InputError, match=r"no such document.*'workshop'"):
+        write_pdf(worn, document="workshp")
