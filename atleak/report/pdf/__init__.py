@@ -73,7 +73,7 @@ def write_pdf(
     filled, say = job or Job(), wording(language, units)
     chosen = chosen_sections(sections, document, without_sheet=diagnosis.without_sheet)
     words = say("title.report"), say("title.subject")
-    data = partial(report_data, diagnosis, filled, say, chosen, document)
+    data = partial(report_data, diagnosis, filled, say, chosen, document=document)
     return write_page("report", words, filled, paper, say, data, date=filled.date, font=font)
 
 
@@ -90,13 +90,19 @@ def missing_characters(jobs: Iterable[Job], font: OwnFont | None = None) -> list
 
 
 def report_data(
-    diagnosis: Diagnosis, job: Job, say: Wording, chosen: tuple[str, ...], document: str, pictures: dict[str, str]
+    diagnosis: Diagnosis,
+    job: Job,
+    say: Wording,
+    chosen: tuple[str, ...],
+    pictures: dict[str, str],
+    *,
+    document: str = "all",
 ) -> dict[str, Any]:
     """Return what the template of the report places beside `common_data`."""
     computed = diagnosis.road if diagnosis.judged and "road_test" in chosen else None  # else it is that of a new unit
     series = None if computed is None else road_series(computed, _ROAD_POINTS)
     names = PrintedNames(diagnosis, job, say)
-    front, parts = Front(names), Body(names, series, pictures).parts(chosen)
+    front, parts = Front(names), Body(names, series, pictures).parts(chosen, document)
     customer = CustomerPage(names, signed="signatures" in chosen).data(behind=parts[0]["title"] if parts else "")
     return {
         "end": Annex(names).end(),

@@ -200,15 +200,20 @@ class Body(PrintedPart):
         super().__init__(names)
         self.series, self.pictures = series, pictures
 
-    def parts(self, wanted: Iterable[str]) -> list[dict[str, Any]]:
-        """Return workshop report and annex, each with title and sections, as far as they have any of those wanted."""
+    def parts(self, wanted: Iterable[str], document: str) -> list[dict[str, Any]]:
+        """Return workshop report and annex, each with title and sections, as far as they have any of those wanted.
+
+        The first has facts and verdict at its head, and stands there for these alone where no section is wanted.
+        """
         sections, say = self._sections(wanted), self.say
-        of_part = {"workshop": _WORKSHOP, "annex": _ANNEX}
-        parts = (
+        of_part = {
+            part: DOCUMENTS[part] for part in ("workshop", "annex") if set(DOCUMENTS[part]) <= set(DOCUMENTS[document])
+        }
+        parts = [
             {"title": say(f"documents.{part}"), "sections": [each for each in sections if each["name"] in names]}
             for part, names in of_part.items()
-        )
-        return [part for part in parts if part["sections"]]
+        ]
+        return [part for part in parts if part["sections"]] or parts[:1]
 
     def _sections(self, wanted: Iterable[str]) -> list[dict[str, Any]]:
         """Return title and blocks of every section that has any content."""

@@ -13,7 +13,7 @@ from PIL import Image
 from streamlit.testing.v1 import AppTest
 
 from atleak.measurements.job_card import Job
-from atleak.report.pdf.body import PDF_SECTIONS
+from atleak.report.pdf.body import DOCUMENTS
 from tests.unit.pages.conftest import ROOT, go, uploader
 
 pytestmark = pytest.mark.page("1_Job")
@@ -172,4 +172,7 @@ def test_the_example_of_the_documentation_runs(tmp_path: Path, monkeypatch: pyte
 def test_sections_are_all_chosen_and_paper_is_named_as_people_do(app: AppTest) -> None:
     assert next(widget for widget in app.selectbox if widget.label == "Paper").options == ["A4", "Letter"]
     (sections,) = app.get("button_group")
-    assert list(sections.value) == list(PDF_SECTIONS)
+    assert list(sections.value) == list(DOCUMENTS["report"])
+    next(each for each in app.radio if each.label == "What is printed").set_value("annex").run()
+    (sections,) = app.get("button_group")
+    assert list(sections.value) == list(DOCUMENTS["annex"])

@@ -141,7 +141,7 @@ def test_long_names_of_valves_stand_above_rows_of_one_height(hipol, limits, read
 def test_every_name_on_paper_is_in_words_and_in_the_reader_s_language(long_names: Diagnosis, language: str) -> None:
     names = names_of(long_names, Job(repair_decisions=[{"component": "boost_valve", "decision": "declined"}]), language)
     say, controller = names.say, long_names.controller
-    sections = Body(names, None, {}).sections(["repair", "conditions", "assumptions", "messages", "decisions"])
+    sections = Body(names, None, {}).parts(["repair", "conditions", "assumptions", "messages", "decisions"], "all")
     said = json.dumps([Front(names).facts(), sections], ensure_ascii=False)
     assert not re.search(r"[a-z]_(valve|um|part|mm3|per_k|engagement)", said), "no id of a file"
     assert say.name(controller.name) in said
@@ -231,7 +231,7 @@ def test_the_sheet_s_own_date_is_that_of_the_measurement_unless_the_record_has_o
 def test_what_was_decided_names_its_valve_in_the_reader_s_language(worn: Diagnosis, language: str) -> None:
     decisions = [{"component": "25", "land": 1, "work": "ream"}, {"component": "unknown", "work": "clean"}]
     names = names_of(worn, Job(repair_decisions=decisions), language)
-    (section,) = Body(names, None, {}).sections(["repair"])
+    (section,) = Body(names, None, {}).parts(["repair"], "all")[0]["sections"]
     (table,) = of_kind(section["blocks"], "table")
     valve = names.say.name(worn.controller.components["25"])
     assert [row[0] for row in table["rows"]] == [f"25 {valve}, {names.say('printed.land')}\u00a01", "unknown"]

@@ -572,7 +572,7 @@ def printed(found: Diagnosis, language: str = "en") -> dict[str, Any]:
 def test_drawings_say_in_words_what_they_show(unit: Unit, language: str) -> None:
     found, say = unit(TOO_MUCH), wording(language)
     data = printed(found, language)
-    (section,) = data["sections"]
+    (section,) = data["parts"][0]["sections"]
     pump, pressures, flows = (block for block in section["blocks"] if block["kind"] == "image")
     assert say("conditions.hot_idle") in pump["svg"]
     at = found.projection  # at which the line falls
@@ -589,6 +589,6 @@ def test_without_circuits_only_the_pump_is_drawn_and_nothing_where_pressures_are
 ) -> None:
     for found, drawn in ((worn, 1), (unit(WORN, profile=PAPER), 0)):
         data = printed(found)
-        (section,) = data["sections"]
+        (section,) = data["parts"][0]["sections"]
         assert sum(block["kind"] == "image" for block in section["blocks"]) == drawn
         assert data["customer"]["drawings"]

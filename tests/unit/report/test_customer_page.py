@@ -97,7 +97,7 @@ def test_a_complaint_of_400_words_leaves_the_first_page_one_page_and_stands_whol
     assert say("texts.sign_customer") in first
     assert LONG not in first
     assert LONG in annex[0]
-    assert say("customer.annex") in annex[0]
+    assert say("documents.workshop") in annex[0]
 
 
 @pytest.mark.slow
