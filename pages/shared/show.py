@@ -175,7 +175,7 @@ def _heading(title: str) -> str:
     return begun(title) if title[1:2].isalpha() and not title.startswith("µ") else title
 
 
-PAIR_WIDTH = 150  # pixels of a land's name, its number first
+PAIR_WIDTH = 122  # pixels of a land's name, its number first
 _LETTER, _PADDING = 7, 20  # pixels of a letter, and of a cell's sides
 _TWO_LINES = 65  # pixels of a row: Streamlit wraps text only in rows of more than 64
 

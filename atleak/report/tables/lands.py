@@ -208,7 +208,7 @@ def pair_table(
 ON_PAPER = ("land", "sleeve", "spool", "mounting", "effective", "leakage", "interval", "share", "share_largest")
 
 
-CONDITION_WIDTH = 90  # pixels of a condition: two of them stand beside the pair on a phone
+CONDITION_WIDTH = 104  # pixels of a condition: two of them stand beside the pair on a phone
 
 
 def matrix_table(diagnosis: Diagnosis, rows: Sequence[MatrixRow], say: Wording) -> Table:
