@@ -15,7 +15,7 @@ from atleak.catalogue.entries import shipped_files, write_own
 from tests.unit.pages.conftest import go, part, press, texts
 
 ID = "four_speed_2023"
-SCHEMATIC = "Schematic, in the order of the valve body's file"
+SCHEMATIC = "Schematic; a clearance is half the difference of the diameters"
 
 pytestmark = pytest.mark.page("20_Library")
 

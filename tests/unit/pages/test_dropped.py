@@ -13,7 +13,7 @@ from atleak.catalogue.entries import catalogue_files
 from atleak.common.wording import wording
 from atleak.report.sheets.measuring_sheet import write_template
 from tests.unit.conftest import first_of
-from tests.unit.pages.conftest import ROOT, XLSX, choice, flagged, press, texts, uploader
+from tests.unit.pages.conftest import ROOT, XLSX, choice, flagged, flagged_pairs, press, texts, uploader
 
 WATCH = "watch = { percent = 10.0, at_least_um = 4.0 }"  # of the default limits
 
@@ -34,14 +34,14 @@ def test_another_controller_drops_the_samples_files_and_offers_its_own_sheet(app
 
 @pytest.mark.page("4_Diagnosis?diagnosis=lands")
 def test_a_refused_sheet_is_explained_and_the_last_job_stays(app: AppTest) -> None:
-    before = app.dataframe[0].value
+    before = flagged_pairs(app)
     target = io.BytesIO()
     openpyxl.Workbook().save(target)
     uploader(app, "Measuring sheet").upload("leer.xlsx", target.getvalue(), XLSX).run()
     assert not app.exception
     assert "leer.xlsx was not taken as measuring sheet" in texts(app)
     assert "the workbook is empty" in texts(app)
-    assert app.dataframe[0].value.equals(before)
+    assert flagged_pairs(app) == before
     assert "Sample job" in texts(app)
     uploader(app, "Measuring sheet").set_value(None).run()
     assert "not taken" not in texts(app)
@@ -182,17 +182,17 @@ def test_a_bad_file_in_place_of_an_own_good_one_leaves_the_good_one(
 ) -> None:
     uploader(app, "Measuring sheet").upload("mine.xlsx", sample_readings.read_bytes(), XLSX).run()
     uploader(app, "Road-test log").upload("drive.csv", sample_log.read_bytes(), "text/csv").run()
-    before, said = app.dataframe[0].value, app.title[0].value
+    before, said = flagged_pairs(app), app.title[0].value
     uploader(app, slot).set_value(bad_file(slot)).run()
     assert not app.exception
     assert "was not taken" in texts(app)
     mine = "mine.xlsx" if slot == "Measuring sheet" else "drive.csv"
     assert f"Shown are still the results of {mine}" in texts(app)
-    assert app.dataframe[0].value.equals(before)
+    assert flagged_pairs(app) == before
     assert app.title[0].value == said
     uploader(app, slot).set_value(None).run()
     assert "was not taken" not in texts(app)
-    assert app.dataframe[0].value.equals(before)
+    assert flagged_pairs(app) == before
     assert app.session_state["atleak"].good.road_test.name == "drive.csv"
 
 
