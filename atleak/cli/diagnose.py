@@ -56,7 +56,7 @@ def _add_diagnose(commands: Any, name: str) -> None:
     add_force(written)
     printed = parser.add_argument_group("how it is printed")
     add_print(printed, shown=["units"])
-    printed.add_argument("--sections", metavar="LIST", help="of the PDF, with commas; all of them unless given")
+    printed.add_argument("--sections", metavar="LIST", help="of the PDF, with commas; all of the document unless given")
     parser.add_argument(
         "--fail-on",
         choices=[level.value for level in FLAGGED],
@@ -133,6 +133,7 @@ def _diagnosed(options: argparse.Namespace) -> int:
         from atleak.report.pdf import write_pdf
 
         sections = None if options.sections is None else [name.strip() for name in options.sections.split(",")]
+        document = "all" if sections is not None and document == "report" else document  # no part was named
         return write_pdf(diagnosis, job, **printed, document=document, sections=sections, font=font)
 
     def job_file() -> bytes:

@@ -353,6 +353,8 @@ class Printed(argparse.Action):
             name, file = "report", str(value)
         if name not in PRINTED or not file:
             raise argparse.ArgumentError(self, f"no such document: {name}={file} (expected FILE or {_NAMES}=FILE)")
+        if getattr(options, PRINTED[name], None) is not None:
+            raise argparse.ArgumentError(self, f"{name} is asked for twice")
         setattr(options, PRINTED[name], file)
 
 

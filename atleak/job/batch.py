@@ -123,9 +123,7 @@ def write_reports(
 
 def _report(form: str, diagnosis: Diagnosis, job: Job, say: Wording, paper: str, font: OwnFont | None) -> bytes:
     if form == "pdf":
-        return write_pdf(
-            diagnosis, job, document="report", language=say.language, units=say.units, paper=paper, font=font
-        )
+        return write_pdf(diagnosis, job, language=say.language, units=say.units, paper=paper, font=font)
     if form == "xlsx":
         return write_workbook(diagnosis, job, language=say.language, units=say.units, paper=paper)
     return to_json(result_record(diagnosis, job)).encode("utf-8", errors="backslashreplace")

@@ -171,7 +171,7 @@ def chosen_sections(
     Raises
     ------
     InputError
-        if there is no such document, or no report has such a section.
+        if there is no such document, or it has no such section.
     """
     if document not in DOCUMENTS:
         raise unknown(Sentence("no such document"), document, DOCUMENTS)
@@ -179,8 +179,8 @@ def chosen_sections(
         return tuple(name for name in DOCUMENTS[document] if not (without_sheet and name in _OF_LANDS))
     wanted = list(sections)
     for name in wanted:
-        if name not in PDF_SECTIONS:
-            raise unknown(Sentence("no such section"), name, PDF_SECTIONS)
+        if name not in DOCUMENTS[document]:
+            raise unknown(Sentence("no such section"), name, DOCUMENTS[document])
     return tuple(name for name in PDF_SECTIONS if name in wanted)
 
 

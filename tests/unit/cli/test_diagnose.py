@@ -320,6 +320,8 @@ def test_a_sheet_of_another_controller_says_so(run: Run, sample_readings: Path) 
         (["--pdf", "-"], ("standard output",)),
         (["--pdf", "annex=-"], ("standard output",)),
         (["--pdf", "annx=a.pdf"], ("annx=a.pdf", "customer|workshop|annex|all")),
+        (["--pdf", "a.pdf", "--pdf", "report=b.pdf"], ("report is asked for twice",)),
+        (["--pdf", "customer=a.pdf", "--sections", "limits"], ("no such section", "'limits'", "signatures")),
         (["--pdf", "annex="], ("annex=", "customer|workshop|annex|all")),
         (["--assume", "room=1"], ("'room'", "room_temperature_k")),
         (["--guard", "-1"], ("-1", "1.645")),
