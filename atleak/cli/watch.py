@@ -14,6 +14,7 @@ from typing import Any
 from atleak.cli.job_options import add_job_options, chosen_job, save_job
 from atleak.cli.parser import add_command
 from atleak.cli.shared import add_units, number_argument
+from atleak.common.errors import AtleakError
 from atleak.common.printable import printable, unguarded
 from atleak.common.wording import Wording, wording
 from atleak.job.case import Case
@@ -49,15 +50,20 @@ def add_parser(commands: Any, name: str) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Follow the log until somebody ends it; print the summary of what was read, and keep the job if asked."""
+    if options.forget and Path(options.road_test).is_dir():
+        options.refuse("--forget needs the log itself, not its folder: its headings say what is forgotten")
     case, job = chosen_job(options)
     log, screen = WatchedLog(Path(options.road_test), case), _Screen(wording("en", options.units))
+    status = 0
     with suppress(KeyboardInterrupt):
         while True:
-            log.look()
-            for file in log.earlier:
-                screen.line(f"{file.name} ended, a log begins anew")
-                _end(options, replace(case, road_test=file), job)
-            log.earlier.clear()
+            try:
+                log.look()
+            finally:
+                for file in log.earlier:
+                    screen.line(f"{file.name} ended, a log begins anew")
+                    status |= _end(options, replace(case, road_test=file), job)
+                log.earlier.clear()
             screen.show(log)
             if options.end_after is not None and log.quiet >= options.end_after:
                 break
@@ -66,16 +72,21 @@ def run(options: argparse.Namespace) -> int:
     if log.waits is not None and log.findings is None:
         raise log.waits
     if log.file is not None:
-        _end(options, replace(case, road_test=log.file), job)
+        status |= _end(options, replace(case, road_test=log.file), job)
+    return status
+
+
+def _end(options: argparse.Namespace, case: Case, job: Job | None) -> int:
+    """Print the summary of a log that has ended, and keep the job if asked; say why where it cannot be: 2, else 0."""
+    try:
+        diagnosis = case.diagnose()
+        print_diagnosis(diagnosis, options.units)
+        if options.keep:
+            print(f"kept in the job book: {save_job(options, case, job, diagnosis)}")
+    except AtleakError as error:
+        print(f"atleak: {error}", file=sys.stderr)
+        return 2
     return 0
-
-
-def _end(options: argparse.Namespace, case: Case, job: Job | None) -> None:
-    """Print the summary of a log that has ended, and keep the job if asked."""
-    diagnosis = case.diagnose()
-    print_diagnosis(diagnosis, options.units)
-    if options.keep:
-        print(f"kept in the job book: {save_job(options, case, job, diagnosis)}")
 
 
 class _Screen:

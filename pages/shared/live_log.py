@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -38,7 +39,10 @@ def ask() -> None:
         st.caption(say("live.what"))
         path = st.text_input(say("live.path"), **fields.kept(f"live-path-{now.generation}", "")).strip().strip('"')
         if st.button(say("live.start"), disabled=now.watched is not None) and path:
-            log = WatchedLog(Path(path).expanduser(), _case())
+            log = WatchedLog(Path(os.path.expanduser(path)), _case())  # noqa: PTH111  the other one refuses the name of no user
+            if not log.path.is_absolute():
+                st.error(say("live.whole_path"))
+                return
             try:
                 log.look()
             except AtleakError as error:

@@ -231,7 +231,7 @@ def show_job(case: PageCase, record: Job, in_book: InBook, steps: Steps) -> None
     """Show a job with fresh widgets, and what of its steps can be taken back and done again."""
     now = session()
     st.session_state["atleak"] = Session(
-        case, case, {}, start=case, generation=now.generation + 1, in_book=in_book, steps=steps
+        case, case, {}, watched=now.watched, start=case, generation=now.generation + 1, in_book=in_book, steps=steps
     )
     for name in (JOB, OF_FLEET):
         st.query_params.pop(name, None)

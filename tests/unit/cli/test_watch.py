@@ -114,3 +114,39 @@ def test_a_heading_without_rows_is_no_log(run: Run, tmp_path: Path) -> None:
     assert status == 2
     assert "no table of numbers" in err
     assert "Road test" not in out
+
+
+@pytest.mark.parametrize("later", ["picture", "not diagnosed"])
+def test_an_earlier_log_is_ended_whatever_comes_after(
+    run: Run, sample_log: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, later: str
+) -> None:
+    path, lines = tmp_path / "trackLog.csv", sample_log.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"".join(lines[:900]))
+    contents, diagnose = [b"".join(lines[:400])], watch.Case.diagnose
+    if later == "picture":
+        contents = [b"\x89PNG\r\n\x1a\n" + bytes(99)]
+
+    def pause(_: float) -> None:
+        if not contents:
+            raise KeyboardInterrupt
+        path.write_bytes(contents.pop())
+
+    def diagnosed(case: watch.Case) -> object:
+        if later != "picture" and case.road_test.content.count(b"\n") == 900:
+            raise watch.AtleakError(watch.AtleakError("cannot be diagnosed").sentence)
+        return diagnose(case)
+
+    monkeypatch.setattr(watch.time, "sleep", pause)
+    monkeypatch.setattr(watch.Case, "diagnose", diagnosed)
+    monkeypatch.setattr(watch.WatchedLog, "_rests_until", property(lambda _: 0.0, lambda *_: None), raising=False)
+    status, out, err = run("watch", path, "--keep")
+    assert status == 2
+    assert "trackLog.csv ended, a log begins anew" in out
+    assert out.count("kept in the job book: ") == 1
+    assert ("no road-test log" if later == "picture" else "cannot be diagnosed") in err
+
+
+def test_of_a_folder_nothing_is_forgotten(run: Run, tmp_path: Path) -> None:
+    status, _, err = run("watch", tmp_path, "--forget")
+    assert status == 2
+    assert "--forget needs the log itself" in err

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from atleak.common.errors import AtleakError, RoadTestError
+from atleak.common.sentences import Sentence
 from atleak.common.wording import wording
 from atleak.job import watched_log
 from atleak.job.case import Case, SourceFile
@@ -216,3 +217,76 @@ def test_what_was_followed_gives_the_same_job_as_the_file(path: Path) -> None:
     log.look()
     assert log.file is not None
     assert log.file.sha256 == SourceFile.at(path).sha256
+
+
+def test_a_long_log_without_a_column_named_is_waited_for(path: Path) -> None:
+    text = "a;b;c;d;e\n" + rows(0, LINES + 20)
+    write(path, text[:200])
+    log = WatchedLog(path, Case())
+    log.look()
+    write(path, text)
+    log.look()
+    assert "no time column" in str(log.waits)
+    assert log.file is not None
+    assert log.file.content == text.encode()
+
+
+def test_what_could_be_read_last_stays_where_more_of_it_cannot(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(path, HEADING + rows(0, 120))
+    log = WatchedLog(path, Case())
+    log.look()
+    write(path, HEADING + rows(0, 150))
+    refusal = RoadTestError(Sentence("cannot be read"))
+    monkeypatch.setattr(watched_log.Reader, "log", lambda *_: (_ for _ in ()).throw(refusal))
+    log.look()
+    assert log.waits is refusal
+    assert log.file is not None
+    assert log.file.content == (HEADING + rows(0, 120)).encode()
+
+
+def test_of_two_logs_written_in_turn_the_first_is_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first, second, now = tmp_path / "a.csv", tmp_path / "b.csv", 1_700_000_000
+    write(first, HEADING + rows(0, 60))
+    log = WatchedLog(tmp_path, Case())
+    log.look()
+    for last in (70, 80, 90):
+        for path in (first, second):
+            write(path, HEADING + rows(0, last))
+            now += 1
+            os.utime(path, (now, now))
+            log.look()
+        assert (log.file.name if log.file else None, log.earlier) == ("a.csv", [])
+    monkeypatch.setattr(watched_log, "TURN", 0.0)
+    log.look()
+    assert (log.file.name, [file.name for file in log.earlier]) == ("b.csv", ["a.csv"])
+
+
+def test_what_is_no_log_is_passed_over_in_a_folder(tmp_path: Path) -> None:
+    write(tmp_path / "old.csv", HEADING + rows(0, 60))
+    os.utime(tmp_path / "old.csv", (1_700_000_000,) * 2)
+    (tmp_path / "folder.csv").mkdir()
+    (tmp_path / "picture.csv").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(99))
+    write(tmp_path / "letter.txt", "A letter.\n" * (LINES + 1))
+    log = WatchedLog(tmp_path, Case())
+    log.look()
+    assert log.file is not None
+    assert log.file.name == "old.csv"
+    (tmp_path / "old.csv").unlink()
+    log.look()
+    assert log.file.name == "old.csv"
+    assert log.waits is not None
+
+
+def test_the_same_log_again_is_held_once(path: Path) -> None:
+    log = WatchedLog(path, Case())
+    for last in (120, 10, 120, 10, 120):
+        write(path, HEADING + rows(0, last, 650.0 if last == 10 else 700.0))
+        log.look()
+    assert len(log.earlier) == 2
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+def test_a_pipe_is_not_waited_on(path: Path) -> None:
+    os.mkfifo(path)
+    with pytest.raises(RoadTestError, match="is no file"):
+        WatchedLog(path, Case()).look()

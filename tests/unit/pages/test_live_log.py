@@ -90,6 +90,22 @@ def test_a_wrong_file_is_said_where_its_path_stands(
     assert app.session_state["atleak"].watched is None
 
 
+def test_another_job_does_not_end_it(app: AppTest, log: Path) -> None:
+    log.write_bytes(SAMPLE)
+    follow(app, log)
+    press(app, "New, empty job")
+    go(app, PAGE)
+    assert "1\xa0201 rows so far" in texts(app)
+
+
+@pytest.mark.parametrize("path", ["torqueLogs/trackLog.csv", "~nobody-of-this-name/x.csv"])
+def test_the_whole_path_is_asked_for(app: AppTest, path: str) -> None:
+    follow(app, path)
+    assert not app.exception
+    assert "The whole path is needed" in texts(app)
+    assert app.session_state["atleak"].watched is None
+
+
 @pytest.mark.parametrize("how", ["sign in", "address", "name", "proxy"])
 def test_nobody_from_outside_names_a_path(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
     options = {"server.address": "127.0.0.1", "server.allowedHosts": ["localhost", "127.0.0.1", "::1"]}
