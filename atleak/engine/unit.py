@@ -9,6 +9,7 @@ import itertools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from numbers import Real
 from pathlib import Path
 from typing import Any, Self
 
@@ -87,7 +88,7 @@ class Unit(LeakageModel):
             no such land, or a clearance that is negative or no number.
         """
         key = self.land(land).key
-        if not (um >= 0.0 and math.isfinite(um)):
+        if not (isinstance(um, Real) and um >= 0.0 and math.isfinite(um)):
             raise InputError(Sentence("clearance not accepted"), value=um, expected=Sentence("0 or more"))
         even = (with_even_clearance(each, um / UM) if each.land.key == key else each for each in self.clearances)
         return replace(self, clearances=tuple(even))
@@ -153,11 +154,17 @@ class Unit(LeakageModel):
         }
         stated = {name: values for name, values in given.items() if values is not None}
         axes: dict[str, list[Any]] = {
-            name: list(values) for name, values in stated.items() if isinstance(values, Iterable)
+            name: list(values)
+            for name, values in stated.items()
+            if isinstance(values, Iterable) and not isinstance(values, str) and getattr(values, "ndim", True)
         }
         fixed = {name: value for name, value in stated.items() if name not in axes}
         if not axes:
             axes = {name: [value] for name, value in fixed.items()} or {"temperature_c": [base.temperature]}
+        for name, value in [*fixed.items(), *((name, value) for name, values in axes.items() for value in values)]:
+            if not isinstance(value, Real):
+                problem = Sentence("{where}: {problem}", where=name, problem=Sentence("not a number"))
+                raise InputError(problem, value=value)
         every = list(itertools.product(*axes.values()))
         rows = [self._row(base, land, {**fixed, **dict(zip(axes, each, strict=True))}) for each in every]
         index = pd.MultiIndex.from_tuples(every, names=list(axes))

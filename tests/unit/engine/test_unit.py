@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -118,11 +120,14 @@ def test_a_profile_and_its_options_are_chosen_by_name() -> None:
         ({"main_pressure_kpa": 0}, "main pressure not accepted"),
         ({"engine_rpm": -800}, "engine speed not accepted"),
         ({"gear": [1, 9]}, "no such gear"),
+        ({"temperature_c": "80"}, "temperature_c: not a number .found '80'"),
+        ({"temperature_c": np.array(80)}, "temperature_c: not a number"),
+        ({"engine_rpm": [800, "fast"]}, "engine_rpm: not a number .found 'fast'"),
     ],
 )
-def test_what_cannot_be_swept(stated: dict[str, float], said: str) -> None:
+def test_what_cannot_be_swept(stated: dict[str, Any], said: str) -> None:
     with pytest.raises(InputError, match=said):
-        load("four_speed_2023").sweep(**stated)  # type: ignore[arg-type]
+        load("four_speed_2023").sweep(**stated)
 
 
 def test_outside_the_fluid_s_data_there_is_no_number() -> None:
