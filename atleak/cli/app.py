@@ -31,7 +31,7 @@ _PORTS = range(1, 65536)
 _SECRETS, _ALLOWED = "secrets.toml", "allowed.toml"
 # Else the GNU C library gives every thread, of which each run of a page has its own, memory that it keeps for that one.
 _SPARING = {"MALLOC_ARENA_MAX": "2"}
-_WINDOW, _TAB = 60, 600  # [s] without a connected page, after which the server of a window, or of a tab, ends
+_LEFT = 600  # [s] without a connected page, after which the server of a window, or of a tab in its place, ends
 _STARTS = 60.0  # [s] that a server may take to answer
 _SOON = 5.0  # [s] within which a browser ends that cannot start, or that hands its window on to one that runs
 # Browsers that show a page in a window of its own: programs on the PATH; in folders of Windows; in bundles of macOS.
@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     """Start the server; it runs until somebody ends it."""
     _check_streamlit()
     if options.window:
-        if any(_reach(options)):
+        if (options.address, options.host, options.allowed, options.secrets) != (_HERE, [], None, None):
             expected = Sentence("{command}, with no other option than --port", command="atleak app --window")
             raise InputError(Sentence("--window is for this machine alone"), expected=expected)
         return _in_window(options.port)
@@ -207,13 +207,13 @@ def _serve(command: list[str], folder: Path, environment: Mapping[str, str]) -> 
 def _in_window(port: int | None) -> int:
     """Serve the dashboard as long as its window is open; where one is open already, open another one of that.
 
-    The note beside the browser's profile says which: the port, and the process of its server.
+    The note beside the browser's profile says which: the port, and the processes of its server and of its start.
     """
     folder = made_folder(home() / "window")
     note = folder / "server"
     while True:
-        with suppress(FileExistsError):
-            note.touch(exist_ok=False)
+        with suppress(FileExistsError), note.open("x", encoding="utf-8") as stream:
+            stream.write(f"{os.getpid()}")
             break
         if (running := _running(note)) is not None:
             _open(folder, running)
@@ -222,7 +222,9 @@ def _in_window(port: int | None) -> int:
     try:
         return _until_closed(folder, note, port)
     finally:
-        note.unlink(missing_ok=True)
+        with suppress(FileNotFoundError):
+            if note.read_text(encoding="utf-8").split()[-1:] == [f"{os.getpid()}"]:  # else it is another start's now
+                note.unlink()
 
 
 def _running(note: Path) -> int | None:
@@ -236,7 +238,7 @@ def _running(note: Path) -> int | None:
             old = time.time() - note.stat().st_mtime > _SOON
         except FileNotFoundError:
             return None
-        if len(words) == 2:
+        if len(words) > 1:
             try:
                 command = psutil.Process(int(words[1])).cmdline()
             except (psutil.Error, ValueError):
@@ -256,12 +258,12 @@ def _until_closed(folder: Path, note: Path, port: int | None) -> int:
     port = _free_port() if port is None else port
     _check_free(_HERE, port)
     command, place, environment = _server(_HERE, port, ["--server.headless", "true"])
-    environment[ENDS_AFTER] = str(_TAB if _browser() is None else _WINDOW)
+    environment[ENDS_AFTER] = str(_LEFT)
     log = folder / "server.log"
     with log.open("wb") as stream:
         server = _started(command, stdout=stream, cwd=place, env=environment)
     try:
-        note.write_text(f"{port} {server.pid}", encoding="utf-8")
+        note.write_text(f"{port} {server.pid} {os.getpid()}", encoding="utf-8")
         until = time.monotonic() + _STARTS
         while not _is_up(port):
             if server.poll() is not None or time.monotonic() > until:

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from atleak.version import __version__
 _ABOUT = "Internal leakage of automatic-transmission valve bodies"
 _ICON = "pages/shared/icon"
 _OF_WINDOWS = """\
+[Console]::OutputEncoding = [Text.Encoding]::UTF8
 $ErrorActionPreference = 'Stop'
 foreach ($folder in 'Desktop', 'Programs') {
   $place = Join-Path ([Environment]::GetFolderPath($folder)) 'atleak.lnk'
@@ -31,11 +33,11 @@ foreach ($folder in 'Desktop', 'Programs') {
 """
 _MAKE = """\
 $link = (New-Object -ComObject WScript.Shell).CreateShortcut($place)
-  $link.TargetPath = PROGRAM
+  $link.TargetPath = $env:ATLEAK_PROGRAM
   $link.Arguments = '-P -m atleak app --window'
   $link.WorkingDirectory = [Environment]::GetFolderPath('UserProfile')
-  $link.Description = ABOUT
-  $link.IconLocation = ICON
+  $link.Description = $env:ATLEAK_ABOUT
+  $link.IconLocation = $env:ATLEAK_ICON
   $link.Save()"""
 _REMOVE = "if (-not (Test-Path $place)) { continue }\n  Remove-Item $place"
 
@@ -73,12 +75,17 @@ def _program() -> str:
 
 def _on_windows(*, remove: bool) -> Iterator[Path]:
     """Make links on desktop and in the start menu, wherever this user's are."""
-    made = _REMOVE if remove else _MAKE
-    for name, text in (("PROGRAM", _program()), ("ABOUT", _ABOUT), ("ICON", str(shipped(f"{_ICON}.ico")))):
-        quoted = text.replace("'", "''")
-        made = made.replace(name, f"'{quoted}'")
-    command = ["powershell", "-NoProfile", "-NonInteractive", "-Command", _OF_WINDOWS.replace("MAKE", made)]
-    told = subprocess.run(command, capture_output=True, check=True, text=True)
+    script = _OF_WINDOWS.replace("MAKE", _REMOVE if remove else _MAKE)
+    icon = str(shipped(f"{_ICON}.ico"))
+    told = subprocess.run(
+        ["powershell", "-NoProfile", "-NonInteractive", "-Command", script],
+        capture_output=True,
+        check=True,
+        encoding="utf-8",
+        errors="replace",
+        env={**os.environ, "ATLEAK_PROGRAM": _program(), "ATLEAK_ABOUT": _ABOUT, "ATLEAK_ICON": icon},
+        creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),  # else this console keeps the encoding
+    )
     yield from map(Path, told.stdout.splitlines())
 
 
@@ -86,7 +93,7 @@ def _on_macos(*, remove: bool) -> Iterator[Path]:
     """Make an application of this user's, which Launchpad shows, and lead to it from the desktop."""
     bundle, link = Path.home() / "Applications" / "atleak.app", Path.home() / "Desktop" / "atleak"
     if remove:
-        if link.is_symlink():
+        if link.is_symlink() and link.resolve() == bundle.resolve():
             link.unlink()
             yield link
         if bundle.is_dir():
@@ -104,9 +111,10 @@ def _on_macos(*, remove: bool) -> Iterator[Path]:
         plistlib.dumps({**known, "LSArchitecturePriority": ["arm64", "x86_64"]})
     )
     yield bundle
-    if not link.is_symlink():
+    with suppress(FileExistsError):  # it leads there already, or is something else of that name
         link.symlink_to(bundle)
-    yield link
+    if link.resolve() == bundle.resolve():
+        yield link
 
 
 def _on_freedesktop(*, remove: bool) -> Iterator[Path]:

@@ -220,7 +220,6 @@ def test_the_server_ends_with_its_window(run: Run, machine: Machine, own_home: P
     assert server.poll() is not None
     assert window.returncode == 0
     assert f"--user-data-dir={own_home / 'window' / 'profile'}" in machine.started[1]
-    assert machine.environment["ATLEAK_ENDS_AFTER"] == "60"
     assert [path.name for path in (own_home / "window").iterdir()] == ["server.log"]
 
 
@@ -273,6 +272,17 @@ def test_a_browser_that_cannot_start_leaves_a_tab(run: Run, machine: Machine, mo
     machine.window, machine.server = "import sys; sys.exit(1)", "import time; time.sleep(1.5)"
     assert run("app", "--window")[0] == 0
     assert machine.tabs == machine.opened
+    assert machine.environment["ATLEAK_ENDS_AFTER"] == "600"
+
+
+def test_the_note_of_another_start_stays(
+    run: Run, machine: Machine, own_home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    note = own_home / "window" / "server"
+    monkeypatch.setattr(app, "_open", lambda *_: note.write_text("8765 4000000 4000001", encoding="utf-8") and None)
+    machine.server = ""
+    assert run("app", "--window")[0] == 0
+    assert note.read_text(encoding="utf-8") == "8765 4000000 4000001"
 
 
 def test_a_browser_that_hands_its_window_on_leaves_the_server(
@@ -293,7 +303,15 @@ def test_a_server_that_does_not_start_names_its_log(run: Run, machine: Machine, 
 
 
 @pytest.mark.parametrize(
-    "others", [("--address", "0.0.0.0", "--without-login"), ("--host", "x.example", "--without-login")]
+    "others",
+    [
+        ("--address", "0.0.0.0"),
+        ("--address", "::1"),
+        ("--address", "localhost"),
+        ("--host", "x.example", "--without-login"),
+        ("--host", "localhost"),
+        ("--secrets", "x.toml"),
+    ],
 )
 def test_a_window_is_for_this_machine_alone(run: Run, machine: Machine, others: tuple[str, ...]) -> None:
     status, _, err = run("app", "--window", *others)

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -89,24 +90,41 @@ def test_on_macos_an_application_is_made(run: Run, person: Path, monkeypatch: py
     assert list((person / "Desktop").iterdir()) == list((person / "Applications").iterdir()) == []
 
 
-def test_on_windows_links_are_made_by_its_shell(run: Run, person: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    scripts = []
+@pytest.mark.skipif(sys.platform == "win32", reason="a link needs a right there")
+def test_what_stands_on_the_desktop_of_macos_stays(run: Run, person: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shortcut.sys, "platform", "darwin")
+    (person / "Desktop" / "atleak").mkdir()
+    application = person / "Applications" / "atleak.app"
+    assert run("shortcut") == (0, f"written: {application}\n", "")
+    assert run("shortcut", "--remove") == (0, f"removed: {application}\n", "")
+    assert (person / "Desktop" / "atleak").is_dir()
 
-    def shell(command: list[str], **_: object) -> subprocess.CompletedProcess[str]:
+
+def test_on_windows_links_are_made_by_its_shell(run: Run, person: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scripts, given = [], {}
+
+    def shell(command: list[str], **settings: Any) -> subprocess.CompletedProcess[str]:
         scripts.append(command[-1])
+        given.update(settings)
         return subprocess.CompletedProcess(command, 0, "C:\\Desktop\\atleak.lnk\nC:\\Programs\\atleak.lnk\n", "")
 
-    (person / "O'Neil").mkdir()
-    (person / "O'Neil" / "pythonw.exe").touch()
+    own = person / "O’Neil ICON MAKE"
+    own.mkdir()
+    (own / "pythonw.exe").touch()
     monkeypatch.setattr(shortcut.sys, "platform", "win32")
-    monkeypatch.setattr(shortcut.sys, "executable", str(person / "O'Neil" / "python.exe"))
+    monkeypatch.setattr(shortcut.sys, "executable", str(own / "python.exe"))
     monkeypatch.setattr(shortcut.subprocess, "run", shell)
     assert run("shortcut")[1].count("written: ") == 2
     made = scripts[0].splitlines()
-    assert f"  $link.TargetPath = '{person}/O''Neil/pythonw.exe'".replace("/", shortcut.os.sep) in made
+    assert "  $link.TargetPath = $env:ATLEAK_PROGRAM" in made
+    assert given["env"]["ATLEAK_PROGRAM"] == str(own / "pythonw.exe")
+    assert "O’Neil" not in scripts[0]  # nothing of a path is script
+    assert given["encoding"] == "utf-8"
+    assert made[0] == "[Console]::OutputEncoding = [Text.Encoding]::UTF8"
     assert "  $link.Arguments = '-P -m atleak app --window'" in made
-    assert Path(scripts[0].partition("IconLocation = '")[2].partition("'")[0]).is_file()
-    assert not [word for word in ("PROGRAM", "ABOUT", "ICON", "MAKE") if word in scripts[0]]
+    assert Path(given["env"]["ATLEAK_ICON"]).is_file()
+    assert all(f"${part}" in scripts[0] for part in ("env:ATLEAK_ABOUT", "env:ATLEAK_ICON"))
+    assert "MAKE" not in scripts[0]
     assert run("shortcut", "--remove")[1].count("removed: ") == 2
     assert "Remove-Item $place" in scripts[1]
     assert "CreateShortcut" not in scripts[1]
