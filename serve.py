@@ -7,9 +7,11 @@ import threading
 import webbrowser
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from importlib import import_module
 from pathlib import Path
 
 import streamlit as st
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import RedirectResponse, Response
 from starlette.routing import Route
@@ -29,6 +31,7 @@ def moved(request: Request) -> RedirectResponse:
 
 async def customers_screen(request: Request) -> Response:
     """Answer at the address that shows a customer his job; what that needs is imported when it is first asked for."""
+    await run_in_threadpool(import_module, "pages.shared.customer")  # else every session waits for it
     from pages.shared.customer import screen
 
     return await screen(request)
