@@ -203,7 +203,7 @@ def test_the_report_prints_lines_boxes_and_sums_only_where_an_estimate_was_fille
 
     def sections(job: Job) -> dict[str, list[dict[str, Any]]]:
         body = Body(PrintedNames(worn, job, say), None, {})
-        return {each["name"]: each["blocks"] for each in body.sections(["repair", "estimate"])}
+        return {each["name"]: each["blocks"] for each in body.parts(["repair", "estimate"], "all")[0]["sections"]}
 
     bare = sections(Job())
     assert "estimate" not in bare

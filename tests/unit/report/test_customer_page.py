@@ -116,7 +116,7 @@ def test_many_worn_valves_a_long_complaint_and_an_estimate_stay_on_one_page(all_
     say = wording(language)
     assert say("texts.sign_customer") in first
     assert say("estimate.yes") in first
-    assert say("customer.annex") in annex
+    assert say("documents.workshop") in annex
 
 
 def test_lines_of_the_estimate_have_a_price_and_boxes_to_agree_on_the_first_page(worn):
