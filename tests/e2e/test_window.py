@@ -35,7 +35,7 @@ def test_the_server_ends_with_its_window(browser: Browser, tmp_path: Path) -> No
     window = subprocess.Popen(command, cwd=tmp_path, env=environment, start_new_session=True)
     try:
         shown = _shown(browser, debugged)
-        port, _ = (home / "window" / "server").read_text(encoding="utf-8").split()
+        port, *_ = (home / "window" / "server").read_text(encoding="utf-8").split()
         assert shown == [f"http://127.0.0.1:{port}/"]
         time.sleep(5)  # a browser that ends sooner has not started, or handed its window on
         over = browser.browser_type.connect_over_cdp(f"http://127.0.0.1:{debugged}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -30,7 +31,8 @@ sys.meta_path.insert(0, Blocked())
 def few(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Run code in a process that has few libraries."""
     command = [sys.executable, "-c", FEW + code, *arguments]
-    return subprocess.run(command, capture_output=True, encoding="utf-8", cwd=ROOT, check=False)
+    environment = {name: value for name, value in os.environ.items() if name != "ATLEAK_TRACEBACK"}
+    return subprocess.run(command, capture_output=True, encoding="utf-8", cwd=ROOT, env=environment, check=False)
 
 
 COMMAND = "from atleak.cli import main; sys.exit(main())"
