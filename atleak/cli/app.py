@@ -21,7 +21,7 @@ from urllib.parse import urlencode
 from atleak.cli.parser import add_command
 from atleak.common.access import ALLOWED, ENDS_AFTER, answered_names, is_here_alone
 from atleak.common.errors import InputError, extra_installed, reason_of
-from atleak.common.files import DATABASE_URL, HOME, home, made_folder, shipped
+from atleak.common.files import DATABASE_URL, HOME, home, made_folder, replace_file, shipped
 from atleak.common.sentences import Sentence
 
 PORT = 8501  # streamlit's own
@@ -263,7 +263,7 @@ def _until_closed(folder: Path, note: Path, port: int | None) -> int:
     with log.open("wb") as stream:
         server = _started(command, stdout=stream, cwd=place, env=environment)
     try:
-        note.write_text(f"{port} {server.pid} {os.getpid()}", encoding="utf-8")
+        replace_file(note, f"{port} {server.pid} {os.getpid()}".encode())  # another start reads it meanwhile
         until = time.monotonic() + _STARTS
         while not _is_up(port):
             if server.poll() is not None or time.monotonic() > until:

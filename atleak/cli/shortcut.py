@@ -102,14 +102,13 @@ def _on_macos(*, remove: bool) -> Iterator[Path]:
         return
     program = bundle / "Contents" / "MacOS" / "atleak"
     program.parent.mkdir(parents=True, exist_ok=True)
-    program.write_text(f"#!/bin/sh\nexec {shlex.quote(_program())} -P -m atleak app --window\n", encoding="utf-8")
-    program.chmod(0o755)
+    starts = f"#!/bin/sh\nexec {shlex.quote(_program())} -P -m atleak app --window\n"
+    replace_file(program, starts.encode(), mode=0o755)
     names = {"CFBundleName": "atleak", "CFBundleExecutable": "atleak", "CFBundleIdentifier": "atleak.dashboard"}
     known = {**names, "CFBundlePackageType": "APPL", "CFBundleShortVersionString": __version__}
     # else a Mac with an arm processor asks for Rosetta, since a script states no architecture
-    (bundle / "Contents" / "Info.plist").write_bytes(
-        plistlib.dumps({**known, "LSArchitecturePriority": ["arm64", "x86_64"]})
-    )
+    listed = plistlib.dumps({**known, "LSArchitecturePriority": ["arm64", "x86_64"]})
+    replace_file(bundle / "Contents" / "Info.plist", listed)
     yield bundle
     with suppress(FileExistsError):  # it leads there already, or is something else of that name
         link.symlink_to(bundle)
@@ -132,8 +131,7 @@ def _on_freedesktop(*, remove: bool) -> Iterator[Path]:
             place.parent.mkdir(parents=True, exist_ok=True)
         elif not place.parent.is_dir() or place.parent == Path.home():  # as where no desktop is shown
             continue
-        replace_file(place, _entry().encode("utf-8"))
-        place.chmod(0o755)
+        replace_file(place, _entry().encode("utf-8"), mode=0o755)
         yield place
 
 
