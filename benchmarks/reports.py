@@ -85,7 +85,7 @@ def job_of_60() -> tuple[Diagnosis, Job]:
         load_limits("project_default"),
         readings=Readings("sheet.xlsx", "0" * 64, "readings", "mm", False, "tidy", tuple(readings)),
         road_test=read_road_test(log),
-        mileage=106_315.0,
+        mileage_km=106_315.0,
     )
     noise = np.random.default_rng(1).integers(0, 255, (1200, 1600, 3), dtype=np.uint8)
     photo = io.BytesIO()

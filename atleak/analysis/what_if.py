@@ -21,6 +21,7 @@ from atleak.catalogue.limits import Level
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.errors import InputError, Message, unknown
 from atleak.common.sentences import Sentence
+from atleak.common.units import RPM
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.rules import Rule, permissible_steps, unit_rules
 from atleak.engine.gap_messages import narrow_gap_messages
@@ -98,10 +99,10 @@ class WhatIf:
     point
         name of the operating point whose pressures hold, and whose temperature, speed and gear where none is given;
         the stated condition unless given.
-    temperature
+    temperature_c
         of the fluid [°C].
-    engine_speed
-        [1/s].
+    engine_speed_rpm
+        [rev/min].
     gear
         the gear engaged.
     wear
@@ -118,8 +119,8 @@ class WhatIf:
     """
 
     point: str | None = None
-    temperature: float | None = None
-    engine_speed: float | None = None
+    temperature_c: float | None = None
+    engine_speed_rpm: float | None = None
     gear: int | None = None
     wear: float = 1.0
     growth: float = 0.0
@@ -151,7 +152,8 @@ class WhatIf:
             a gear the valve body does not have, or a speed that is not positive.
         """
         base = self.base(diagnosis)
-        asked = {"temperature": self.temperature, "engine_speed": self.engine_speed, "gear": self.gear}
+        speed = None if self.engine_speed_rpm is None else self.engine_speed_rpm / RPM
+        asked = {"temperature": self.temperature_c, "engine_speed": speed, "gear": self.gear}
         other = {name: value for name, value in asked.items() if value is not None and value != getattr(base, name)}
         return stated_condition(diagnosis.controller, base=base, **other) if other else base  # type: ignore[arg-type]
 
@@ -331,12 +333,12 @@ def _spread(low: float, high: float, within: float) -> np.ndarray:
     return np.linspace(min(low, within), max(high, within), COUNT)
 
 
-def map_over(diagnosis: Diagnosis, settings: WhatIf, temperatures: ArrayLike, wears: ArrayLike) -> Map:
+def map_over(diagnosis: Diagnosis, settings: WhatIf, temperatures_c: ArrayLike, wears: ArrayLike) -> Map:
     """Compute a unit for every temperature with every wear, all else as the settings have it.
 
     Parameters
     ----------
-    temperatures
+    temperatures_c
         [°C], shape (temperatures,); where one is outside the fluid's data nothing is known.
     wears
         shape (wears,), in place of the settings' wear, or of their growth where no land has grown: see `axis_of`.
@@ -351,7 +353,7 @@ def map_over(diagnosis: Diagnosis, settings: WhatIf, temperatures: ArrayLike, we
     InputError
         a setting that cannot be: see `WhatIf`.
     """
-    axis, at, many = axis_of(diagnosis), np.array(temperatures, float), np.array(wears, float)
+    axis, at, many = axis_of(diagnosis), np.array(temperatures_c, float), np.array(wears, float)
     model, point = settings.model(diagnosis), settings.condition(diagnosis)
     low, high = model.fluid.span(model.profile.viscosity)
     known = (at >= low) & (at <= high)

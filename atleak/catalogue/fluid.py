@@ -150,12 +150,12 @@ class Fluid(Headed):
         low, high = self.viscosity_range
         return 0.5 * (low + high) + (high - low) / math.sqrt(12.0) * deviate
 
-    def kinematic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
+    def kinematic_viscosity(self, temperature_c: Any, model: ViscosityModel = "d341") -> Any:
         """Compute the kinematic viscosity.
 
         Parameters
         ----------
-        temperature
+        temperature_c
             [°C], a number or an array.
         model
             ``d341``: ASTM D341 through the lowest and highest data-sheet point. ``tabulated``: straight lines of log ν
@@ -165,16 +165,16 @@ class Fluid(Headed):
         Returns
         -------
         float or array
-            ν [m²/s] in the shape of ``temperature``; NaN outside `span`. `messages` says where the model is weak.
+            ν [m²/s] in the shape of ``temperature_c``; NaN outside `span`. `messages` says where the model is weak.
         """
-        return _plain(self._viscosity(self._inside(temperature, model), model))
+        return _plain(self._viscosity(self._inside(temperature_c, model), model))
 
-    def density(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
+    def density(self, temperature_c: Any, model: ViscosityModel = "d341") -> Any:
         """Compute the density.
 
         Parameters
         ----------
-        temperature
+        temperature_c
             [°C], a number or an array.
         model
             ``tabulated`` takes the table's density, linear between points, ``regression`` eq. (30); any other model
@@ -183,16 +183,16 @@ class Fluid(Headed):
         Returns
         -------
         float or array
-            ρ [kg/m³] in the shape of ``temperature``; NaN outside `span`.
+            ρ [kg/m³] in the shape of ``temperature_c``; NaN outside `span`.
         """
-        return _plain(self._density(self._inside(temperature, model), model))
+        return _plain(self._density(self._inside(temperature_c, model), model))
 
-    def dynamic_viscosity(self, temperature: Any, model: ViscosityModel = "d341") -> Any:
+    def dynamic_viscosity(self, temperature_c: Any, model: ViscosityModel = "d341") -> Any:
         """Compute the dynamic viscosity, μ = ν·ρ.
 
         Parameters
         ----------
-        temperature
+        temperature_c
             [°C], a number or an array.
         model
             as `kinematic_viscosity` and `density` take it.
@@ -200,9 +200,9 @@ class Fluid(Headed):
         Returns
         -------
         float or array
-            μ [Pa·s] in the shape of ``temperature``; NaN outside `span`.
+            μ [Pa·s] in the shape of ``temperature_c``; NaN outside `span`.
         """
-        inside = self._inside(temperature, model)
+        inside = self._inside(temperature_c, model)
         return fluid_equations.dynamic_viscosity(self._viscosity(inside, model), self._density(inside, model))
 
     def span(self, model: ViscosityModel = "d341") -> tuple[float, float]:
@@ -221,12 +221,12 @@ class Fluid(Headed):
         lowest = self.pour_point if self.pour_point is not None else ASTM_D341_RELIABLE_FROM
         return lowest, HIGHEST_TEMPERATURE
 
-    def require(self, temperature: float, model: ViscosityModel = "d341") -> None:
+    def require(self, temperature_c: float, model: ViscosityModel = "d341") -> None:
         """Raise where a model has no answer.
 
         Parameters
         ----------
-        temperature
+        temperature_c
             [°C].
         model
             as `kinematic_viscosity` takes it.
@@ -237,10 +237,10 @@ class Fluid(Headed):
             if the temperature is below the pour point, or outside the fluid's data.
         """
         low, high = self.span(model)
-        if low <= temperature <= high:
+        if low <= temperature_c <= high:
             return
-        at, lowest, highest = (Quantity(each, "temperature") for each in (temperature, low, high))
-        if model == "d341" and temperature < low:
+        at, lowest, highest = (Quantity(each, "temperature") for each in (temperature_c, low, high))
+        if model == "d341" and temperature_c < low:
             limit = Sentence("where D341 holds (no pour point is stated)")
             raise DomainError(
                 Sentence(

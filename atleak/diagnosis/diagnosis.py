@@ -603,17 +603,17 @@ class Diagnosis:
         states = [land.state for land in self.lands]
         return Representative(self.controller, self.fluid, states, uses_slip=self.model.uses_slip).bases(rules)
 
-    def with_mileage(self, mileage: float | None) -> Diagnosis:
+    def with_mileage(self, mileage_km: float | None) -> Diagnosis:
         """Return the same at another mileage: only when lands are to be replaced, and a message, follow from it.
 
         Whether a rate of wear is known is said once, before what is said of the instruments.
 
         Parameters
         ----------
-        mileage
+        mileage_km
             [km]; None for the one that the sheet's head states.
         """
-        mileage = mileage_of(mileage, self.readings)
+        mileage = mileage_of(mileage_km, self.readings)
         if mileage == self.mileage:
             return self
         lands = tuple(

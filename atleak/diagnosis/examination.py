@@ -53,8 +53,8 @@ def diagnose(
     flows: FlowTable | None = None,
     profile: Profile = WORKSHOP,
     condition: OperatingPoint | None = None,
-    mileage: float | None = None,
-    measuring_temperature: float | None = None,
+    mileage_km: float | None = None,
+    measuring_temperature_c: float | None = None,
     pump_clearances: PumpClearances = NO_CLEARANCES,
     instruments: Instruments | None = None,
     assumptions: Assumptions = DEFAULTS,
@@ -87,9 +87,9 @@ def diagnose(
         how the engine computes.
     condition
         condition at which leakage is projected; the controller's first operating point unless given.
-    mileage
+    mileage_km
         of the vehicle [km], as the sheet's head states it unless given.
-    measuring_temperature
+    measuring_temperature_c
         that of gauge and parts when they were measured [°C]; as the sheet's head states it unless given, else 20 °C.
     pump_clearances
         those measured of this job's pump; else as the sheet's head states them, or as of a new pump.
@@ -120,7 +120,7 @@ def diagnose(
         a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
     fluid = load_fluid(controller.usual_fluid) if fluid is None else fluid
-    mileage = mileage_of(mileage, readings)
+    mileage = mileage_of(mileage_km, readings)
     measured_pump = pump_clearances if readings is None else pump_clearances.or_else(readings.pump)
     described, controller = controller, controller.with_measured_pump(measured_pump)
     pump_new = None
@@ -135,8 +135,8 @@ def diagnose(
             vacuum=vacuum,
             profile=profile,
             condition=condition,
-            mileage=mileage,
-            measuring_temperature=measuring_temperature,
+            mileage_km=mileage,
+            measuring_temperature_c=measuring_temperature_c,
             instruments=instruments,
             assumptions=assumptions,
             guard_factor=guard_factor,
@@ -148,9 +148,9 @@ def diagnose(
     required = controller.fluid
     fluid = fluid if required is None else required.taken(fluid)
     fluid = fluid if fluid_state is None else fluid.in_state(fluid_state)
-    measured_at = None if readings is None else readings.measured_at(measuring_temperature)
+    measured_at = None if readings is None else readings.measured_at(measuring_temperature_c)
     temperature = REFERENCE_TEMPERATURE if measured_at is None else measured_at.value
-    states = clearances(readings, controller, temperature=temperature, instruments=instruments)
+    states = clearances(readings, controller, temperature_c=temperature, instruments=instruments)
     if vacuum is not None:
         states = with_vacuum(states, readings, controller, vacuum, instruments, assumptions)
     model = Unit(controller, states, fluid, profile)

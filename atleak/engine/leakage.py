@@ -323,14 +323,14 @@ class LeakageModel:
         return tuple(geometry.gap for geometry in self.geometries if gear in geometry.gap.gears)
 
     @translates_refusals
-    def network(self, condition: OperatingPoint, temperature: Any = None) -> circuits.Network:
+    def network(self, condition: OperatingPoint, temperature_c: Any = None) -> circuits.Network:
         """Set up the gaps, leaks and feeds of the condition's gear, with its fluid, as a network.
 
         Parameters
         ----------
         condition
             the operating point.
-        temperature
+        temperature_c
             [°C] in place of the condition's; an array gives a network of arrays.
 
         Returns
@@ -343,8 +343,8 @@ class LeakageModel:
         DomainError
             a temperature outside the fluid's data.
         """
-        temperature = condition.temperature if temperature is None else temperature
-        factors = self._factors(condition.gear, temperature)
+        temperature_c = condition.temperature if temperature_c is None else temperature_c
+        factors = self._factors(condition.gear, temperature_c)
         terms = self.law.restriction(*factors)
         stacked = np.broadcast_arrays(terms.conductance, terms.bend)
         rows = [row if row.ndim > 1 else row.tolist() for row in stacked]
@@ -480,18 +480,18 @@ class LeakageModel:
             for geometry, drop, back, row in zip(geometries, drops, both_ways, rows, strict=True)
         )
 
-    def dynamic_viscosity(self, temperature: Any) -> Any:
+    def dynamic_viscosity(self, temperature_c: Any) -> Any:
         """Return μ [Pa·s] by the profile's viscosity model; NaN outside the fluid's data.
 
         Parameters
         ----------
-        temperature
+        temperature_c
             [°C], a number or an array.
         """
-        return self.fluid.dynamic_viscosity(temperature, self.profile.viscosity)
+        return self.fluid.dynamic_viscosity(temperature_c, self.profile.viscosity)
 
     @translates_refusals
-    def pump_capacity(self, engine_speed: Any, main_pressure: Any, temperature: Any) -> Any:
+    def pump_capacity(self, engine_speed: Any, main_pressure: Any, temperature_c: Any) -> Any:
         """Compute what the pump delivers, never less than nothing.
 
         Parameters
@@ -500,7 +500,7 @@ class LeakageModel:
             [1/s], a number or an array, as the others.
         main_pressure
             p_g [Pa].
-        temperature
+        temperature_c
             [°C]; it and the pressure count only where the profile takes slip.
 
         Returns
@@ -508,19 +508,19 @@ class LeakageModel:
         float or array
             Q [m³/s]; arrays broadcast.
         """
-        return self.pump.capacity(engine_speed, main_pressure, self._viscosity_for_slip(temperature))
+        return self.pump.capacity(engine_speed, main_pressure, self._viscosity_for_slip(temperature_c))
 
-    def pump_slip(self, main_pressure: Any, temperature: Any) -> Any:
+    def pump_slip(self, main_pressure: Any, temperature_c: Any) -> Any:
         """Return Wilson's slip flow [m³/s], which does not depend on speed.
 
         Parameters
         ----------
         main_pressure
             p_g [Pa], a number or an array.
-        temperature
+        temperature_c
             [°C], likewise.
         """
-        return self.pump.slip(main_pressure, self._viscosity_for_slip(temperature))
+        return self.pump.slip(main_pressure, self._viscosity_for_slip(temperature_c))
 
     @property
     def pump_open(self) -> bool:
@@ -532,7 +532,7 @@ class LeakageModel:
         """Return whether the pump's efficiency follows from slip rather than from a constant."""
         return self.pump.with_slip
 
-    def minimum_speed(self, leakage: float, main_pressure: float, temperature: float) -> float:
+    def minimum_speed(self, leakage: float, main_pressure: float, temperature_c: float) -> float:
         """Return the lowest engine speed at which the pump covers a leakage, n_min [1/s].
 
         Parameters
@@ -541,10 +541,10 @@ class LeakageModel:
             [m³/s].
         main_pressure
             p_g that is to be held [Pa].
-        temperature
+        temperature_c
             [°C].
         """
-        return float(self.pump.minimum_speed(leakage, main_pressure, self._viscosity_for_slip(temperature)))
+        return float(self.pump.minimum_speed(leakage, main_pressure, self._viscosity_for_slip(temperature_c)))
 
     def _viscosity_for_slip(self, temperature: Any) -> Any:
         """Compute μ [Pa·s] only where there is slip to compute: over a log it takes longer than all the rest."""

@@ -219,7 +219,7 @@ def clearances(
     readings: Readings | None,
     controller: Controller,
     *,
-    temperature: float = REFERENCE_TEMPERATURE,
+    temperature_c: float = REFERENCE_TEMPERATURE,
     instruments: Instruments | None = None,
 ) -> tuple[LandClearance, ...]:
     """Work out the clearance of every land of the controller, measured or not, in the controller's order.
@@ -231,7 +231,7 @@ def clearances(
         clearance.
     controller
         the controller with its lands. Readings of planes it does not know are left out.
-    temperature
+    temperature_c
         that of gauge and parts when they were measured [°C].
     instruments
         those that measured, of which the expansion counts here; the catalogue's defaults unless given.
@@ -260,8 +260,8 @@ def clearances(
         land = controller.land_of_plane(reading.component, reading.plane)
         if land is not None:
             parts[land.key][reading.part].append(reading)
-    gauges = None if temperature == REFERENCE_TEMPERATURE else instruments or load_instruments()
-    return tuple(_land_clearance(land, parts[land.key], temperature, gauges) for land in controller.lands)
+    gauges = None if temperature_c == REFERENCE_TEMPERATURE else instruments or load_instruments()
+    return tuple(_land_clearance(land, parts[land.key], temperature_c, gauges) for land in controller.lands)
 
 
 def with_leak(state: LandClearance, uncertainty: float, leak: LeakClearance) -> LandClearance:

@@ -264,16 +264,16 @@ class Readings(FileOfReadings):
         taken = (reading for reading in self.unworn if (reading.component, reading.plane) in bores)
         return replace(self, readings=(*beside, *taken), unworn=())
 
-    def measured_at(self, stated: float | None = None) -> MeasuringTemperature:
+    def measured_at(self, temperature_c: float | None = None) -> MeasuringTemperature:
         """Return the temperature of measuring: as stated for the job, else as in the sheet, else 20 °C.
 
         Parameters
         ----------
-        stated
+        temperature_c
             that of the job [°C]; None where the job states none.
         """
-        if stated is not None:
-            return MeasuringTemperature(stated, "job")
+        if temperature_c is not None:
+            return MeasuringTemperature(temperature_c, "job")
         if self.temperature is not None:
             return MeasuringTemperature(self.temperature, "sheet")
         return MeasuringTemperature(REFERENCE_TEMPERATURE, "assumed")

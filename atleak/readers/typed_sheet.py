@@ -258,7 +258,7 @@ class _Judging:
         at = self.together().measured_at(temperature).value
         while True:
             try:
-                return clearances(self.together(), self.controller, temperature=at, instruments=instruments)
+                return clearances(self.together(), self.controller, temperature_c=at, instruments=instruments)
             except ReadingsError as error:
                 self._refuse(self.lands[self.by_place[error.place]].key, error)
 

@@ -191,8 +191,8 @@ def _settings(case: PageCase, diagnosis: Diagnosis) -> WhatIf:
     _write()
     return WhatIf(
         point=point,
-        temperature=temperature,
-        engine_speed=base.engine_speed if typed == rpm else typed / RPM,
+        temperature_c=temperature,
+        engine_speed_rpm=None if typed == rpm else typed,
         gear=gear,
         wear=wear,
         growth=growth / PERCENT,

@@ -57,7 +57,7 @@ def sample_job(profile: str) -> dict[str, Any]:
             readings=read_readings(SAMPLE / "measuring_sheet_four_speed.xlsx", controller),
             road_test=read_road_test(SAMPLE / "minimum_acceleration_test.csv"),
             profile=PROFILES[profile],
-            mileage=106_315.0,
+            mileage_km=106_315.0,
         )
     )
     return _rounded(_key_numbers(record))

@@ -94,7 +94,7 @@ def sample_diagnoses(
     readings, road_test = read_readings(sample_readings, four_speed), read_road_test(sample_log)
     return {
         name: diagnose(
-            four_speed, hipol, limits, readings=readings, road_test=road_test, profile=profile, mileage=106_315.0
+            four_speed, hipol, limits, readings=readings, road_test=road_test, profile=profile, mileage_km=106_315.0
         )
         for name, profile in PROFILES.items()
     }
@@ -234,7 +234,7 @@ def worn() -> Diagnosis:
         load_limits("project_default"),
         readings=worn_readings(controller),
         road_test=road_test(),
-        mileage=106_315.0,
+        mileage_km=106_315.0,
     )
 
 

@@ -51,6 +51,34 @@ def test_functions_describe_their_parameters() -> None:
     assert {name: each for name, each in wrong.items() if each} == {}
 
 
+IN_THE_NAME = {
+    "°C": "temperature_c",
+    "km": "mileage_km",
+    "rev/min": "_rpm",
+    "kPa": "_kpa",
+    "µm": "um",
+    "bar": "_bar",
+    "mm": "_mm",
+}
+
+
+def test_a_number_that_is_not_si_names_its_unit() -> None:
+    """In the calls of ``import atleak``; arguments without a unit in their name are SI."""
+    seen = set()
+    for name, function in public_functions():
+        if name.startswith("atleak.equations."):  # °C alone, as its first page says
+            continue
+        section = re.search(
+            r"^Parameters\n-+\n(.*?)(?=^\w[^\n]*\n--+$|\Z)", inspect.cleandoc(function.__doc__ or ""), re.M | re.S
+        )
+        for taken, text in re.findall(r"^(\w+)\n((?: +\S.*\n?)+)", section[1] if section else "", re.M):
+            for unit in re.findall(r"\[([^\]]+)\]", text):
+                if unit in IN_THE_NAME:
+                    assert taken.endswith(IN_THE_NAME[unit]), f"{name}: {taken} [{unit}]"
+                    seen.add(unit)
+    assert seen >= {"°C", "km", "kPa", "µm"}
+
+
 def test_functions_say_what_they_return_and_raise() -> None:
     """Of a method the site says it in the words of its first sentence (``tools/docstrings.py``)."""
     for name, function in public_functions():

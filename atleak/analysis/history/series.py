@@ -46,7 +46,7 @@ class Visit:
         diagnosis: Diagnosis,
         date: dt.date,
         *,
-        mileage: float | None = None,
+        mileage_km: float | None = None,
         repaired: Iterable[LandKey] = (),
         name: str = "",
     ) -> Visit:
@@ -54,7 +54,7 @@ class Visit:
 
         Parameters
         ----------
-        mileage
+        mileage_km
             of the vehicle [km]; as the diagnosis has it unless given.
         repaired
             the lands that were repaired at this visit, after they were measured.
@@ -62,7 +62,7 @@ class Visit:
         lands = diagnosis.uncertainty.lands if diagnosis.uncertainty is not None else ()
         return cls(
             date,
-            diagnosis.mileage if mileage is None else mileage,
+            diagnosis.mileage if mileage_km is None else mileage_km,
             diagnosis.controller.id,
             tuple(land.sources for land in lands),
             frozenset(repaired),

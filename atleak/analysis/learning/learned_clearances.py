@@ -313,7 +313,7 @@ def _sources(
 ) -> tuple[LandSources, ...]:
     new = sheet.when_new
     measured_at = sheet.measured_at(temperature).value
-    states = clearances(new, controller, temperature=measured_at, instruments=instruments)
+    states = clearances(new, controller, temperature_c=measured_at, instruments=instruments)
     return find_sources(states, new, controller, instruments, DEFAULTS)[0]
 
 

@@ -303,7 +303,7 @@ def sources_of_sheet(
         a sleeve that is smaller than its spool only after the correction from the measuring temperature to 20 °C.
     """
     own, at = readings.own_lands.applied(controller), readings.measured_at(measuring_temperature)
-    states = clearances(readings, own, temperature=at.value, instruments=instruments)
+    states = clearances(readings, own, temperature_c=at.value, instruments=instruments)
     return find_sources(states, readings, own, instruments, assumptions)[0]
 
 

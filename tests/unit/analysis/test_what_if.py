@@ -83,11 +83,11 @@ def test_no_pressure_rises_with_wear(unit: Diagnosis) -> None:
 
 def test_a_map_agrees_with_single_trials(worn_units: dict[str, Diagnosis]) -> None:
     unit = worn_units["zf_6hp26"]
-    settings = WhatIf(point="hot_idle", engine_speed=12.0, growth=0.2, eccentricity=0.6, fluid_state="used")
+    settings = WhatIf(point="hot_idle", engine_speed_rpm=720.0, growth=0.2, eccentricity=0.6, fluid_state="used")
     many = map_over(unit, settings, [60.0, 110.0], [0.5, 2.0])
     for row, wear in enumerate(many.wears):
         for column, temperature in enumerate(many.temperatures):
-            one = tried(unit, replace(settings, temperature=float(temperature), wear=float(wear)))
+            one = tried(unit, replace(settings, temperature_c=float(temperature), wear=float(wear)))
             assert many.share[row, column] == pytest.approx(one.projection.share, abs=1e-9)
             for state in one.projection.circuits:
                 if not state.vented:
@@ -137,7 +137,7 @@ def test_of_a_unit_that_nobody_measured_further_growth_is_varied(unmeasured: Dia
     wears = wears_to_try(unmeasured, WhatIf())
     wide = map_over(unmeasured, WhatIf(), [80.0], wears)
     assert wide.axis is Axis.GROWTH
-    assert wide.share[0, 0] == pytest.approx(tried(unmeasured, WhatIf(temperature=80.0)).projection.share, abs=1e-9)
+    assert wide.share[0, 0] == pytest.approx(tried(unmeasured, WhatIf(temperature_c=80.0)).projection.share, abs=1e-9)
     assert (np.diff(wide.share[:, 0]) > 0.0).all()
 
 
@@ -150,11 +150,11 @@ def test_outside_the_fluid_s_data_nothing_is_known(worn_clutch: Diagnosis) -> No
     nowhere = map_over(worn_clutch, WhatIf(), [151.0], [1.0])
     assert np.isnan(nowhere.share).all()
     with pytest.raises(DomainError, match="151 °C is outside the fluid's data"):
-        tried(worn_clutch, WhatIf(temperature=151.0))
+        tried(worn_clutch, WhatIf(temperature_c=151.0))
 
 
 def test_beyond_the_data_sheet_s_points_the_result_says_so(worn_clutch: Diagnosis) -> None:
-    codes = {message.code for message in tried(worn_clutch, WhatIf(temperature=130.0)).messages}
+    codes = {message.code for message in tried(worn_clutch, WhatIf(temperature_c=130.0)).messages}
     assert "viscosity_extrapolated" in codes
     assert "viscosity_extrapolated" not in {each.code for each in tried(worn_clutch, WhatIf()).messages}
 
@@ -166,7 +166,7 @@ def test_beyond_the_data_sheet_s_points_the_result_says_so(worn_clutch: Diagnosi
         (WhatIf(growth=float("nan")), "growth not accepted"),
         (WhatIf(eccentricity=1.2), "eccentricity"),
         (WhatIf(gear=9), "no such gear"),
-        (WhatIf(engine_speed=0.0), "engine speed not accepted"),
+        (WhatIf(engine_speed_rpm=0.0), "engine speed not accepted"),
         (WhatIf(point="hot_idel"), "no such condition of the job"),
         (WhatIf(fluid=load_fluid("hipol_atf_iid_used"), fluid_state="fresh"), "describe a used fluid"),
     ],
@@ -207,7 +207,7 @@ def test_a_band_begins_where_a_single_trial_reaches_it(worn_units: dict[str, Dia
     for border in wide.share_borders[:2]:
         for temperature, wear in zip(wide.temperatures, wide.share_reaches(border), strict=True):
             below, past = (
-                tried(unit, WhatIf(temperature=float(temperature), wear=float(wear + step))).total
+                tried(unit, WhatIf(temperature_c=float(temperature), wear=float(wear + step))).total
                 for step in (-0.02, 0.02)
             )
             begins = dict(past.steps.levels)[border.level]
@@ -228,7 +228,7 @@ def test_a_worn_clutch_holds_too_little_from_less_wear_the_hotter_it_is(worn_clu
 
 
 def test_all_that_is_tried_is_said(worn_clutch: Diagnosis) -> None:
-    settings = WhatIf(temperature=95.5, wear=1.25, growth=0.1, fluid_state="used", eccentricity=0.5)
+    settings = WhatIf(temperature_c=95.5, wear=1.25, growth=0.1, fluid_state="used", eccentricity=0.5)
     said = tried_words(tried(worn_clutch, settings), wording("de")).replace("\u00a0", " ")
     assert said.startswith("95,5 °C, ")
     assert said.endswith("Verschleiß × 1,25, 10 % weiterer Zuwachs, Öl gebraucht, e/c 0,5")

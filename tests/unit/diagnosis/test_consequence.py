@@ -57,7 +57,7 @@ def judge(fed: Controller, readings_of: Build, hipol: Fluid, limits: Limits) -> 
         clearances_um: Mapping[LandKey, float], unit: Controller = fed, mileage: float | None = None
     ) -> Diagnosis:
         readings = with_clearances(unit, readings_of, {key: um * UM for key, um in clearances_um.items()})
-        return diagnose(unit, hipol, limits, readings=readings, mileage=mileage)
+        return diagnose(unit, hipol, limits, readings=readings, mileage_km=mileage)
 
     return build
 

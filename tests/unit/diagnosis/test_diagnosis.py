@@ -355,7 +355,7 @@ def test_the_interval_of_wear_holds_what_is_known_of_the_mounting_clearance(
 
     def interval(**assumed: float) -> tuple[float, float]:
         diagnosis = diagnose(
-            minimal, hipol, limits, readings=readings, assumptions=DEFAULTS.with_settings(assumed), mileage=100_000.0
+            minimal, hipol, limits, readings=readings, assumptions=DEFAULTS.with_settings(assumed), mileage_km=100_000.0
         )
         return next(land for land in diagnosis.lands if land.key == REGULATOR).uncertainty.wear_interval
 
@@ -536,7 +536,7 @@ def test_another_mileage_changes_what_a_diagnosis_with_it_says_and_nothing_else(
             sample.limits,
             readings=unstated,
             profile=sample.profile,
-            mileage=mileage,
+            mileage_km=mileage,
         )
 
     without, there = at(None), at(120_000.0)

@@ -40,7 +40,7 @@ def test_mileage_at_which_a_land_reaches_its_limit(
 ) -> None:
     readings = readings_of(minimal, at_wear(minimal, pressure_regulator=0.3, tcc_regulator=0.7, accumulator=-0.01))
     measured = measured_when_new(minimal)
-    diagnosis = diagnose(measured, hipol, limits, readings=readings, mileage=100_000.0)
+    diagnosis = diagnose(measured, hipol, limits, readings=readings, mileage_km=100_000.0)
     lands = {land.key: land for land in diagnosis.lands}
     at = lands[REGULATOR].replace_mileage
     assert at.value == pytest.approx(100_000.0 * 0.5 / 0.3, rel=1e-6, abs=0.0)
@@ -73,7 +73,7 @@ def test_a_land_that_was_repaired_since_has_no_point_at_0_km(
     measured = measured_when_new(minimal)
     fitted = tuple(replace(land, fitted="sleeve") if land.key == REGULATOR else land for land in measured.lands)
     readings = readings_of(minimal, at_wear(minimal, pressure_regulator=0.3, accumulator=0.3))
-    diagnosis = diagnose(replace(measured, lands=fitted), hipol, limits, readings=readings, mileage=100_000.0)
+    diagnosis = diagnose(replace(measured, lands=fitted), hipol, limits, readings=readings, mileage_km=100_000.0)
     lands = {land.key: land.replace_mileage for land in diagnosis.lands}
     assert lands[REGULATOR] is None
     assert lands[PISTON] is not None

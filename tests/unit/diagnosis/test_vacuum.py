@@ -195,7 +195,7 @@ def test_cubes_of_diameters_and_vacuum_are_weighed_by_the_inverse_variance_of_th
 def test_the_narrower_of_two_clearances_does_not_win_for_being_narrow(
     own: float, u_own: float, by_leak: float, u_leak: float, five_speed: Controller
 ) -> None:
-    new = clearances(None, five_speed, temperature=20.0)[0]
+    new = clearances(None, five_speed, temperature_c=20.0)[0]
     measured = replace(new, status="measured", radial_clearance=own * 1e-6)
     reading = VacuumReading("", None, (new.land.key,), 5e4)
     found = with_leak(measured, u_own * 1e-6, LeakClearance(by_leak * 1e-6, u_leak * 1e-6, 0.0, 0.0, 0.0, reading))

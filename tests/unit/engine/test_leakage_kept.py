@@ -41,7 +41,7 @@ def test_a_mileage_or_a_condition_leaves_it_and_another_fluid_does_not(unit, hip
     )
     first = diagnose(unit, hipol, limits, road_test=log)
     warmer = stated_condition(unit, temperature=95.0)
-    second = diagnose(unit, hipol, limits, road_test=log, mileage=120e3, condition=warmer)
+    second = diagnose(unit, hipol, limits, road_test=log, mileage_km=120e3, condition=warmer)
     assert len(counted) == 1
     assert second.road.leakage is first.road.leakage
     assert second.road.assumed == warmer

@@ -77,7 +77,7 @@ def diagnosis() -> Diagnosis:
         road_test=read_road_test(LOG.encode(), name="log <1>.csv", **LOG_CHOICES),
         profile=WORKSHOP.with_options(entry_loss="on", eccentricity="0.25"),
         condition=stated_condition(controller, temperature=92.5, engine_speed=1111 / 60),
-        mileage=123_456.0,
+        mileage_km=123_456.0,
         instruments=load_instruments("micrometer", "air_gauge"),
         assumptions=DEFAULTS.with_settings({"viscosity_percent": 3.0}),
     )

@@ -252,8 +252,8 @@ def test_a_pair_that_was_only_cleaned_is_the_worn_one_that_it_was(unit: str, hip
         rows += [f"{land.component};{land.planes[0]};spool;{spool:.4f};{named}"]
         rows += [f"{land.component};{land.planes[0]};bore;{bore:.4f};"]
     with_clean = replace(controller, repairs=(*controller.repairs, repair))
-    found = diagnosed("\n".join(rows), with_clean, hipol, limits, mileage=100_000.0)
-    plain = diagnosed("\n".join(rows).replace("clean", ""), with_clean, hipol, limits, mileage=100_000.0)
+    found = diagnosed("\n".join(rows), with_clean, hipol, limits, mileage_km=100_000.0)
+    plain = diagnosed("\n".join(rows).replace("clean", ""), with_clean, hipol, limits, mileage_km=100_000.0)
     assert [land.replace_mileage for land in found.lands] == [land.replace_mileage for land in plain.lands]
     assert found.lands[0].state == plain.lands[0].state
     assert found.lands[0].replace_mileage is not None

@@ -65,7 +65,7 @@ def diagnosis(sheet: bytes, own_limits: bytes) -> Diagnosis:
         road_test=read_road_test(LOG, name="drive.csv", **CHOICES),
         profile=PROFILES["paper"].with_options(diameter="mean", eccentricity=0.33, entry_loss="on"),
         condition=stated_condition(controller, temperature=92.715, engine_speed=1234.5 / 60.0, gear=1),
-        mileage=106_315.0,
+        mileage_km=106_315.0,
         instruments=load_instruments("micrometer", "air_gauge"),
         assumptions=DEFAULTS.with_settings({"viscosity_percent": 7.0}),
         guard_factor=1.2,

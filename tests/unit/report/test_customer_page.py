@@ -357,7 +357,7 @@ def wide(hipol, limits, readings_of) -> Callable[..., Diagnosis]:
     def build(times: dict[tuple[str, int], float], mileage: float | None = None) -> Diagnosis:
         clearances = {key: unit.land(*key).widest_new * each for key, each in times.items()}
         sheet = with_clearances(unit, readings_of, clearances)
-        return diagnose(unit, hipol, limits, readings=sheet, mileage=mileage)
+        return diagnose(unit, hipol, limits, readings=sheet, mileage_km=mileage)
 
     return build
 

@@ -478,7 +478,7 @@ def test_a_pump_that_delivers_nothing_and_another_controller(worn):
 def test_the_measuring_temperature_is_assumed_or_corrected_for(worn, unmeasured, language, assumed, corrected):
     def printed(temperature):
         warm = diagnose(
-            worn.controller, worn.fluid, worn.limits, readings=worn.readings, measuring_temperature=temperature
+            worn.controller, worn.fluid, worn.limits, readings=worn.readings, measuring_temperature_c=temperature
         )
         return text_of(write_pdf(warm, language=language, sections=["conditions"]))
 

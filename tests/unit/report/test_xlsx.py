@@ -183,7 +183,7 @@ def test_every_number_format_keeps_the_sign_of_a_negative_number():
 
 
 def test_a_measuring_temperature_is_in_the_formulas_of_the_diameters(worn, calculator):
-    warm = diagnose(worn.controller, worn.fluid, worn.limits, readings=worn.readings, measuring_temperature=35.0)
+    warm = diagnose(worn.controller, worn.fluid, worn.limits, readings=worn.readings, measuring_temperature_c=35.0)
     content = write_workbook(warm)
     summary = pd.read_excel(io.BytesIO(content), sheet_name="Summary", header=None, engine="calamine")
     assert "35 °C, diameters corrected to 20 °C" in summary[1].tolist()

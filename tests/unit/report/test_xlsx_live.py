@@ -50,7 +50,7 @@ class Unit:
             self.fluid,
             self.limits,
             readings=self.readings,
-            measuring_temperature=self.measured_at,
+            measuring_temperature_c=self.measured_at,
             assumptions=replace(DEFAULTS, one_sided_wear=0.0),  # formulas judge by the value, and draw no shape
         )
 

@@ -37,7 +37,7 @@ def unit(
             land.key: (land.nominal_diameter, land.nominal_diameter + 2.0 * (land.new_clearance + um * UM))
             for land, um in zip(controller.lands, worn, strict=False)
         }
-        diagnosis = diagnose(controller, hipol, limits, readings=readings_of(controller, diameters), mileage=mileage)
+        diagnosis = diagnose(controller, hipol, limits, readings=readings_of(controller, diameters), mileage_km=mileage)
         visits.append(Visit.of(diagnosis, dt.date(year, 5, 1)))
     assert diagnosis is not None
     return wear_over_mileage(visits, limits), diagnosis
@@ -88,7 +88,7 @@ def test_a_land_that_was_repaired_has_no_bore_worn_to_one_side(
             for part, diameters in (("spool", [(0.0, one.nominal_diameter)]), ("sleeve", uneven))
         )
         sheet = replace(sheet, readings=(*sheet.readings, *spool, *sleeve))
-        diagnosis = diagnose(controller, hipol, limits, readings=sheet, mileage=mileage)
+        diagnosis = diagnose(controller, hipol, limits, readings=sheet, mileage_km=mileage)
         done = [one.key] if visits else []
         visits.append(Visit.of(diagnosis, dt.date(year, 5, 1), repaired=done))
     assert next(land for land in diagnosis.lands if land.key == one.key).state.form_moments[0] > 0.0

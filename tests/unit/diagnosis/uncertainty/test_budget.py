@@ -60,7 +60,7 @@ def test_the_sensitivity_to_temperature_is_what_correcting_by_it_does(worn: Diag
     lands = sources_of(worn, "micrometer", "bore_gauge", Assumptions(room_temperature=2.0))
     instruments = load_instruments("micrometer", "bore_gauge")
     cold, warm = (
-        clearances(worn.readings, worn.controller, temperature=at, instruments=instruments) for at in (19.5, 20.5)
+        clearances(worn.readings, worn.controller, temperature_c=at, instruments=instruments) for at in (19.5, 20.5)
     )
     for land, before, after in zip(lands, cold, warm, strict=True):
         if land.state.status == "measured":

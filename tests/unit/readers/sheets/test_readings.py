@@ -271,7 +271,7 @@ def test_diameters_are_corrected_by_the_different_expansion_of_part_and_gauge(co
     tools = load_instruments()
     gauges = Instruments(replace(tools.spool, expansion=8e-6), replace(tools.sleeve, expansion=11.5e-6))
     read = clearances(pair, controller)[2]
-    state = clearances(pair, controller, temperature=35.0, instruments=gauges)[2]
+    state = clearances(pair, controller, temperature_c=35.0, instruments=gauges)[2]
     body = state.land.body_expansion
     assert state.spool_diameter == pytest.approx(9.991e-3 * (1 - (body - 8e-6) * 15), rel=1e-12, abs=0.0)
     assert state.sleeve_diameter == pytest.approx(10.055e-3 * (1 - (body - 11.5e-6) * 15), rel=1e-12, abs=0.0)
@@ -283,25 +283,25 @@ def test_diameters_are_corrected_by_the_different_expansion_of_part_and_gauge(co
 
 
 def test_the_shipped_gauges_expand_like_steel_unless_given(controller, pair):
-    warm = clearances(pair, controller, temperature=35.0)
-    assert warm == clearances(pair, controller, temperature=35.0, instruments=load_instruments())
+    warm = clearances(pair, controller, temperature_c=35.0)
+    assert warm == clearances(pair, controller, temperature_c=35.0, instruments=load_instruments())
     assert {load_instruments().of(part).expansion for part in ("spool", "sleeve")} == {11.5e-6}
 
 
 def test_readings_and_what_is_said_of_them_stay_as_they_were_read(controller, pair):
     apart = readings(*one("8", "spool", "1", 0.0, 9.990, 9.998), *one("8", "sleeve", "1", 0.0, 10.050))
     before = [message.text for message in clearances(apart, controller)[2].messages]
-    state = clearances(apart, controller, temperature=35.0)[2]
+    state = clearances(apart, controller, temperature_c=35.0)[2]
     assert [message.text for message in state.messages] == before
     assert "9.99, 9.998 mm" in " ".join(before)
 
 
 def test_at_20_degrees_nothing_changes_and_what_was_not_measured_never_does(controller, pair):
-    assert clearances(pair, controller, temperature=20.0) == clearances(pair, controller)
+    assert clearances(pair, controller, temperature_c=20.0) == clearances(pair, controller)
     only = replace(pair, readings=tuple(each for each in pair.readings if each.part == "sleeve"))
-    state = clearances(only, controller, temperature=35.0)[2]
+    state = clearances(only, controller, temperature_c=35.0)[2]
     assert state.spool_diameter == state.land.nominal_diameter
-    assert clearances(pair, controller, temperature=35.0)[0] == clearances(pair, controller)[0]
+    assert clearances(pair, controller, temperature_c=35.0)[0] == clearances(pair, controller)[0]
 
 
 def test_a_sleeve_that_the_correction_makes_smaller_than_its_spool_is_refused(controller):
@@ -309,7 +309,7 @@ def test_a_sleeve_that_the_correction_makes_smaller_than_its_spool_is_refused(co
     tools = load_instruments()
     gauges = Instruments(replace(tools.spool, expansion=21.3e-6), tools.sleeve)
     with pytest.raises(ReadingsError) as caught:
-        clearances(tight, controller, temperature=35.0, instruments=gauges)
+        clearances(tight, controller, temperature_c=35.0, instruments=gauges)
     text = str(caught.value)
     assert text.startswith("sheet.csv, row 1: component 8 land 1: corrected from 35 to 20 °C the sleeve is smaller")
     assert "expected the temperature that gauge and parts had" in text

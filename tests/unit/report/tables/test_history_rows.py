@@ -45,7 +45,7 @@ def unit(
     for year, mileage, um in VISITS:
         spools = {key: minimal.land(*key).nominal_diameter for key in um}
         readings = readings_of(minimal, {key: (spool, spool + 2e-6 * um[key]) for key, spool in spools.items()})
-        diagnosis = diagnose(minimal, hipol, limits, readings=readings, mileage=mileage)
+        diagnosis = diagnose(minimal, hipol, limits, readings=readings, mileage_km=mileage)
         visits.append(Visit.of(diagnosis, dt.date(year, 5, 1), repaired=[REGULATOR] if year == 2022 else []))
     assert diagnosis is not None
     return wear_over_mileage(visits, limits), diagnosis
