@@ -19,7 +19,7 @@ from concurrent.futures import CancelledError
 from dataclasses import dataclass, replace
 from typing import Any
 
-from distributed import Client, Future, as_completed
+from distributed import Client, Future
 from distributed.scheduler import KilledWorker
 
 from atleak.common.damage import unexpected
@@ -100,7 +100,7 @@ class Run:
         self._waiting: deque[_Try] = deque()  # to be handed out next
         self._alone: deque[_Try] = deque()  # to be handed out once all others are done
         self._under_way: dict[Future, _Try] = {}
-        self._done = as_completed(loop=client.loop, with_results=True, raise_errors=False)
+        self._ended: queue.SimpleQueue[tuple[Future, Rows | None]] = queue.SimpleQueue()
         self._overdue: queue.SimpleQueue[dict[str, str]] = queue.SimpleQueue()
         self._begun: dict[str, float] = {}  # name of a try alone → when its worker said that it begins
         self._left: set[str] = set()  # addresses of workers that left because a unit took too long
@@ -195,7 +195,19 @@ class Run:
         )
         for future, each in zip(futures, named, strict=True):
             self._under_way[future] = each
-        self._done.update(futures)
+            self._client.loop.add_callback(self._follow, future)  # type: ignore[union-attr]
+
+    async def _follow(self, future: Future) -> None:
+        """Queue a unit once its task has ended, with what it gave.
+
+        dask's `as_completed` never tells of a task whose result went with its worker and whose next tries failed.
+        """
+        rows: Rows | None = None
+        try:
+            with contextlib.suppress(OSError, AttributeError):  # a client has no scheduler while it looks for it again
+                rows = next(iter(await self._client.gather([future], errors="skip", asynchronous=True)), None)
+        finally:
+            self._ended.put((future, rows))
 
     @property
     def _room(self) -> int:
@@ -224,16 +236,17 @@ class Run:
 
     def _take_back(self) -> None:
         """Wait a little for units that are done, one way or another, and see what became of them."""
-        done, until = self._done, time.monotonic() + _TICK
-        while not done.has_ready() and time.monotonic() < until:
+        until = time.monotonic() + _TICK
+        while self._ended.empty() and time.monotonic() < until:
             time.sleep(_MOMENT)
         self._take_out_overdue()
-        for future, rows in done.next_batch(block=False):
+        while not self._ended.empty():
+            future, rows = self._ended.get()
             if future not in self._under_way:
                 continue
             if future.status == "error":
                 self._sort_out(future)
-            elif isinstance(rows, Rows):
+            elif rows is not None:
                 self._take(future, rows)
             else:
                 raise OSError("the scheduler has let go of the units")

@@ -9,6 +9,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from atleak.fleet.columns import Rows
 from atleak.fleet.units import FleetUnit
 from atleak.job.case import Case, SourceFile
 from atleak.measurements.job_card import Job
@@ -92,5 +93,22 @@ class OnceDeadly(FleetUnit):
         try:
             os.close(os.open(self.mark, os.O_CREAT | os.O_EXCL))
         except FileExistsError:
-            return super().opened()
+            return self._later()
+        return self._first()
+
+    def _first(self) -> tuple[Case, Job]:
+        os._exit(13)
+
+    def _later(self) -> tuple[Case, Job]:
+        return super().opened()
+
+
+class Lost(OnceDeadly):
+    """A unit whose process ends as it hands over its result the first time, and as it begins at any other."""
+
+    def _first(self) -> tuple[Case, Job]:
+        Rows.__reduce_ex__ = lambda self, protocol: os._exit(13)  # type: ignore[method-assign,assignment]
+        return super()._later()
+
+    def _later(self) -> tuple[Case, Job]:
         os._exit(13)

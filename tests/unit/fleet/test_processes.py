@@ -24,7 +24,7 @@ from atleak.fleet.results import Results
 from atleak.fleet.run import Finished, Progress, run_fleet
 from atleak.fleet.units import FleetUnit
 from atleak.job.result import result_record
-from tests.unit.fleet.small_units import Deadly, Greedy, OnceDeadly, Slow, Stuck, bad_unit, small_unit
+from tests.unit.fleet.small_units import Deadly, Greedy, Lost, OnceDeadly, Slow, Stuck, bad_unit, small_unit
 
 # draws as many as the workers do
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("all_draws")]
@@ -131,7 +131,6 @@ def test_workers_of_this_machine_are_reached_from_it_alone(out: Path) -> None:
     assert not [pid for pid in workers.values() if psutil.pid_exists(pid)]
 
 
-@pytest.mark.flaky(reruns=2)  # on a loaded machine an honest unit may take longer than that
 def test_units_that_harm_their_worker_cost_a_retry_and_then_one_error_each(out: Path, tmp_path: Path) -> None:
     harmful = {Deadly: "ended", Slow: "time limit", Stuck: "time limit"}
     units = [
@@ -142,7 +141,7 @@ def test_units_that_harm_their_worker_cost_a_retry_and_then_one_error_each(out: 
         small_unit(13, OnceDeadly, mark=str(tmp_path / "mark")),
     ]
     said: list[Progress] = []
-    finished = _run(out, units, time_limit=3.0, progress=said.append)
+    finished = _run(out, units, time_limit=6.0, progress=said.append)
     assert finished.errors == {"ended": 1, "time limit": 2, "refused": 1}
     kept = _rows(out, "tries")
     assert kept == {
@@ -154,6 +153,12 @@ def test_units_that_harm_their_worker_cost_a_retry_and_then_one_error_each(out: 
     }
     assert kept["unit 13"] == ("ok", 2)
     assert said[-1].done == len(units)
+
+
+def test_a_unit_whose_result_is_lost_before_it_fails_is_an_error(out: Path, tmp_path: Path) -> None:
+    units = [small_unit(0), small_unit(1, Lost, mark=str(tmp_path / "mark")), *map(small_unit, range(2, 6))]
+    assert _run(out, units).errors == {"ended": 1}
+    assert _rows(out) == {**{unit.name: ("ok",) for unit in units}, "unit 1": ("ended",)}
 
 
 def test_a_unit_that_takes_too_much_memory_is_an_error_that_says_so(out: Path) -> None:
