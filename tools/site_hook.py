@@ -4,11 +4,13 @@ A link such as ``../CHANGELOG.md`` works in the checkout, but a site holds only 
 lead to, and those that these lead to, are added to the site in the folder ``files/``, and the links follow them. A link
 to a folder keeps its words and leads nowhere.
 
-Blocks of Python on the pages of `RUN` run, and the site shows what each printed and what its last line is.
+Blocks of Python on the pages of `RUN` run, and the site shows what each printed and what its last line is. The page of
+commands ends with what ``--help`` says of all of them.
 """
 
 from __future__ import annotations
 
+import argparse
 import ast
 import contextlib
 import io
@@ -21,11 +23,14 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
+from atleak import cli
+
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = "docs"
 ELSEWHERE = "files"  # where files from outside `docs/` stand in the site
 
 RUN = ("for-engineers.md",)
+COMMANDS = "commands.md"
 _BLOCK = re.compile(r"^```python\n(?P<code>.*?)^```\n", re.MULTILINE | re.DOTALL)
 
 #: ``](target#anchor)`` of a relative link.
@@ -55,6 +60,8 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
     if here in RUN:
         names: dict[str, Any] = {}
         markdown = _BLOCK.sub(lambda found: f"{found[0]}\n{output(found['code'], names)}\n", markdown)
+    if here == COMMANDS:
+        markdown = f"{markdown}\n{listed(cli._parser())}"
     path = here.removeprefix(f"{ELSEWHERE}/") if here.startswith(f"{ELSEWHERE}/") else posixpath.join(DOCS, here)
 
     def led(found: re.Match[str]) -> str:
@@ -67,6 +74,24 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         return f"{found['words']}({place}{found['anchor'] or ''})"
 
     return _LINK.sub(led, markdown)
+
+
+def listed(whole: argparse.ArgumentParser) -> str:
+    """Return every command with what it does, and their examples, as a table and a block of Markdown.
+
+    >>> "| `atleak jobs list` | " in listed(cli._parser())
+    True
+    """
+    rows, examples, waiting = [], [], [whole]
+    while waiting:
+        parser = waiting.pop(0)
+        below = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
+        waiting[:0] = [each for action in below for each in action.choices.values()]
+        if not below:
+            rows.append(f"| `{parser.prog}` | {(parser.description or '').replace('|', '&#124;')} |\n")
+            examples += [line.strip() for line in (parser.epilog or "").splitlines()[1:]]
+    table = "".join(["| command | does |\n|---|---|\n", *rows])
+    return f"## All of them\n\n{table}\n## Examples\n\n```text\n" + "\n".join(dict.fromkeys(examples)) + "\n```\n"
 
 
 def output(code: str, names: dict[str, Any]) -> str:

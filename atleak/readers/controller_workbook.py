@@ -1,6 +1,6 @@
 """A workbook that describes a valve body → the tables of a controller's file, checked.
 
-`atleak.catalogue.workbook.sheets` declares the sheets; see ``docs/describing-a-controller.md``. Everything wrong is
+`atleak.catalogue.workbook.sheets` declares the sheets; see ``docs/description-workbook.md``. Everything wrong is
 listed at once, with sheet, row and column: cells that hold something else than their column asks for, and values that
 do not fit each other.
 """

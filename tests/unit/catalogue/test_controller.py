@@ -383,7 +383,7 @@ def test_a_workshop_s_limit_of_one_land(edited: Edited) -> None:
 
 
 def test_the_document_names_every_key(root: Path) -> None:
-    text = (root / "docs" / "describing-a-controller.md").read_text(encoding="utf-8")
+    text = described(root)
     for file in (ControllerFile, FluidFile, LimitsFile):
         missing = {key for key in keys_of(file) if f"`{key}`" not in text}
         assert missing == set()
@@ -413,7 +413,7 @@ def test_the_document_s_circuit_can_be_added_to_its_controller(root: Path, tmp_p
 def test_the_document_says_what_its_circuit_holds(
     root: Path, tmp_path: Path, readings_of: Callable[..., Readings]
 ) -> None:
-    text = (root / "docs" / "describing-a-controller.md").read_text(encoding="utf-8")
+    text = " ".join(described(root).split())
     assert (
         "clutch C1 holds 417 kPa when new. With both its lands worn to 35 µm it holds 231, and all that leaks" in text
     )
@@ -432,9 +432,15 @@ def test_the_document_says_what_its_circuit_holds(
     assert worn.share == pytest.approx(0.017, abs=0.0005)
 
 
+def described(root: Path) -> str:
+    """Return the pages that say how to write files of the catalogue."""
+    names = ("describing-a-controller", "circuits-and-repairs", "fluids-and-limits")
+    return "\n".join((root / "docs" / f"{name}.md").read_text(encoding="utf-8") for name in names)
+
+
 def examples(root: Path, folder: Path) -> dict[str, Path]:
     """Write the document's files, and the controller with the circuit that is added to it, each by its name."""
-    text = (root / "docs" / "describing-a-controller.md").read_text(encoding="utf-8")
+    text = described(root)
     controller, _, circuit, fluid, limits = re.findall(r"```toml\n(.*?)```", text, flags=re.DOTALL)
     contents = {
         "my_box": controller,

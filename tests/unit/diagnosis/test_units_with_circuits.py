@@ -391,7 +391,7 @@ def test_every_table_says_what_it_is_known_from_and_names_who_says_so(unit: str)
 
 
 def test_the_documents_say_of_each_what_is_published(root: Path) -> None:
-    text = (root / "docs" / "describing-a-controller.md").read_text(encoding="utf-8")
+    text = (root / "docs" / "description-workbook.md").read_text(encoding="utf-8")
     table = text.partition("| id | unit | published of it |\n")[2].partition("\n\n")[0]
     assert [line.split("`")[1] for line in table.splitlines()[1:]] == STARTING_POINTS
 
