@@ -95,7 +95,7 @@ def _by_vehicle_speed(vehicle: np.ndarray, gear: np.ndarray | None, limits: Thre
     """Return every acceleration from rest, however far: from the last sample at standstill to the highest speed."""
     speed = vehicle[part]
     standing = speed < limits.standing
-    for first, end in _departures(standing, speed >= limits.standing):
+    for _, first, end in _departures(standing, speed >= limits.standing):
         run = speed[first:end]
         slower = np.flatnonzero(run < np.fmax.accumulate(run) - limits.gentle_back)
         run = run[: int(slower[0])] if len(slower) else run
@@ -115,7 +115,7 @@ def _by_gear(
     """Return the accelerations from idle in first gear up to another gear, where no vehicle speed is logged."""
     engine, gear = engine[part], gear[part]
     resting = _idling(engine, limits) & ((gear == 0) | (gear == 1))
-    for leaving, end in _departures(resting, ~resting):
+    for begin, leaving, end in _departures(resting, ~resting):
         # before a shift down, and where the engine is fastest in its last gear
         known = np.where(np.isnan(gear[leaving:end]), 0.0, gear[leaving:end])
         highest = np.maximum.accumulate(known)
@@ -124,7 +124,7 @@ def _by_gear(
         entered = leaving + int(np.argmax(highest[: stop - leaving] == highest[stop - leaving - 1]))
         last = _fastest(time[part.start + entered : part.start + stop], engine[entered:stop], limits) + entered
         if max(_passed(gear, leaving, last), default=0) >= 2:
-            first = _leaves_idle(engine, resting, leaving, limits)
+            first = _leaves_idle(engine, begin, leaving, limits)
             yield Climb(part.start + first, part.start + last, _passed(gear, first, last), True, True)
 
 
@@ -138,12 +138,12 @@ def _by_engine_speed(time: np.ndarray, engine: np.ndarray, limits: Thresholds, p
         return
     smooth = pd.Series(engine[part]).rolling(5, center=True, min_periods=1).median().to_numpy()
     resting = _idling(smooth, limits)
-    for leaving, end in _departures(resting, ~resting):
+    for begin, leaving, end in _departures(resting, ~resting):
         shifts = _shifts(time[leaving:end], smooth[leaving:end], limits)
         if len(shifts) >= 2:
             entered = leaving + shifts[-1]
             last = entered + _fastest(time[entered:end], smooth[entered:end], limits)
-            first = _leaves_idle(smooth, resting, leaving, limits)
+            first = _leaves_idle(smooth, begin, leaving, limits)
             yield Climb(part.start + first, part.start + last, (), True, True)
 
 
@@ -170,11 +170,12 @@ def _shifts(time: np.ndarray, speed: np.ndarray, limits: Thresholds) -> list[int
         before = lowest
 
 
-def _departures(resting: np.ndarray, away: np.ndarray) -> Iterator[tuple[int, int]]:
-    """Yield every last sample at rest whose next is away, and the next sample at rest behind it, or the end."""
-    rests = np.append(np.flatnonzero(resting), len(resting))
+def _departures(resting: np.ndarray, away: np.ndarray) -> Iterator[tuple[int, int, int]]:
+    """Yield where a rest begins and ends whose next sample is away, and the next sample at rest, or the log's end."""
+    rests, moves = np.append(np.flatnonzero(resting), len(resting)), np.append(-1, np.flatnonzero(~resting))
     for leaving in np.flatnonzero(resting[:-1] & away[1:]):
-        yield int(leaving), int(rests[np.searchsorted(rests, leaving, side="right")])
+        begin = moves[np.searchsorted(moves, leaving) - 1] + 1
+        yield int(begin), int(leaving), int(rests[np.searchsorted(rests, leaving, side="right")])
 
 
 def _idling(engine: np.ndarray, limits: Thresholds) -> np.ndarray:
@@ -182,10 +183,8 @@ def _idling(engine: np.ndarray, limits: Thresholds) -> np.ndarray:
     return idles
 
 
-def _leaves_idle(engine: np.ndarray, resting: np.ndarray, leaving: int, limits: Thresholds) -> int:
+def _leaves_idle(engine: np.ndarray, begin: int, leaving: int, limits: Thresholds) -> int:
     """Return the last sample of a run at rest that is within 50 rpm of the idle speed."""
-    earlier = np.flatnonzero(~resting[:leaving])
-    begin = int(earlier[-1]) + 1 if len(earlier) else 0
     run = engine[begin : leaving + 1]
     return begin + int(np.flatnonzero(run <= np.nanmin(run) + limits.idle_spread)[-1])
 
