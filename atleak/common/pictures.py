@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import warnings
+from functools import lru_cache
 
 from atleak.common.damage import own_errors_only
 from atleak.common.errors import InputError
@@ -14,6 +15,7 @@ _PICTURE_LIMIT = 80_000_000  # a picture with more pixels is not opened
 
 
 @own_errors_only(InputError, "name")
+@lru_cache(maxsize=16)  # photos of a job or two: each of its documents shows them
 def printable_picture(name: str, content: bytes) -> tuple[str, bytes]:
     """Return a picture as PNG or JPEG, upright, scaled down and without its metadata (a phone writes the place there).
 
