@@ -21,7 +21,7 @@ from atleak.report.tables.road_test import RoadSeries
 
 _RIGHT = WIDTH - 14.0
 _BETWEEN = 10.0  # two fields
-_HIGH, _LOW, _PUMP = 96.0, 62.0, 150.0  # heights of fields
+_HIGH, _LOW, _PUMP = 82.0, 66.0, 104.0  # heights of fields
 _DASHES = ((5, 2), (2, 1.5), (1, 1.5), (8, 2, 1, 2), (5, 2, 1, 2, 1, 2))  # of curves that differ by temperature
 _LEGEND_ROW, _MARK_ROW = 13.0, 12.0  # of the legend, and of the words of engine speeds below it
 _FIELD = 50.0  # about where a field begins
@@ -56,7 +56,8 @@ def road_chart(series: RoadSeries, marks: Sequence[_Mark], bands: Sequence[tuple
             axes.plot(time, values, color=colour, lw=1.2)
             axes.set_ylim(0.0, top)
             axes.set_xlim(float(time[0]), max(float(time[-1]), float(time[0]) + 1.0))
-            plotting.number_axes(axes, say, "x", "y", most=max(int(height / 18.0), 2))
+            plotting.number_axes(axes, say, "x")  # the same lines in all of them
+            plotting.number_axes(axes, say, "y", most=max(int(height / 18.0), 2))
             upright_title(axes, title, left)
             axes.tick_params(labelbottom=False, bottom=False)
             fields.append(axes)
@@ -143,8 +144,16 @@ def pump_chart(data: PumpOverSpeed, say: Wording) -> str:
         axes.set_xlabel(say("charts.speed"))
         upright_title(axes, say("charts.flow"), _left_of([highest], say))
         plotting.number_axes(axes, say, "x", "y")
+        lines = axes.get_legend_handles_labels()[0]
+        by_column = [line for column in range(columns) for line in lines[column::columns]]  # to be read along the rows
         figure.legend(
-            loc="upper left", ncols=columns, frameon=False, fontsize=SIZE, borderaxespad=0.0, bbox_to_anchor=(0.0, 1.0)
+            handles=by_column,
+            loc="upper left",
+            ncols=columns,
+            frameon=False,
+            fontsize=SIZE,
+            borderaxespad=0.0,
+            bbox_to_anchor=(0.0, 1.0),
         )
         return plotting.svg(figure)
 

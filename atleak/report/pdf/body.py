@@ -270,7 +270,7 @@ class Body(PrintedPart):
         *before, last = drawings
         yield from (picture(drawn, say("casting.alt"), "") for drawn in before)
         about = "charts.caption_picture" if unmarked else "casting.caption"
-        caption = say(about, counts=joined(text for _, text in legend))
+        caption = say(about)
         yield {**picture(last, alt, caption), "legend": legend}
 
     def _flagged(self) -> Iterable[Block]:
@@ -560,7 +560,7 @@ class Body(PrintedPart):
 
 def picture_look(valves: int) -> tuple[int, float]:
     """Return how many of so many valves are drawn beside one another, and how large their names: all are legible."""
-    return (4, 1.6) if valves <= 16 else (5, 1.5) if valves <= 20 else (6, 1.4)
+    return (6, 1.4) if valves <= 18 else (8, 1.35)
 
 
 _CONDITIONAL = ("conditional_pass", "conditional_fail")

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from atleak.analysis.pressures import HeldPressure, PressuresAt, lowest_first, pressures_at
+from atleak.analysis.repair.plan import PumpStep, RepairStep
 from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, gear_name
 from atleak.common.wording import begun, joined
 from atleak.diagnosis.land import LandDiagnosis
@@ -89,17 +90,37 @@ class Conditions(PrintedPart):
         say, plan = self.say, self.names.plan
 
         if plan.order:
-            yield text(say("texts.repair_order_by_options" if plan.cost else "texts.repair_order"), leads=True)
-            yield printed(order_table(self.diagnosis, plan, say).filled)
+            how = say("texts.repair_order_by_options" if plan.cost else "texts.repair_order")
+            yield text(f"{how} {say('texts.totals_after')}", leads=True)
+            yield from self._steps()
             yield from self._options()
             if any(step.land.replace_mileage for step in plan.steps):
                 yield text(f"{say('printed.replace_at')}: {say('texts.replace_at')}.", small=True)
-            if len(self.diagnosis.projections) > 1:
-                yield text(say("texts.totals_after"), leads=True)
-                totals = totals_table(self.diagnosis, plan, say)
-                number = Column("", digits=0, words="", of=lambda row: str(row[0] or "–"))
-                yield from self._abreast(replace(totals, columns=(number, *totals.columns[1:])))
         yield from map(text, plan_ends(plan, say))
+
+    def _steps(self) -> Iterator[Block]:
+        """Yield the steps with the total after each at as many conditions as have room, then at the others."""
+        say, plan = self.say, self.names.plan
+        order, totals = (of(self.diagnosis, plan, say) for of in (order_table, totals_table))
+
+        def step(row: Any) -> PumpStep | RepairStep | None:
+            return plan.order[row[0] - 1] if row[0] else None
+
+        def of_step(column: Column) -> Column:
+            unit = say("repair_plan.as_measured") if column.key == "pair" else None
+            return replace(column, of=lambda row: column.judged(found) if (found := step(row)) else unit)
+
+        def about(row: Any) -> str:
+            """Return what a new pump brings beside the total, and why a step lowers none."""
+            said = isinstance(found := step(row), PumpStep) or (found and not found.helps)
+            return helps.text(found, say) if said else ""
+
+        (helps,) = order.only("helps_at").columns
+        about_steps = map(of_step, order.only("pair", "verdict", "consequence", "replace_at").filled.columns)
+        number = Column("", digits=0, words=say("repair_plan.number"), of=lambda row: str(row[0] or "–"))
+        _, *conditions = totals.columns
+        yield printed(replace(totals, columns=(number, *about_steps, *conditions[:ABREAST]), remark=about))
+        yield from self._abreast(replace(totals, columns=(number, *conditions[ABREAST:])))
 
     def _options(self) -> Iterator[Block]:
         """Return the repairs that the valve body's file names for the plan's lands."""

@@ -132,6 +132,7 @@ class Front(PrintedPart):
     def _totals(self) -> Block:
         share = Column("share", "percent", 1, times=PERCENT)
         columns = (
+            Column("condition", width=150, of=lambda at: self.say.condition(at.condition)),
             *([] if all(map(self._names_temperature, self.shown)) else [self._temperature]),
             self._speed("speed", lambda at: at.condition.engine_speed),
             Column("gear", digits=0, of=lambda at: gear_shown(at.condition.gear)),
@@ -141,11 +142,11 @@ class Front(PrintedPart):
             share,
             *ends(self._share_interval, share),
             Column("share_new", "percent", 1, of=lambda at: self.diagnosis.new_at(at).share, times=PERCENT),
-            Column("band", width=50, of=self._band),
+            Column("band", of=self._band),
             Column("reserve", digits=2),
             self._speed("holds", "minimum_speed"),
         )
-        return listed(self.say, self.shown, *columns, group=lambda at: self.say.condition(at.condition))
+        return listed(self.say, self.shown, *columns)
 
     def _speed(self, key: str, of: str | Callable[[Projection], float]) -> Column:
         """Return a column of engine speeds; the sentences of a report have the same unit."""
