@@ -62,7 +62,7 @@ def test_a_diagram_is_drawn_again_as_it_is_kept(tool: Callable[[str], ModuleType
 
 
 def test_the_visits_that_pictures_compare_are_those_of_the_tutorial(tool: Callable[[str], ModuleType]) -> None:
-    page = text_of("docs/tutorials/before-and-after-a-repair.md")
+    page = text_of("docs/before-and-after.md")
     jobs = tool("picture_jobs")
     (_, before, _), (_, after, record) = jobs.visits()
     for key in (*jobs.REPAIRED, ("17", 2)):
