@@ -23,11 +23,8 @@ PAGES = pages()
 
 #: Pages whose answers are those of their commands. Where commands need files that the reader makes, a test of that page
 #: makes them: `tests/unit/cli/test_my_first_transmission.py`.
-QUOTING = [
-    page
-    for page in PAGES
-    if page == "docs/before-and-after.md" or page.startswith("docs/tutorials/") and "my-first-transmission" not in page
-]
+QUOTING = ["docs/before-and-after.md", *(page for page in PAGES if page.startswith("docs/tutorials/"))]
+QUOTING.remove("docs/tutorials/my-first-transmission.md")
 
 #: What a block may be marked as; the last three are files of other programs, which are shown and not checked.
 LANGUAGES = ("python", "sh", "toml", "json", "text", "csv", "dockerfile", "nginx", "caddy")
