@@ -13,6 +13,7 @@ from atleak.common.sentences import Sentence
 from atleak.measurements.gauge_readings import Engine
 
 BEGINNING = "atleak form"  # of every mark
+MOST_REPEATS = 9  # of a measuring sheet that have headings of their own
 ATF_TEMPERATURE = Sentence("ATF temperature")  # above the gauge readings
 
 
@@ -27,7 +28,7 @@ class OwnForm:
     headings
         by what a column holds; a unit stands behind it in square brackets.
     needed
-        columns without which nothing can be read.
+        what columns must hold for anything to be read, of whichever repeat.
     """
 
     mark: str
@@ -42,8 +43,17 @@ _KEYS = {
     "direction": Sentence("Direction"),
     "repeat": Sentence("Repeat"),
 }
+_OF_REPEAT = {
+    "coordinate 1": Sentence("x1 (y1) {repeat}"),
+    "coordinate 2": Sentence("x2 (y2) {repeat}"),
+    "diameter": Sentence("Diameter {repeat}"),
+    "deviation": Sentence("Deviation {repeat}\nfrom nominal"),
+}
+REPEATED: Mapping[str, tuple[str, int]] = {
+    f"{holds}, repeat {repeat}": (holds, repeat) for repeat in range(1, MOST_REPEATS + 1) for holds in _OF_REPEAT
+}  # what a column holds and of which repeat, by the key of its heading
 _OF_READINGS = ("component", "part", "plane", "diameter")
-MEASUREMENTS = OwnForm(
+MEASUREMENTS = OwnForm(  # its repeats side by side; or, as before, a row for each
     f"{BEGINNING}: measurements",
     {
         **_KEYS,
@@ -56,6 +66,7 @@ MEASUREMENTS = OwnForm(
         "origin": Sentence("Nominal values\nare"),
         "deviation": Sentence("Deviation from\nnominal"),
         "taken at": Sentence("Taken at"),
+        **{key: _OF_REPEAT[holds].of(repeat=repeat) for key, (holds, repeat) in REPEATED.items()},
     },
     _OF_READINGS,
 )

@@ -16,7 +16,7 @@ from atleak.common.sentences import Sentence
 from atleak.common.translations import languages
 from atleak.common.units import Unit, find_unit
 from atleak.common.wording import wording
-from atleak.measurements.own_forms import BEGINNING, LANDS, MEASUREMENTS, OWN_FORMS, TYPED, OwnForm
+from atleak.measurements.own_forms import BEGINNING, LANDS, MEASUREMENTS, OWN_FORMS, REPEATED, TYPED, OwnForm
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter, text_of
 from atleak.readers.sheets.column_headings import KEYS, OF_LANDS, HeadedColumn, Role
 from atleak.readers.sheets.table import HeadedTable, headings
@@ -63,7 +63,7 @@ def said_by_form(form: OwnForm, cell: Cell) -> str | None:
     """Return what a cell heads in a form, whatever its unit; None where it is no heading of it.
 
     >>> from atleak.measurements.own_forms import MEASUREMENTS
-    >>> said_by_form(MEASUREMENTS, "Nenndurchmesser [mm]"), said_by_form(MEASUREMENTS, "Diameter 2 [mm]")
+    >>> said_by_form(MEASUREMENTS, "Nenndurchmesser [mm]"), said_by_form(MEASUREMENTS, "Diameter [2] [mm]")
     ('nominal', None)
     """
     return _headings(form.mark).get(text_of(cell).partition(" [")[0]) if isinstance(cell, str) else None
@@ -121,7 +121,7 @@ def _table(sheet: Sheet, form: OwnForm) -> FormTable | None:
             key = said_by_form(form, cell)
             if key is not None:
                 columns.setdefault(key, column)
-        if columns.keys() >= set(form.needed):
+        if {REPEATED.get(key, (key,))[0] for key in columns} >= set(form.needed):
             return FormTable(sheet, row, columns)
     return None
 
@@ -146,14 +146,17 @@ def tables_of_form(sheet: Sheet) -> list[HeadedTable] | None:
 
 
 def _of_form(table: FormTable, end: int) -> HeadedTable:
-    columns = [
-        HeadedColumn(
-            *(at, table.heading(key), _OF_FORM[key], table.unit(key, "length")),
-            coordinate=int(key[-1]) if key.startswith("coordinate") else None,
-            rank=9 if key == "component" else 0,
-        )
-        for key, at in sorted(table.columns.items(), key=lambda held: held[1])
-        if key in _OF_FORM
-    ]
+    columns = []
+    for key, at in sorted(table.columns.items(), key=lambda held: held[1]):
+        holds, repeat = REPEATED.get(key, (key, None))
+        if holds in _OF_FORM:
+            columns.append(
+                HeadedColumn(
+                    *(at, table.heading(key), _OF_FORM[holds], table.unit(key, "length")),
+                    coordinate=int(holds[-1]) if holds.startswith("coordinate") else None,
+                    repeat=repeat if holds != "deviation" else None,
+                    rank=9 if holds == "component" else 0,
+                )
+            )
     sheet = replace(table.sheet, rows=table.sheet.rows[:end])
     return HeadedTable(sheet, table.row, table.row, tuple(columns), tuple(headings(sheet, table.row, table.row)))

@@ -46,14 +46,14 @@ class _Column:
 
 _NUMBER, _NAME, _LAND = (
     _Column("component", 5, "text", unbroken=True),
-    _Column("name", 20, "text"),
+    _Column("name", 26, "text"),
     _Column("land", 5, "number"),
 )
 _CONTACT = _Column("contact length", 9, "input", of_length=True)
-_STATED = _Column("stated length", 9, "nominal", of_length=True)
-_POSITION = _Column("position", 9, "input", of_length=True)
-_STATED_POSITION = _Column("stated position", 9, "nominal", of_length=True)
-_NOTE = _Column("note", 15, "origin")
+_STATED = _Column("stated length", 11, "nominal", of_length=True)
+_POSITION = _Column("position", 10, "input", of_length=True)
+_STATED_POSITION = _Column("stated position", 12, "nominal", of_length=True)
+_NOTE = _Column("note", 24, "origin")
 _FITTED = _Column("fitted repair", 14, "choice", unbroken=True)
 _OPTIONS = _Column("note on repairs", 30, "origin", unbroken=True)
 _Cells = Mapping[_Column, str | float | None]

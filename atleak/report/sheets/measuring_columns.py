@@ -28,21 +28,27 @@ from atleak.report.sheets.paging import RowBlock
 
 
 class FormColumn(IntEnum):
-    """A column, by its number from 0: what it holds, of which kind its unit is, least width in characters."""
+    """A column, by its number from 0: what it holds, of which kind its unit is, least width in characters.
+
+    Those up to `ORIGIN` are printed. A repeat beyond the second has its columns behind all these, `of_repeat`.
+    """
 
     COMPONENT = "component", None, 5
-    NAME = "name", None, 20
-    PART = "part", None, 8
-    PLANE = "plane", None, 7
-    DIRECTION = "direction", None, 9
-    REPEAT = "repeat", None, 8
-    X1 = "coordinate 1", "length", 12
-    X2 = "coordinate 2", "length", 12
-    DIAMETER = "diameter", "length", 12
-    NOMINAL = "nominal", "length", 10
-    CLEARANCE = "clearance", "clearance", 10
-    ORIGIN = "origin", None, 14
-    DEVIATION = "deviation", "clearance", 11
+    NAME = "name", None, 14
+    PART = "part", None, 7
+    PLANE = "plane", None, 6
+    DIRECTION = "direction", None, 5
+    X1 = "coordinate 1, repeat 1", "length", 9
+    X2 = "coordinate 2, repeat 1", "length", 9
+    DIAMETER = "diameter, repeat 1", "length", 11
+    SECOND_X1 = "coordinate 1, repeat 2", "length", 9
+    SECOND_X2 = "coordinate 2, repeat 2", "length", 9
+    SECOND_DIAMETER = "diameter, repeat 2", "length", 11
+    NOMINAL = "nominal", "length", 8
+    CLEARANCE = "clearance", "clearance", 8
+    ORIGIN = "origin", None, 8
+    DEVIATION = "deviation, repeat 1", "clearance", 11
+    SECOND_DEVIATION = "deviation, repeat 2", "clearance", 11
     TAKEN_AT = "taken at", None, 11
 
     holds: str
@@ -63,11 +69,26 @@ class FormColumn(IntEnum):
 
     def said(self, say: Wording) -> str:
         """Return the heading with its unit."""
-        return say.sentence(MEASUREMENTS.headings[self.holds]) + (f" [{say.unit(self.kind)}]" if self.kind else "")
+        return heading_of(self.holds, self.kind, say)
 
     def width(self, say: Wording) -> int:
         """Return the width in characters: no word of the heading is broken."""
         return max(self.least_width, 1 + max(map(len, self.said(say).split())))
+
+
+_OF_REPEAT = len(("coordinate 1", "coordinate 2", "diameter"))
+
+
+def of_repeat(repeat: int) -> range:
+    """Return the columns of a repeat: its two coordinates and its diameter."""
+    beyond = len(FormColumn) - FormColumn.X1 if repeat > REPEATS else 0
+    first = FormColumn.X1 + beyond + _OF_REPEAT * (repeat - 1 - (REPEATS if beyond else 0))
+    return range(first, first + _OF_REPEAT)
+
+
+def heading_of(holds: str, kind: str | None, say: Wording) -> str:
+    """Return the heading of a column by what it holds, with the unit of its kind."""
+    return say.sentence(MEASUREMENTS.headings[holds]) + (f" [{say.unit(kind)}]" if kind else "")
 
 
 SHEET = Sentence("Measurements")
@@ -97,7 +118,7 @@ def formats_of(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
         "field label": {"bold": True, "text_wrap": True, "valign": "vcenter"},
         "field": {"bottom": 1, "bg_color": shade["entry"], "text_wrap": True, "valign": "vcenter"},
         "mark": {"font_size": 8, "font_color": shade["note"]},
-        "note": {**wrapped, "italic": True, "font_size": 8, "font_color": shade["note"]},
+        "note": {**wrapped, "italic": True, "font_color": shade["note"]},
         "heading": {**cell, **heading, "bold": True, "text_wrap": True, "align": "center"},
         "text": {**given, "text_wrap": True, "align": "left"},
         "upright": {**given, "align": "center", "rotation": 90},
@@ -120,14 +141,13 @@ def formats_of(book: xlsxwriter.Workbook, say: Wording) -> dict[str, Format]:
 
 @dataclass(frozen=True)
 class FormRow:
-    """One reading that is to be taken, and what it was if it was taken."""
+    """The readings that are to be taken in one direction, by their repeat, and what they were if they were taken."""
 
     land: Land
     part: Part
     plane: str
     direction: float | None
-    repeat: int
-    reading: Reading | None
+    repeats: Mapping[int, Reading | None]
 
     @property
     def nominal(self) -> float:
@@ -148,23 +168,13 @@ def of_part(row: FormRow) -> tuple[Any, ...]:
     return *of_component(row), row.part
 
 
-def of_round(row: FormRow) -> tuple[Any, ...]:
-    """Return what the rows have alike that are measured without lifting the part off."""
-    return *of_part(row), row.repeat
-
-
 def of_plane(row: FormRow) -> tuple[Any, ...]:
-    """Return what the rows of a plane have alike within a round."""
-    return *of_round(row), row.plane
-
-
-def of_direction(row: FormRow) -> tuple[Any, ...]:
-    """Return what the rows of a direction have alike within a plane."""
-    return *of_plane(row), row.direction
+    """Return what the rows of a plane have alike."""
+    return *of_part(row), row.plane
 
 
 def rows_of_form(controller: Controller, readings: Iterable[Reading], blank_rows: bool) -> list[FormRow]:
-    """Return the rows in the order of measuring that the sheet states, `how_to_measure.order` of the texts."""
+    """Return the rows in the order in which a part is measured, `how_to_measure.order` of the texts."""
     given: dict[tuple[Any, ...], dict[int, Reading]] = defaultdict(dict)
     directions: dict[tuple[str, Part, str], list[float | None]] = defaultdict(list)
     for reading in readings:
@@ -181,21 +191,21 @@ def rows_of_form(controller: Controller, readings: Iterable[Reading], blank_rows
                 wanted = [angle for angle in DIRECTIONS if angle not in measured] if blank_rows else []
                 for direction in sorted([*measured, *wanted], key=lambda angle: -1.0 if angle is None else angle):
                     repeats = given[component, part, plane, direction]
-                    for repeat in {*repeats, *(range(1, REPEATS + 1) if blank_rows else ())}:
-                        yield FormRow(land, part, plane, direction, repeat, repeats.get(repeat))
+                    asked = dict.fromkeys(range(1, REPEATS + 1) if blank_rows else ())
+                    yield FormRow(land, part, plane, direction, {**asked, **repeats})
 
     components = dict.fromkeys(land.component for land in controller.lands)
-    parts = [rows_of_part(component, part) for component in components for part in PLAN_PARTS]
-    return [row for rows in parts for row in sorted(rows, key=lambda row: row.repeat)]
+    return [row for component in components for part in PLAN_PARTS for row in rows_of_part(component, part)]
 
 
 def rows_of_plan(controller: Controller, plan: Plan) -> list[FormRow]:
-    """Return an empty row for every reading of a plan, in its order."""
-    return [
-        FormRow(land, cell.part, cell.plane, cell.direction, cell.repeat, None)
-        for cell in plan.cells(controller)
-        if (land := controller.land_of_plane(cell.component, cell.plane)) is not None
-    ]
+    """Return an empty row for every direction in which a plan asks for readings, in its order."""
+    asked: dict[tuple[Land, Part, str, float | None], dict[int, None]] = defaultdict(dict)
+    for cell in plan.cells(controller):
+        land = controller.land_of_plane(cell.component, cell.plane)
+        if land is not None:
+            asked[land, cell.part, cell.plane, cell.direction][cell.repeat] = None
+    return [FormRow(*place, repeats) for place, repeats in asked.items()]
 
 
 def runs_of_cells(
@@ -207,10 +217,8 @@ def runs_of_cells(
         yield inside[0][0], inside[-1][0], inside[0][1]
 
 
-def blocks_of(
-    rows: Sequence[FormRow], keys: Sequence[_Key] = (of_component, of_part, of_round, of_plane)
-) -> list[RowBlock]:
-    """Return the numbers of rows of components, within them of parts, of the rounds of measuring, of planes."""
+def blocks_of(rows: Sequence[FormRow], keys: Sequence[_Key] = (of_component, of_part, of_plane)) -> list[RowBlock]:
+    """Return the numbers of rows of components, within them of parts, of planes."""
     key, *finer = keys
     groups = [list(block) for _, block in groupby(rows, key=key)]
     return [blocks_of(group, finer) if finer else len(group) for group in groups]

@@ -43,19 +43,19 @@ _KINDS = {  # of what stands without a unit: the label states it
     PUMP_SIDE: "clearance",
     PUMP_TIP: "clearance",
 }
-TITLE_HEIGHTS = (21.0, 42.0, 15.0)  # [pt] of the rows above: the valve body, what to do, what of it is assumed
+TITLE_HEIGHTS = (21.0, 60.0, 15.0)  # [pt] of the rows above: the valve body, what to do, what of it is assumed
 _ROWS = (
-    (JOB, VEHICLE, DATE, PUMP_SIDE),
-    (_MILEAGE, MEASURED_BY, VIN, PUMP_TIP),
-    (SERIAL, INSTRUMENT_ROWS["spool"], INSTRUMENT_ROWS["sleeve"], _TEMPERATURE),
+    (JOB, MEASURED_BY, DATE),
+    (VEHICLE, INSTRUMENT_ROWS["spool"], SERIAL),
+    (VIN, INSTRUMENT_ROWS["sleeve"], PUMP_SIDE),
+    (_MILEAGE, _TEMPERATURE, PUMP_TIP),
 )
 _BLOCKS = (  # of fields below each other: where their labels begin, where the fields begin and end
-    (FormColumn.COMPONENT, FormColumn.PART, FormColumn.PLANE),
-    (FormColumn.DIRECTION, FormColumn.X1, FormColumn.X2),
-    (FormColumn.DIAMETER, FormColumn.NOMINAL, FormColumn.CLEARANCE),
-    (FormColumn.ORIGIN, FormColumn.TAKEN_AT, FormColumn.TAKEN_AT),
+    (FormColumn.COMPONENT, FormColumn.PART, FormColumn.DIRECTION),
+    (FormColumn.X1, FormColumn.DIAMETER, FormColumn.SECOND_X1),
+    (FormColumn.SECOND_X2, FormColumn.NOMINAL, FormColumn.ORIGIN),
 )
-PICTURES = _BLOCKS[-1][0]  # the head's pictures stand above the last block
+PICTURES = FormColumn.SECOND_DIAMETER  # from which on the head's pictures stand, beside its titles
 MEASURING_HEADER = len(TITLE_HEIGHTS) + len(_ROWS)  # row of the table's headings, from 0
 
 
@@ -168,7 +168,7 @@ def qr_code(text: str) -> bytes:
     return target.getvalue()
 
 
-_LEAST, _MOST = 90.0, 190.0  # [pt] height of a drawing: less shows nothing, more only takes room
+_LEAST, _MOST = 48.0, 190.0  # [pt] height of a drawing: less shows nothing, more only takes room
 _HEAD = 96.0  # [pt] width and height of a picture in the head
 _EDGE = 3.0  # [pt] between a picture and the lines round it
 _PIXEL = 0.75  # [pt]

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 
 import xlsxwriter
 from xlsxwriter.format import Format
+from xlsxwriter.utility import xl_rowcol_to_cell
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE, Controller, Land
@@ -18,8 +18,8 @@ from atleak.common.sentences import Name, Sentence
 from atleak.common.units import MM, UM, Quantity
 from atleak.common.wording import Wording, wording
 from atleak.measurements.gauge_readings import PressureTable
-from atleak.measurements.measuring_plan import PLAN_PARTS, Plan
-from atleak.measurements.own_forms import INSTRUCTIONS, MEASUREMENTS
+from atleak.measurements.measuring_plan import PLAN_PARTS, REPEATS, Plan
+from atleak.measurements.own_forms import INSTRUCTIONS, MEASUREMENTS, REPEATED
 from atleak.measurements.readings import OwnLands, Reading
 from atleak.report.sheets.lands_sheet import LANDS, write_lands
 from atleak.report.sheets.measuring_columns import (
@@ -34,10 +34,11 @@ from atleak.report.sheets.measuring_columns import (
     FormRow,
     blocks_of,
     formats_of,
+    heading_of,
     of_component,
-    of_direction,
     of_part,
     of_plane,
+    of_repeat,
     rows_of_form,
     rows_of_plan,
     runs_of_cells,
@@ -60,7 +61,7 @@ from atleak.report.sheets.paging import Paging, Tab, only, put, row_height, work
 from atleak.report.sheets.pressure_sheet import PRESSURES_TITLE, write_pressures
 
 MEASURING_INSTRUCTIONS = Sentence("How to measure")
-_WIDTHS = (24, 96)
+_WIDTHS = (22, 98)
 _BETWEEN = 6.0  # [pt] height of the row below a topic, which also keeps words of several from being read as headings
 _TOPICS = (
     "before", "temperature", "pump", "where", "in_which_order", "drawing", "code", "how_often", "what_to_write",
@@ -90,9 +91,10 @@ def _write_instructions(tab: Tab, controller: Controller, far: float, *, quick: 
         "far": say.plain_quantity(far, "clearance"),
         "order": say("how_to_measure.order"),
         "choice": repr(say.sentence(UNWORN_END)),
+        "third": repr(heading_of("diameter, repeat 3", "length", say)),
     }
     tabs = {"lands": LANDS, "pressures": PRESSURES_TITLE}
-    Paging(_WIDTHS).set_up(sheet)
+    Paging(_WIDTHS).set_up(sheet, say)
     sheet.write_string(0, 0, say.sentence(MEASURING_INSTRUCTIONS), formats["title"])
     sheet.write_string(0, len(_WIDTHS), INSTRUCTIONS.mark, formats["mark"])
     left_out = {*(_WHOLE if quick else ()), *(() if controller.representative else _TOPICS[-1:])}
@@ -107,12 +109,13 @@ def _write_instructions(tab: Tab, controller: Controller, far: float, *, quick: 
     sheet.print_area(0, 0, row, len(_WIDTHS) - 1)
 
 
-_HEADINGS_ROW = 54.0  # [pt]
+_HEADINGS_ROW = 42.0  # [pt]
 _CHOICES = 255  # characters that a spreadsheet program takes as the choices of a cell
 _ANGLES = (0, 45, 90, 135)  # [°] to choose from; another may be typed
 _NUMBER = 5  # characters of a component's number; an id of more is written upright
 _FAR = 500  # [µm] from the nominal diameter: from here on the cell is coloured
-_MEASURED = (FormColumn.X1, FormColumn.X2, FormColumn.DIAMETER)
+_KEYS = (of_component, of_part, of_plane)  # what a page's end had better not cut, and what it never cuts
+_DEVIATIONS = (FormColumn.DEVIATION, FormColumn.SECOND_DEVIATION)  # of the repeats that have one
 
 
 def write_template(
@@ -219,12 +222,12 @@ class _Sheet:
     ) -> None:
         self.sheet, self.formats, self.controller, self.say = sheet, formats, controller, say
         self.quick = quick  # a land has two rows: too low for an id to stand upright
-        widths = [column.width(say) for column in FormColumn]
+        self.widths = [column.width(say) for column in FormColumn]
         if quick:
-            widths[FormColumn.COMPONENT] = max(widths[0], 1 + max(map(len, controller.components)))
-        paging = Paging(tuple(widths))
-        fields = (paging.row_height,) * (MEASURING_HEADER - len(TITLE_HEIGHTS))  # for a pencil too
-        self.paging, self.breaks = replace(paging, above=(*TITLE_HEIGHTS, *fields, _HEADINGS_ROW)), list[int]()
+            self.widths[FormColumn.COMPONENT] = max(self.widths[0], 1 + max(map(len, controller.components)))
+        printed = tuple(self.widths[: FormColumn.ORIGIN + 1])
+        fields = (Paging(printed).row_height,) * (MEASURING_HEADER - len(TITLE_HEIGHTS))  # for a pencil too
+        self.paging, self.breaks = Paging(printed, (*TITLE_HEIGHTS, *fields, _HEADINGS_ROW)), list[int]()
 
     def head(self, fields: Mapping[str, str]) -> None:
         sheet, formats, controller, say = self.sheet, self.formats, self.controller, self.say
@@ -260,7 +263,8 @@ class _Sheet:
 
     def body(self, rows: Sequence[FormRow], *, drawn: bool) -> None:
         """Write a row for every reading; what several rows share is merged, on each page anew, with its spool drawn."""
-        self.breaks = self.paging.breaks(blocks_of(rows))  # none cuts a component, or a part or plane of a large one
+        uncut = (blocks_of(rows, _KEYS[coarsest:]) for coarsest in range(len(_KEYS)))
+        self.breaks = min(map(self.paging.breaks, uncut), key=len)  # the fewest pages, and then the fewest cuts
         for row in range(len(rows)):
             self.sheet.set_row(MEASURING_HEADER + 1 + row, self.paging.row_height)
         pages = [bisect_right(self.breaks, row) for row in range(len(rows))]
@@ -294,15 +298,26 @@ class _Sheet:
             self._label(first, last, FormColumn.CLEARANCE, clearance, "clearance")
             self._label(first, last, FormColumn.ORIGIN, self.say.sentence(_origin(entry.land)), "origin")
             for row in range(first, last + 1):
-                self._deviation(row, first, rows[row - MEASURING_HEADER - 1])
-        for first, last, entry in runs_of_cells(numbered, pages, of_direction):
-            self._label(first, last, FormColumn.DIRECTION, entry.direction, "angle")
+                for repeat in range(1, REPEATS + 1):
+                    self._deviation(row, first, rows[row - MEASURING_HEADER - 1], repeat)
+        self._beyond(range(REPEATS + 1, 1 + max((repeat for row in rows for repeat in row.repeats), default=0)))
         for row, entry in numbered:
-            self.sheet.write_number(row, FormColumn.REPEAT, entry.repeat, self.formats["number"])
+            put(self.sheet, row, FormColumn.DIRECTION, entry.direction, self.formats["angle"])
             self.sheet.write_blank(row, FormColumn.TAKEN_AT, None, self.formats["choice"])
-            for column, metres in zip(_MEASURED, _values(entry.reading), strict=True):
-                shown = None if metres is None else self._shown(metres)
-                put(self.sheet, row, column, shown, self.formats["input"])
+            for repeat in {**dict.fromkeys(range(1, REPEATS + 1)), **entry.repeats}:
+                form = self.formats["input" if repeat in entry.repeats else "number"]
+                for column, metres in zip(of_repeat(repeat), _values(entry.repeats.get(repeat)), strict=True):
+                    put(self.sheet, row, column, None if metres is None else self._shown(metres), form)
+
+    def _beyond(self, repeats: range) -> None:
+        """Head the columns of repeats that were taken beyond those that the sheet asks for."""
+        for repeat in repeats:
+            for column, like in zip(of_repeat(repeat), of_repeat(1), strict=True):
+                holds = REPEATED[FormColumn(like).holds][0]
+                key = next((key for key, each in REPEATED.items() if each == (holds, repeat)), "")
+                said = heading_of(key, "length", self.say) if key else ""
+                self.sheet.write_string(MEASURING_HEADER, column, said, self.formats["heading"])
+                self.widths.append(self.widths[like])
 
     def _part_name(self, entry: FormRow) -> str:
         return self.say.sentence(FORM_PART_NAMES[entry.land.part_name if entry.part == "spool" else "sleeve"])
@@ -318,18 +333,19 @@ class _Sheet:
         """Return a length in the unit of the headings, to a tenth of a nanometre: the decimal digits as typed."""
         return round(float(self.say.convert(metres * MM, "length")), 7 if self.say.unit("length") == "mm" else 8)
 
-    def _deviation(self, row: int, first: int, entry: FormRow) -> None:
-        one, other, size = (f"{column.letter}{row + 1}" for column in _MEASURED)
+    def _deviation(self, row: int, first: int, entry: FormRow, repeat: int) -> None:
+        one, other, size = (xl_rowcol_to_cell(row, column) for column in of_repeat(repeat))
+        reading = entry.repeats.get(repeat)
         given = f"${FormColumn.NOMINAL.letter}${first + 1}"
         nominal = given if self.say.unit("length") == "mm" else _in_mm(given)
         measured = f"IF(ISNUMBER({size}),{_in_mm(size)},ABS({_in_mm(one)}-{_in_mm(other)}))"
         factor = round(float(self.say.convert(UM / MM, "clearance")), 6)
         filled = f"OR(ISNUMBER({size}),AND(ISNUMBER({one}),ISNUMBER({other})))"
-        off = None if entry.reading is None else (entry.reading.diameter - entry.nominal) * UM
+        off = None if reading is None else (reading.diameter - entry.nominal) * UM
         known = "" if off is None else round(float(self.say.convert(off, "clearance")), 6)
         self.sheet.write_formula(
             row,
-            FormColumn.DEVIATION,
+            _DEVIATIONS[repeat - 1],
             f'=IF({filled},{factor:.10g}*({measured}-{nominal}),"")',
             self.formats["deviation"],
             known,
@@ -354,12 +370,10 @@ class _Sheet:
             example=Quantity(9.939, "length", 3),
         )
         sizes = only("decimal", Sentence("Not a dimension"), told, say, criteria=">", value=0)
-        sheet.data_validation(first, _MEASURED[0], last, _MEASURED[-1], sizes)
+        sheet.data_validation(first, FormColumn.X1, last, FormColumn.SECOND_DIAMETER, sizes)
         self._choose((first, last), FormColumn.TAKEN_AT, [say.sentence(UNWORN_END)])
         parts = [
-            self._part_name(FormRow(land, part, "", None, 1, None))
-            for land in self.controller.lands
-            for part in PLAN_PARTS
+            self._part_name(FormRow(land, part, "", None, {})) for land in self.controller.lands for part in PLAN_PARTS
         ]
         self._choose((first, last), FormColumn.PART, dict.fromkeys(parts))
         self._choose((first, last), FormColumn.DIRECTION, map(str, _ANGLES), others=True)
@@ -367,15 +381,17 @@ class _Sheet:
             place = PLACES[field]
             names = [say.name(name) for name in instruments_for(part)]
             self._choose((place.row, place.row), place.first, names, others=True)
-        deviation = FormColumn.DEVIATION
+        deviation = _DEVIATIONS[0]
         alarm = {"type": "cell", "criteria": "not between", "minimum": -far, "maximum": far}
-        empty = {"type": "formula", "criteria": f"=NOT(ISNUMBER(${deviation.letter}{first + 1}))", "stop_if_true": True}
-        sheet.conditional_format(first, deviation, last, deviation, empty)
-        sheet.conditional_format(first, deviation, last, deviation, {**alarm, "format": self.formats["alarm"]})
-        self.paging.set_up(sheet)
+        empty = {"type": "formula", "criteria": f"=NOT(ISNUMBER({deviation.letter}{first + 1}))", "stop_if_true": True}
+        for rule in (empty, {**alarm, "format": self.formats["alarm"]}):
+            sheet.conditional_format(first, deviation, last, _DEVIATIONS[-1], rule)
+        self.paging.set_up(sheet, say)
+        for column, width in enumerate(self.widths):
+            sheet.set_column(column, column, width)
         sheet.set_h_pagebreaks([first + row for row in self.breaks])
         sheet.repeat_rows(MEASURING_HEADER)
-        sheet.print_area(0, 0, last, max(FormColumn))
+        sheet.print_area(0, 0, last, FormColumn.ORIGIN)
         page = say("title.page", page="&P", pages="&N")
         name = " · ".join(filter(None, (job, say.name(self.controller.name))))
         sheet.set_footer(f"&L{name.replace('&', '&&')[:120]}&R{page}")

@@ -19,16 +19,18 @@ from xlsxwriter.worksheet import Worksheet
 
 from atleak.common.seals import PROPERTY, SealedKind, sealed, unsealed
 from atleak.common.sentences import Sentence
+from atleak.common.style import DEFAULT_PAPER, PAPERS
 from atleak.common.wording import Wording
 from atleak.measurements.own_forms import OwnForm
 
 _PIXEL = 0.75  # [pt] to which workbooks round a row's height
 ROW = 7.0  # [mm] least height of a row on paper, to write in by hand: choice of this project
-_PAGE = 297.0, 210.0  # [mm] A4, landscape
-_LEFT, _RIGHT, _TOP, _BOTTOM = 0.4, 0.4, 0.4, 0.5  # [in] margins: 24 rows fit, a component of two lands and one of one
+_UPRIGHT, _ACROSS = (210.0, 279.4), (279.4, 210.0)  # [mm] of A4 and Letter the lesser side: a layout fits on both
+_LEAST_SCALE = 60  # [%] of letters of 10 pt
+_LEFT, _RIGHT, _TOP, _BOTTOM = 0.3, 0.3, 0.3, 0.45  # [in] margins
 _INCH, _POINT = 25.4, 25.4 / 72.0  # [mm]
 _PIXELS = 96.0  # of an inch
-_SPARE = 0.82  # of the width that is used: without the sheet's font a program takes a wider one
+_SPARE = 0.92  # of the width that is used: programs round the widths of columns, each its own way
 _LINE = 13.5  # [pt] height of a line of text
 LINE_OF_A_BOOK = 15.0  # [pt] the same of the larger letters of a workbook to be read on a screen
 _FULL, _FULL_BOLD = 0.9, 0.75  # of a column's characters: without the sheet's font a program takes a wider one
@@ -105,22 +107,31 @@ class Paging:
     above: tuple[float, ...] = ()
 
     @property
+    def page(self) -> tuple[float, float]:
+        """Return width and height of the paper [mm]: upright, unless letters became too small."""
+        return _UPRIGHT if self._scale(_UPRIGHT) >= _LEAST_SCALE else _ACROSS
+
+    @property
     def scale(self) -> int:
         """Return the scale of printing [%] at which all columns stand side by side."""
+        return self._scale(self.page)
+
+    def _scale(self, page: tuple[float, float]) -> int:
         drawn = sum(7 * width + 5 for width in self.widths) / _PIXELS * _INCH
-        return int(min(100.0, 100.0 * _SPARE * (_PAGE[0] - (_LEFT + _RIGHT) * _INCH) / drawn))
+        return int(min(100.0, 100.0 * _SPARE * (page[0] - (_LEFT + _RIGHT) * _INCH) / drawn))
 
     @property
     def row_height(self) -> float:
         """Return the height of a row [pt], at least `ROW` when printed, in whole pixels as workbooks keep it."""
         return math.ceil(ROW / _POINT * 100.0 / self.scale / _PIXEL) * _PIXEL
 
-    def set_up(self, sheet: Worksheet) -> None:
+    def set_up(self, sheet: Worksheet, say: Wording) -> None:
         """Give columns their widths, and have the sheet printed at this scale."""
         for column, width in enumerate(self.widths):
             sheet.set_column(column, column, width)
-        sheet.set_landscape()
-        sheet.set_paper(9)  # A4
+        if self.page == _ACROSS:
+            sheet.set_landscape()
+        sheet.set_paper(PAPERS[DEFAULT_PAPER if say.unit("length") == "mm" else "letter"].excel)
         sheet.set_print_scale(self.scale)
         sheet.set_margins(left=_LEFT, right=_RIGHT, top=_TOP, bottom=_BOTTOM)
 
@@ -165,7 +176,7 @@ class Paging:
     @property
     def _room(self) -> float:
         """Return the height of a page between its margins [mm]."""
-        return _PAGE[1] - (_TOP + _BOTTOM) * _INCH
+        return self.page[1] - (_TOP + _BOTTOM) * _INCH
 
 
 @dataclass(frozen=True)
@@ -202,7 +213,7 @@ class PagedTable:
     def write(self, above: Iterable[Sentence], last: int, frozen: int) -> None:
         """Write title and what to do as wide as the table, where no page cuts them off, and the headings."""
         sheet, formats = self._tab.sheet, self._tab.formats
-        Paging(self.widths).set_up(sheet)
+        Paging(self.widths).set_up(sheet, self._tab.say)
         for row, text in enumerate(map(self._tab.say.sentence, above)):
             form = formats["wrap" if row else "title"]
             sheet.merge_range(row, 0, row, len(self.widths) - 1, "", form)

@@ -45,7 +45,7 @@ def write_pressures(tab: Tab, controller: Controller, readings: PressureTable | 
     table.write((title, *_HOW_TO), last, _READ)
     label = f"{say.sentence(ATF_TEMPERATURE)} [{say.unit('temperature')}]"
     sheet.set_row(_TEMPERATURE[0], table.row_height)
-    sheet.write_string(_TEMPERATURE[0], 0, label, formats["field label"])
+    sheet.merge_range(_TEMPERATURE[0], 0, _TEMPERATURE[0], _TEMPERATURE[1] - 1, label, formats["field label"])
     sheet.write_blank(*_TEMPERATURE, None, formats["field"])
     for row, (selected, tap) in enumerate(rows, start=HEADER + 1):
         permissible = [

@@ -36,7 +36,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
 
 def fill_in(sheet: Path) -> None:
     book = openpyxl.load_workbook(sheet)
-    book["Measurements"]["I8"] = 13.999
+    book["Measurements"]["H9"] = 13.999
     book.save(sheet)
 
 
@@ -119,12 +119,12 @@ def test_a_sheet_filled_in_by_a_program_that_changes_nothing_else_is_left(
         for part in old.infolist():
             content = old.read(part)
             if part.filename == "xl/worksheets/sheet1.xml":
-                assert content.count(b'<c r="I8"') == 1
-                start = content.index(b'<c r="I8"')
+                assert content.count(b'<c r="H9"') == 1
+                start = content.index(b'<c r="H9"')
                 end = content.index(b"/>", start)
                 content = content[:end] + b"><v>11.003</v></c>" + content[end + 2 :]
             new.writestr(part, content)
-    assert openpyxl.load_workbook(sheet)["Measurements"]["I8"].value == 11.003
+    assert openpyxl.load_workbook(sheet)["Measurements"]["H9"].value == 11.003
     assert run("template", "-o", sheet)[0] == 2
 
 

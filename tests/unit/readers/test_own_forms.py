@@ -24,7 +24,7 @@ from atleak.common.wording import wording
 from atleak.job.kinds import TableKind, table_kind
 from atleak.measurements.gauge_readings import Engine, GaugeCell, GaugeReading, PressureTable
 from atleak.measurements.measuring_plan import PlanCell
-from atleak.measurements.own_forms import MEASUREMENTS, OWN_FORMS, OwnForm
+from atleak.measurements.own_forms import MEASUREMENTS, OWN_FORMS, REPEATED, OwnForm
 from atleak.measurements.readings import OwnLands, OwnLength, Reading, Readings
 from atleak.readers.gauges import gauge_headings, gauge_study, value_table
 from atleak.readers.gauges.gauge_study import read_study
@@ -39,10 +39,12 @@ from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.readers.typed_sheet import Typed, written_sheet
 from atleak.report.sheets.gauge_study_form import STUDY_HEADER, write_study_form
 from atleak.report.sheets.measuring_columns import FormColumn
+from atleak.report.sheets.measuring_head import MEASURING_HEADER
 from atleak.report.sheets.measuring_sheet import write_readings, write_template
 from tests.unit.conftest import by_turns
 
-HEADER = 7  # row of the headings as a spreadsheet counts
+HEADER = MEASURING_HEADER + 1  # row of the headings as a spreadsheet counts
+FORMS = Path(__file__).parent / "forms"  # filled in as `filled_in` does, written by an earlier atleak
 EVERY = [(language, units) for language in languages() for units in SYSTEMS]
 CHANGED = "own_form_changed"
 
@@ -243,9 +245,10 @@ def test_the_headings_are_understood_as_those_of_any_other_sheet(language: str, 
     for column in FormColumn:
         assert said_by_form(MEASUREMENTS, column.said(say)) == column.holds
         guessed = read_heading(column.said(say))
-        if column.holds in ("component", "part", "plane", "direction", "repeat", "diameter"):
+        holds, repeat = REPEATED.get(column.holds, (column.holds, None))
+        if holds in ("component", "part", "plane", "direction", "diameter", "coordinate 1", "coordinate 2"):
             assert guessed is not None
-            assert guessed.role == column.holds
+            assert (guessed.role, guessed.repeat) == (holds.partition(" ")[0], repeat)
 
 
 @pytest.mark.parametrize("form", OWN_FORMS.values(), ids=lambda form: form.mark)
@@ -299,9 +302,9 @@ def test_a_form_without_a_mark_is_read_as_ever(unit: Controller) -> None:
     [
         lambda sheet: sheet.insert_rows(1, 2),
         lambda sheet: sheet.insert_cols(1),
-        lambda sheet: sheet.insert_cols(7),
-        lambda sheet: sheet.move_range("I7:I400", cols=8),
-        lambda sheet: sheet.cell(HEADER, 16, "Remark") and sheet.cell(HEADER + 1, 16, "scratched"),
+        lambda sheet: sheet.insert_cols(6),
+        lambda sheet: sheet.move_range("K8:K400", cols=9),
+        lambda sheet: sheet.cell(HEADER, 19, "Remark") and sheet.cell(HEADER + 1, 19, "scratched"),
     ],
     ids=["rows above", "column before", "column between", "column moved", "remarks"],
 )
@@ -317,32 +320,58 @@ def test_rows_and_columns_that_were_put_in_or_moved_change_nothing(unit: Control
     assert_same(read_readings(changed(filled_in(unit), unmerge), unit), unit)
 
 
-def test_a_row_that_was_deleted_is_one_reading_less(unit: Controller) -> None:
+def test_a_row_that_was_deleted_is_both_its_readings_less(unit: Controller) -> None:
     data = write_readings(unit, measured(unit), blank_rows=False)
     rows = list(csv.reader(io.StringIO(as_csv(data))))
     del rows[HEADER + 1]
     target = io.StringIO()
     csv.writer(target).writerows(rows)
     read = read_readings(target.getvalue().encode(), unit)
-    assert len(read.readings) == len(measured(unit)) - 1
+    assert len(read.readings) == len(measured(unit)) - 2  # of both repeats
 
 
 def test_a_column_of_numbers_that_was_added_is_read_by_its_heading(unit: Controller) -> None:
     def add(sheet: Any) -> None:
-        sheet.cell(HEADER, 9).value = "Diameter 1 [mm]"
-        sheet.cell(HEADER, 16, "Diameter 2 [mm]")
-        for row in range(HEADER + 1, sheet.max_row + 1):
-            sheet.cell(row, 16, sheet.cell(row, 9).value)
+        sheet.cell(HEADER, 8).value = "Spool [mm]"
+        sheet.cell(HEADER, 11).value = "Spool diameter [mm]"
 
     def add_beside(sheet: Any) -> None:
-        sheet.cell(HEADER, 16, "Temperature")
-        sheet.cell(HEADER + 1, 16, 21.5)
+        sheet.cell(HEADER, 19, "Temperature")
+        sheet.cell(HEADER + 1, 19, 21.5)
 
     read = read_readings(changed(filled_in(unit), add_beside), unit)
     assert_same(read, unit)
-    assert "columns were added (P)" in told(read)
-    with pytest.raises(ReadingsError, match=r"'Diameter 1 \[mm\]' and 'Diameter 2 \[mm\]'.*\n.*headings were changed"):
+    assert "columns were added (S)" in told(read)
+    with pytest.raises(ReadingsError, match=r"'Spool \[mm\]' and 'Spool diameter \[mm\]'.*\n.*headings were changed"):
         read_readings(changed(filled_in(unit), add), unit)
+
+
+@pytest.mark.usefixtures("no_guess")
+def test_a_third_repeat_has_columns_of_its_own(unit: Controller) -> None:
+    land = unit.lands[0]
+
+    def add(sheet: Any) -> None:
+        sheet.cell(HEADER, 20, "Diameter 3 [mm]")
+        sheet.cell(HEADER + 1, 20, round(land.nominal_diameter * 1e3 + 0.004, 4))
+
+    third = Reading(land.component, "spool", land.planes[0], 0.0, 3, round(land.nominal_diameter + 4e-6, 7))
+    typed = read_readings(changed(filled_in(unit), add), unit)
+    written = read_readings(write_readings(unit, [*measured(unit), third]), unit)
+    for read in (typed, written):
+        assert CHANGED not in codes(read)
+        assert len(read.readings) == len(measured(unit)) + 1
+        (found,) = [each for each in read.readings if each.repeat == 3]
+        assert (found.station, found.diameter) == (third.station, pytest.approx(third.diameter, abs=1e-10))
+
+
+@pytest.mark.usefixtures("no_guess")
+@pytest.mark.parametrize("language", languages())
+def test_a_sheet_of_atleak_0_2_with_a_row_for_every_repeat_is_read_without_a_guess(
+    unit: Controller, language: str
+) -> None:
+    read = read_readings((FORMS / f"measuring_sheet_0_2_{language}.xlsx").read_bytes(), unit)
+    assert_same(read, unit)
+    assert CHANGED not in codes(read)
 
 
 def test_headings_that_were_deleted_are_told(unit: Controller) -> None:

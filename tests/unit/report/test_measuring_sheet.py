@@ -9,10 +9,10 @@ from itertools import pairwise
 from xml.etree import ElementTree
 
 import openpyxl
+import pypdfium2
 import pytest
 import zxingcpp
 from openpyxl.cell import MergedCell
-from openpyxl.utils import get_column_letter
 from PIL import Image
 
 from atleak.catalogue.controller_file import load_controller
@@ -33,12 +33,16 @@ from atleak.measurements.readings import Reading
 from atleak.readers.sheets.measuring_sheet import read_readings
 from atleak.report.sheets.lands_sheet import LANDS
 from atleak.report.sheets.measuring_columns import SHEET
-from atleak.report.sheets.measuring_head import code_text, fields_of
+from atleak.report.sheets.measuring_head import MEASURING_HEADER, code_text, fields_of
 from atleak.report.sheets.measuring_sheet import MEASURING_INSTRUCTIONS, write_readings, write_template
+from atleak.report.sheets.paging import HEADER as PAGED_HEADER
 from atleak.report.sheets.pressure_sheet import PRESSURES_TITLE
 
-HEADER = 7  # row of the headings as a spreadsheet counts
-COMPONENT, NAME, PART, PLANE, DIRECTION, REPEAT, X1, X2, DIAMETER, NOMINAL, CLEARANCE, ORIGIN, DEVIATION = range(1, 14)
+HEADER = MEASURING_HEADER + 1  # row of the headings as a spreadsheet counts
+COMPONENT, NAME, PART, PLANE, DIRECTION, X1, X2, DIAMETER = range(1, 9)
+SECOND_DIAMETER, NOMINAL, CLEARANCE, ORIGIN, DEVIATION, SECOND_DEVIATION, TAKEN_AT = range(11, 18)
+DIAMETERS = (DIAMETER, SECOND_DIAMETER)  # by their repeats
+TABS_FIRST = PAGED_HEADER + 2  # the first row below the headings of the other tabs
 
 
 @pytest.fixture(scope="module", params=["four_speed_2023", "minimal_example"])
@@ -75,17 +79,17 @@ def test_the_same_controller_gives_the_same_bytes(controller, template):
 def test_every_plane_of_every_land_has_both_parts_two_directions_and_two_repeats(controller, book):
     sheet = book[SHEET]
     rows = [
-        tuple(merged_value(sheet, row, column) for column in (COMPONENT, PART, PLANE, DIRECTION, REPEAT))
+        tuple(merged_value(sheet, row, column) for column in (COMPONENT, PART, PLANE, DIRECTION))
         for row in range(HEADER + 1, sheet.max_row + 1)
     ]
     wanted = {
-        (land.component, part, plane, direction, repeat)
+        (land.component, part, plane, direction)
         for land in controller.lands
         for part in (land.part, "sleeve")
         for plane in land.planes
         for direction in (0, 90)
-        for repeat in (1, 2)
     }
+    assert [str(sheet.cell(HEADER, column).value) for column in DIAMETERS] == ["Diameter 1 [mm]", "Diameter 2 [mm]"]
     assert {(str(component), part, str(plane), *rest) for component, part, plane, *rest in rows} == wanted
     assert len(rows) == len(wanted)
 
@@ -116,7 +120,9 @@ def test_it_is_made_for_filling_in_on_screen_and_on_paper(book):
     assert book.sheetnames == [SHEET, LANDS, PRESSURES_TITLE, MEASURING_INSTRUCTIONS]
     assert sheet.freeze_panes == f"D{HEADER + 1}"
     assert sheet.print_title_rows == f"${HEADER}:${HEADER}"
-    assert sheet.page_setup.orientation == "landscape"
+    orientations = [tab.page_setup.orientation for tab in book]
+    assert orientations == ["portrait", "portrait", "portrait", "portrait"]
+    assert sheet.print_area.endswith(f"$N${sheet.max_row}")  # deviations and the ends are for the screen
     validation, taken_at, part, direction, for_spools, for_bores = sheet.data_validations.dataValidation
     assert {str(one.sqref)[0] for one in (part, direction)} == {"C", "E"}
     parts = part.formula1.strip('"').split(",")
@@ -124,56 +130,92 @@ def test_it_is_made_for_filling_in_on_screen_and_on_paper(book):
     assert (direction.formula1, bool(direction.showErrorMessage)) == ('"0,45,90,135"', False)  # another may be typed
     assert for_spools.formula1 == '"Air gauge,Outside micrometer,Workshop microscope"'
     assert for_bores.formula1 == '"Air gauge,Two-point bore gauge,Workshop microscope"'
-    labels = sheet[str(for_spools.sqref)].offset(0, -2).value, sheet[str(for_bores.sqref)].offset(0, -1).value
+    labels = tuple(sheet[str(each.sqref)].offset(0, -2).value for each in (for_spools, for_bores))
     assert labels == ("Instrument for spools", "Instrument for bores")
     assert (taken_at.type, taken_at.formula1) == ("list", '"unworn end"')
-    assert str(taken_at.sqref) == f"N{HEADER + 1}:N{sheet.max_row}"
+    assert str(taken_at.sqref) == f"Q{HEADER + 1}:Q{sheet.max_row}"
     assert (validation.type, validation.operator, validation.formula1) == ("decimal", "greaterThan", "0")
-    assert str(validation.sqref) == f"G{HEADER + 1}:I{sheet.max_row}"
-    inputs = {sheet.cell(HEADER + 1, column).fill.fgColor.rgb for column in (X1, X2, DIAMETER)}
+    assert str(validation.sqref) == f"F{HEADER + 1}:K{sheet.max_row}"
+    inputs = {sheet.cell(HEADER + 1, column).fill.fgColor.rgb for column in range(X1, SECOND_DIAMETER + 1)}
     assert inputs == {"FFFFF8DC"}
     assert sheet.cell(HEADER + 1, NOMINAL).fill.fgColor.rgb != "FFFFF8DC"
     headings = " ".join(str(cell.value) for cell in sheet[HEADER])
-    assert headings.count("[mm]") == 4
+    assert headings.count("[mm]") == 7
     assert "[µm]" in headings
+
+
+PAPERS = {"9": (210.0, 297.0), "1": (215.9, 279.4)}  # A4 and Letter [mm]
 
 
 @pytest.mark.parametrize(
     ("name", "language", "units"),
-    [("four_speed_2023", "en", "metric"), ("gm_4l60e", "de", "us"), ("five_speed_2005", "pl", "metric")],
+    [
+        ("four_speed_2023", "en", "metric"),
+        ("four_speed_2023", "de", "us"),
+        ("gm_4l60e", "de", "us"),
+        ("five_speed_2005", "pl", "metric"),
+    ],
 )
 def test_on_paper_rows_take_a_pencil_columns_fit_a_page_and_no_part_of_a_component_is_cut(name, language, units):
     controller = load_controller(name)
     data = write_template(controller, language=language, units=units)
     sheet, *tabs, _ = opened(data).worksheets
     for tab in tabs:  # of lands and of pressures
-        assert_rows_take_a_pencil(tab, HEADER)
+        assert_rows_take_a_pencil(tab, TABS_FIRST)
     assert_nothing_of_an_id_is_broken(tabs[0], controller)
     scale = sheet.page_setup.scale / 100
     heights = [sheet.row_dimensions[row].height or 15.0 for row in range(1, sheet.max_row + 1)]
     assert min(heights[3 : HEADER - 1] + heights[HEADER:]) * scale * 25.4 / 72 >= 7.0
-    widths = [sheet.column_dimensions[get_column_letter(column)].width for column in range(1, sheet.max_column + 1)]
-    assert sum(7 * width for width in widths) / 96 * 25.4 * scale < 297 - 0.8 * 25.4
+    widths = [
+        each.width * (min(each.max, ORIGIN) - each.min + 1)
+        for each in sheet.column_dimensions.values()
+        if each.min <= ORIGIN
+    ]
+    assert sum(7 * width for width in widths) / 96 * 25.4 * scale < least(0) - 0.6 * 25.4
+    assert scale * 10 >= 6.0  # [pt] the smallest letters that are printed
+    assert str(sheet.page_setup.paperSize) == ("1" if units == "us" else "9")
     ends = [mark.id for mark in sheet.row_breaks.brk]  # last rows of pages
     margins = sheet.page_margins.top + sheet.page_margins.bottom
-    room = (210 / 25.4 - margins) * 72 / scale  # [pt]
+    room = (least(1) / 25.4 - margins) * 72 / scale  # [pt]
     for first, last in pairwise([0, *ends, sheet.max_row]):
         repeated = heights[HEADER - 1] if first else 0
         assert repeated + sum(heights[first:last]) <= room
     before, behind = (
-        [tuple(merged_value(sheet, last + on, column) for column in (COMPONENT, PART)) for last in ends]
+        [tuple(merged_value(sheet, last + on, column) for column in (COMPONENT, PART, PLANE)) for last in ends]
         for on in (0, 1)
     )
     assert [one for one, other in zip(before, behind, strict=True) if one == other] == []
+    if name == "four_speed_2023":
+        assert len(ends) + 1 <= 7
+
+
+def least(side):
+    """The shorter of the papers' widths or heights: what is laid out for it fits on both."""
+    return min(paper[side] for paper in PAPERS.values())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("units", ["metric", "us"])
+def test_the_sheet_of_47_lands_is_printed_on_ten_pages(units, tmp_path, convert):
+    (tmp_path / "sheet.xlsx").write_bytes(write_template(load_controller("four_speed_2023"), units=units))
+    convert(tmp_path / "sheet.xlsx", "pdf")
+    with pypdfium2.PdfDocument(tmp_path / "sheet.pdf") as printed:
+        assert len(printed) == 10
+        size = [side / 72 * 25.4 for side in printed[0].get_size()]
+        assert size == pytest.approx(PAPERS["1" if units == "us" else "9"], abs=1.0)
+        assert "ATF temperature [" in printed[8].get_textpage().get_text_range()  # on one line
 
 
 def assert_rows_take_a_pencil(tab, first):
     """As printed: at a scale that the sheet states, with all columns on the page, by which the heights are chosen."""
     scale = (tab.page_setup.scale or 100) / 100
-    assert scale >= 0.7
+    assert scale * 10 >= 6.0
     assert not tab.sheet_properties.pageSetUpPr.fitToPage
     widths = [dimension.width * (dimension.max - dimension.min + 1) for dimension in tab.column_dimensions.values()]
-    assert sum(7 * width for width in widths) / 96 * 25.4 * scale < 297 - 0.8 * 25.4
+    assert (
+        sum(7 * width for width in widths) / 96 * 25.4 * scale
+        < least(tab.page_setup.orientation == "landscape") - 0.6 * 25.4
+    )
     heights = [tab.row_dimensions[row].height for row in range(first, tab.max_row + 1)]
     assert min(heights) * scale * 25.4 / 72 >= 7.0
 
@@ -190,15 +232,15 @@ def assert_nothing_of_an_id_is_broken(lands, controller):
 
 def test_the_rows_follow_the_order_that_the_sheet_states(controller, book):
     sheet = book[SHEET]
-    columns = (COMPONENT, PART, REPEAT, PLANE, DIRECTION)
+    columns = (COMPONENT, PART, PLANE, DIRECTION)
     rows = [
         tuple(merged_value(sheet, row, column) for column in columns) for row in range(HEADER + 1, sheet.max_row + 1)
     ]
     components = list(dict.fromkeys(land.component for land in controller.lands))
     assert rows == sorted(
-        rows, key=lambda row: (components.index(str(row[0])), row[1] == "sleeve", row[2], str(row[3]), row[4])
+        rows, key=lambda row: (components.index(str(row[0])), row[1] == "sleeve", str(row[2]), row[3])
     )
-    assert sheet["A2"].value.endswith("all again for the second repeat; then its bore likewise.")
+    assert sheet["A2"].value.endswith("all again in the columns of the second repeat; then its bore likewise.")
 
 
 def test_every_spool_is_drawn_within_its_component_s_rows_and_named_for_who_cannot_see_it(controller, template, book):
@@ -275,11 +317,12 @@ def test_numbers_typed_as_text_with_a_decimal_comma_are_read_back(controller, te
     book = opened(template)
     sheet = book[SHEET]
     for row in range(HEADER + 1, sheet.max_row + 1):
-        sheet.cell(row, DIAMETER, f"{merged_value(sheet, row, NOMINAL):.3f}".replace(".", ","))
+        for column in DIAMETERS:
+            sheet.cell(row, column, f"{merged_value(sheet, row, NOMINAL):.3f}".replace(".", ","))
     target = io.BytesIO()
     book.save(target)
     readings = read_readings(target.getvalue(), controller)
-    assert len(readings.readings) == sheet.max_row - HEADER
+    assert len(readings.readings) == 2 * (sheet.max_row - HEADER)
     for reading in readings.readings:
         nominal = controller.land_of_plane(reading.component, reading.plane).nominal_of(reading.part)
         assert reading.diameter == pytest.approx(nominal, abs=0.6e-6)
@@ -288,7 +331,7 @@ def test_numbers_typed_as_text_with_a_decimal_comma_are_read_back(controller, te
 def test_the_instructions_are_as_high_as_their_texts_are_long(controller, book):
     sheet = book[MEASURING_INSTRUCTIONS]
     for row in sheet.iter_rows(min_row=3, max_col=2):
-        for cell, width in zip(row, (24, 96), strict=True):
+        for cell, width in zip(row, (22, 98), strict=True):
             lines = len(textwrap.wrap(cell.value or "", 0.9 * width))
             assert sheet.row_dimensions[cell.row].height >= 13.5 * lines
 
@@ -312,18 +355,19 @@ def test_filled_in_it_reads_back(controller, template, with_coordinates):
     sheet = book[SHEET]
     for row in range(HEADER + 1, sheet.max_row + 1):
         worn = 0.004 if merged_value(sheet, row, PART) == "sleeve" else 0.0
-        diameter = round(merged_value(sheet, row, NOMINAL) + worn + 0.001 * (sheet.cell(row, REPEAT).value - 1), 3)
-        if with_coordinates:
-            sheet.cell(row, X1, 20.0 + 0.001 * row)
-            sheet.cell(row, X2, round(20.0 + 0.001 * row + diameter, 3))
-        else:
-            sheet.cell(row, DIAMETER, diameter)
+        for repeat, column in enumerate(DIAMETERS):
+            diameter = round(merged_value(sheet, row, NOMINAL) + worn + 0.001 * repeat, 3)
+            if with_coordinates:
+                sheet.cell(row, column - 2, 20.0 + 0.001 * row)
+                sheet.cell(row, column - 1, round(20.0 + 0.001 * row + diameter, 3))
+            else:
+                sheet.cell(row, column, diameter)
     buffer = io.BytesIO()
     book.save(buffer)
     readings = read_readings(buffer.getvalue(), controller, name="sheet.xlsx")
     assert (readings.sheet, readings.unit, readings.unit_assumed) == (SHEET, "mm", False)
-    assert readings.layout == ("table" if with_coordinates else "tidy")
-    assert len(readings.readings) == sheet.max_row - HEADER
+    assert readings.layout == ("table" if with_coordinates else "columns")
+    assert len(readings.readings) == 2 * (sheet.max_row - HEADER)
     for state in clearances(readings, controller):
         assert state.status == "measured"
         rounding = 0.5e-6  # the sheet takes micrometres
@@ -365,20 +409,21 @@ def test_the_deviation_from_the_nominal_diameter_is_a_formula_with_its_value(con
     assert values.cell(HEADER + 1, DEVIATION).value == pytest.approx(-7.0, abs=1e-6)
     formula = opened(data)[SHEET].cell(HEADER + 1, DEVIATION).value
     assert formula.startswith("=IF(")
-    assert f"$J${HEADER + 1}" in formula
+    assert f"$L${HEADER + 1}" in formula
 
 
 def test_the_deviation_follows_a_heading_in_inches(controller, calculator):
     nominal, row = controller.lands[0].nominal_diameter, HEADER + 1
     book = calculator(write_template(controller))
-    book.set(SHEET, f"H{HEADER}", "x2 [in]")
-    book.set(SHEET, f"G{row}", 5.0)
-    book.set(SHEET, f"H{row}", (nominal + 5e-3 - 3e-6) / 0.0254)
-    book.set(SHEET, f"I{row}", float("nan"))  # stands for an empty cell, which counts as 0 in a spreadsheet
-    assert book.value(SHEET, f"M{row}") == pytest.approx(-3.0, abs=1e-6)
-    book.set(SHEET, f"I{HEADER}", "Diameter [inch]")
-    book.set(SHEET, f"I{row}", (nominal + 7e-6) / 0.0254)
-    assert book.value(SHEET, f"M{row}") == pytest.approx(7.0, abs=1e-6)
+    book.set(SHEET, f"G{HEADER}", "x2 [in]")
+    book.set(SHEET, f"F{row}", 5.0)
+    book.set(SHEET, f"G{row}", (nominal + 5e-3 - 3e-6) / 0.0254)
+    for column in "HIJ":
+        book.set(SHEET, f"{column}{row}", float("nan"))  # stands for an empty cell, which counts as 0 in a spreadsheet
+    assert book.value(SHEET, f"O{row}") == pytest.approx(-3.0, abs=1e-6)
+    book.set(SHEET, f"K{HEADER}", "Diameter [inch]")
+    book.set(SHEET, f"K{row}", (nominal + 7e-6) / 0.0254)
+    assert book.value(SHEET, f"P{row}") == pytest.approx(7.0, abs=1e-6)
 
 
 def test_nothing_that_a_user_wrote_becomes_a_formula_or_a_link(tmp_path):
@@ -397,7 +442,7 @@ def test_nothing_that_a_user_wrote_becomes_a_formula_or_a_link(tmp_path):
     for row in sheet.iter_rows():
         for cell in row:
             if cell.data_type == "f":
-                assert cell.column == DEVIATION
+                assert cell.column in (DEVIATION, SECOND_DEVIATION)
             assert cell.hyperlink is None
     texts = {cell.value for row in sheet.iter_rows() for cell in row if cell.data_type == "s"}
     assert {"=1+1", "http://example.invalid/", "@SUM(A1)", "=2+2", "+3", "-4"} <= texts

@@ -98,11 +98,11 @@ def test_what_is_chosen_for_an_unworn_end_is_read_in_every_language(unit, langua
     say = wording(language)
     book = openpyxl.load_workbook(io.BytesIO(written(unit, language, "metric")))
     sheet = book[say.sentence(SHEET)]
-    row = next(row for row in sheet.iter_rows(min_row=8) if row[8].value is not None and row[8].value > 0)
-    row[13].value = say.sentence(UNWORN_END)
+    row = next(row for row in sheet.iter_rows(min_row=9) if isinstance(row[7].value, float))
+    row[16].value = say.sentence(UNWORN_END)
     target = io.BytesIO()
     book.save(target)
-    assert len(read_readings(target.getvalue(), unit).unworn) == 1
+    assert len(read_readings(target.getvalue(), unit).unworn) == 2  # of both repeats
 
 
 @pytest.mark.parametrize("language", languages())
@@ -128,7 +128,7 @@ def test_titles_and_what_is_assumed_are_said_in_the_reader_s_language(unit, lang
 @pytest.mark.parametrize("language", languages())
 def test_the_head_of_a_sheet_in_inches_says_miles_fahrenheit_and_inches(unit, language):
     book = openpyxl.load_workbook(io.BytesIO(written(unit, language, "us")))
-    texts = [str(cell.value) for row in book.worksheets[0]["A4:N6"] for cell in row if cell.value]
+    texts = [str(cell.value) for row in book.worksheets[0]["A4:N7"] for cell in row if cell.value]
     assert {"131730.7 mi", "79.7 °F", "0.003346457 in", "0.005925197 in"} <= set(texts)
     assert [sum(f"[{name}]" in text for text in texts) for name in ("mi", "°F", "in")] == [1, 1, 2]
     assert not [text for text in texts if "km" in text.split() or "µm" in text or "°C" in text]
@@ -136,8 +136,8 @@ def test_the_head_of_a_sheet_in_inches_says_miles_fahrenheit_and_inches(unit, la
 
 def test_headings_say_the_reader_s_units(unit):
     sheets = openpyxl.load_workbook(io.BytesIO(write_template(unit, language="de", units="us")))
-    headings = [cell.value for cell in sheets["Messungen"][7]]
-    assert {"Durchmesser [in]", "Einbauspiel [0.0001 in]"} <= set(headings)
+    headings = [cell.value for cell in sheets["Messungen"][8]]
+    assert {"Durchmesser 1 [in]", "Einbauspiel [0.0001 in]"} <= set(headings)
     assert "Leerlauf [psi]" in [cell.value for cell in sheets["Drücke"][6]]
 
 

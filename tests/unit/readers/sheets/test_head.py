@@ -146,12 +146,12 @@ def test_the_printed_form_takes_temperature_and_date(controller):
     template = write_template(controller)
     book = openpyxl.load_workbook(io.BytesIO(template))
     sheet = book[SHEET]
-    places = {cell.value: cell for row in sheet["A4:N6"] for cell in row if cell.value}
+    places = {cell.value: cell for row in sheet["A4:N7"] for cell in row if cell.value}
     asked = {"Job", "Date", "Vehicle", "VIN", "Serial number", "Mileage [km]", "Measured by"}
     assert set(places) == {*asked, "Instrument for spools", "Instrument for bores", "Measuring temperature [°C]"}
     places["Measuring temperature [°C]"].offset(0, 2).value = "35,0 °C"
-    places["Date"].offset(0, 1).value = dt.datetime(2026, 3, 14)
-    sheet["I8"] = sheet["J8"].value  # the first diameter as the nominal one beside it
+    places["Date"].offset(0, 2).value = dt.datetime(2026, 3, 14)
+    sheet["H9"] = sheet["L9"].value  # the first diameter as the nominal one beside it
     saved = io.BytesIO()
     book.save(saved)
     readings = read_readings(saved.getvalue(), controller, name="form.xlsx")

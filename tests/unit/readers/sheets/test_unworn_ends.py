@@ -77,8 +77,8 @@ def test_the_form_s_last_column_marks_them(controller) -> None:
     page = book[SHEET]
     first = next(row for row in range(1, page.max_row) if page.cell(row, 1).value == "No.") + 1
     rows = [row for row in range(first, page.max_row) if page.cell(row, 3).value == "sleeve"]
-    page.cell(rows[0], 9).value = page.cell(rows[0], 10).value
-    page.cell(rows[0], 14).value = UNWORN_END
+    page.cell(rows[0], 8).value = page.cell(rows[0], 12).value
+    page.cell(rows[0], 17).value = UNWORN_END
     out = io.BytesIO()
     book.save(out)
     readings = read_readings(out.getvalue(), controller, name="filled.xlsx")
