@@ -57,7 +57,7 @@ from atleak.report.sheets.measuring_head import (
     instruments_for,
     label_of,
 )
-from atleak.report.sheets.paging import Paging, Tab, only, put, row_height, workbook
+from atleak.report.sheets.paging import Paging, Tab, only, put, row_height, width_for, workbook
 from atleak.report.sheets.pressure_sheet import PRESSURES_TITLE, write_pressures
 
 MEASURING_INSTRUCTIONS = Sentence("How to measure")
@@ -223,6 +223,8 @@ class _Sheet:
         self.sheet, self.formats, self.controller, self.say = sheet, formats, controller, say
         self.quick = quick  # a land has two rows: too low for an id to stand upright
         self.widths = [column.width(say) for column in FormColumn]
+        origins = (say.sentence(_origin(land)) for land in controller.lands)
+        self.widths[FormColumn.ORIGIN] = width_for(origins, self.widths[FormColumn.ORIGIN])
         if quick:
             self.widths[FormColumn.COMPONENT] = max(self.widths[0], 1 + max(map(len, controller.components)))
         printed = tuple(self.widths[: FormColumn.ORIGIN + 1])
@@ -312,10 +314,11 @@ class _Sheet:
     def _beyond(self, repeats: range) -> None:
         """Head the columns of repeats that were taken beyond those that the sheet asks for."""
         for repeat in repeats:
-            for column, like in zip(of_repeat(repeat), of_repeat(1), strict=True):
-                holds = REPEATED[FormColumn(like).holds][0]
-                key = next((key for key, each in REPEATED.items() if each == (holds, repeat)), "")
-                said = heading_of(key, "length", self.say) if key else ""
+            for column, like in zip(
+                of_repeat(repeat), (FormColumn.X1, FormColumn.X2, FormColumn.DIAMETER), strict=True
+            ):
+                key = f"{REPEATED[like.holds][0]}, repeat {repeat}"
+                said = heading_of(key, "length", self.say) if key in REPEATED else ""
                 self.sheet.write_string(MEASURING_HEADER, column, said, self.formats["heading"])
                 self.widths.append(self.widths[like])
 
