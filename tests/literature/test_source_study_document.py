@@ -45,27 +45,20 @@ def test_table_3_of_the_document(text: str, four_speed: Controller, sample_log: 
 
 
 def test_options_of_the_document(text: str, four_speed: Controller, sample_log: Path) -> None:
-    paper, *others = options = compare_options(four_speed, read_road_test(sample_log))
+    paper, *others = compare_options(four_speed, read_road_test(sample_log))
 
     def change(name: str, run: RoadLeakage | None) -> float | None:
         base = paper.runs[name]
         return None if run is None else (run.max_leakage.leakage / base.max_leakage.leakage - 1.0) * 100
 
-    changes = {row.label: {name: change(name, run) for name, run in row.runs.items()} for row in others}
-    shares = {
-        row.label: {name: None if run is None else run.max_leakage.share * 100 for name, run in row.runs.items()}
-        for row in options
-    }
-    for label in shares:
-        written = rows(text, re.escape(label))
-        expected = [shares[label]] if label not in changes else [changes[label], shares[label]]
-        assert len(written) == len(expected)
-        for line, values, (rel, absolute) in zip(
-            written, expected, [(0.0, 0.0051), (6e-3, 0.0)][-len(expected) :], strict=True
-        ):
-            assert [None if cell == "–" else float(cell) for cell in line[1:]] == [
-                None if value is None else pytest.approx(value, rel=rel, abs=absolute) for value in values.values()
-            ]
+    for row in others:
+        (line,) = rows(text, re.escape(row.label))
+        assert [None if cell == "–" else float(cell) for cell in line[1:]] == [
+            None if value is None else pytest.approx(value, rel=0.0, abs=0.0051)
+            for value in (change(name, run) for name, run in row.runs.items())
+        ]
+    for run in (paper.runs["W8"], others[-1].runs["W8"]):
+        assert f" {run.max_leakage.share * 100:.1f} %" in text
 
 
 def test_named_functions_and_tests_exist(text: str, root: Path) -> None:
