@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -13,21 +13,28 @@ from atleak.catalogue.controller import REFERENCE_TEMPERATURE
 from atleak.catalogue.limits import RuleKind
 from atleak.common.style import DECISION_MARKS
 from atleak.common.units import MM, PERCENT, UM
-from atleak.common.wording import joined
+from atleak.common.wording import begun, joined
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
 from atleak.diagnosis.uncertainty import LandUncertainty, RuleDecision, UnitUncertainty
 from atleak.diagnosis.uncertainty.results import MOST_BUDGETS, BudgetLine, budget_lines, combined
+from atleak.engine.projection import Projection
 from atleak.equations.statistics import normal_cdf, normal_quantile
 from atleak.measurements.clearances import LandClearance
 from atleak.measurements.readings import Reading
-from atleak.report.pdf.blocks import Block, listed, named_facts, text
+from atleak.report.pdf.blocks import Block, bullets, listed, named_facts, text
+from atleak.report.pdf.conditions import leaking_elsewhere
 from atleak.report.printed_names import PrintedPart
+from atleak.report.tables.lands import land_at, leaking_worst_first, share_cell
 from atleak.report.tables.names import component_words, has_number, land_number
-from atleak.report.tables.table import VERDICT, Column
+from atleak.report.tables.sentences import shares_add_up
+from atleak.report.tables.table import VERDICT, Column, Judged, Table
 
+_CONDITIONS = 5  # whose shares have room beside one another
+_WITH_LEAKAGE = 2  # beside which the leakage and its interval have room, too
 _DIRECTIONS = 4  # of measuring, beside one another in a table
 _ABREAST = 6  # readings that a row has room for
+_OF_BOTH = 4  # readings of a part, where those of sleeve and spool stand in one row
 
 
 def coverage_factor(uncertainty: UnitUncertainty) -> float:
@@ -88,9 +95,11 @@ class Annex(PrintedPart):
         words = (f"{say.get('decisions', each)}: {counts[each]}" for each in DECISION_MARKS if counts[each])
         yield text(say("annex.counted", lands=len(lands), counts=joined(words)), leads=True)
         of_unit = ((rule, self.diagnosis.decided(rule)) for rule in self.diagnosis.unit_rules)
+        decided = [(rule, decision) for rule, decision in of_unit if decision is not None]
+        losing = [row for row in decided if self._losing(row)]
         yield listed(
             say,
-            [(rule, decision) for rule, decision in of_unit if decision is not None],
+            losing,
             Column("rule", width=300, of=lambda row: names.rule_name(row[0])),
             _quantity("annex.value", lambda row: names.rule_value(row[0], row[0].value)),
             _quantity("annex.limit", lambda row: names.rule_value(row[0], row[1].limit)),
@@ -99,42 +108,98 @@ class Annex(PrintedPart):
             Column("decision", width=150, of=lambda row: say.get("decisions", row[1].decision)),
             _probability(lambda row: row[1]),
         )
-        yield self._by_valve(lands, self._columns_of_lands(uncertainty), lambda land: land.key[0])
-        yield text(say("annex.columns"), small=True)
+        left_out = len(decided) - len(losing)
+        notes = [say("annex.columns_of_unit"), *([say("annex.left_out", count=left_out)] if left_out else [])]
+        yield text(" ".join(notes), small=True)
 
-    def _columns_of_lands(self, uncertainty: UnitUncertainty) -> list[Column]:
+    def _losing(self, row: tuple[Rule, RuleDecision]) -> bool:
+        """Tell whether a rule of the unit says more than that nothing is lost, for certain."""
+        rule, decision = row
+        nothing = self.names.rule_value(rule, 0.0)
+        said = (decision.value, *(decision.interval or (decision.standard_uncertainty,)))
+        return decision.probability_over_limit > 0.0 or any(
+            self.names.rule_value(rule, each) != nothing for each in said
+        )
+
+    # --- every land
+
+    def lands(self) -> Iterable[Block]:
+        """Return every land once: its clearance and wear, what it leaks, and how sure the verdict is."""
+        say, names, diagnosis = self.say, self.names, self.diagnosis
+        at = diagnosis.presented if len(diagnosis.presented) <= _CONDITIONS else diagnosis.reported
+        table = self._by_valve(diagnosis.lands, self._columns_of_lands(at), lambda land: land.key[0])
+        yield {**table, "dense": True}
+        conditions = joined((f"{number} {say.condition(each.condition)}" for number, each in enumerate(at, 1)), "; ")
+        about = "texts.all_at" if len(at) <= _WITH_LEAKAGE else "annex.warm_at"
+        notes = [say(about, condition=say.condition(diagnosis.projection.condition))]
+        notes += [say("annex.rules", conditions=conditions), say("annex.columns"), say("texts.matrix")]
+        rows = leaking_worst_first(diagnosis, diagnosis.presented)
+        notes += [shares_add_up(diagnosis, say), *leaking_elsewhere(names, rows)] if rows else []
+        if self._numbered:
+            valves = dict.fromkeys(land.key[0] for land in diagnosis.lands)
+            notes.append(f"{joined((component_words(diagnosis.controller, each, say) for each in valves), '; ')}.")
+        yield text(" ".join(notes), small=True)
+
+    def _columns_of_lands(self, at: Sequence[Projection]) -> list[Column]:
         say, names = self.say, self.names
+        numbers = {each.condition: str(number) for number, each in enumerate(at, start=1)}
+        short = {RuleKind.WEAR: "Z", RuleKind.CLEARANCE: "c_r"}
 
-        def value(land: LandDiagnosis, decision: RuleDecision) -> str:
-            worn = decision.rule.kind is RuleKind.WEAR and land.within_new
-            return say("texts.within_new") if worn else names.rule_value(decision.rule, decision.value)
+        def rule(_: LandDiagnosis, decision: RuleDecision) -> str:
+            about = decision.rule
+            name = short.get(about.kind) or (about.condition and numbers.get(about.condition))
+            return name or names.rule_name(about)
 
         def decided(of: Callable[[LandDiagnosis, RuleDecision], str]) -> Callable[[LandDiagnosis], str | None]:
             return lambda land: None if (decision := _deciding(land)) is None else of(land, decision)
 
         def guard(_: LandDiagnosis, decision: RuleDecision) -> str:
-            return self._spread(decision.rule, uncertainty.guard_factor * decision.standard_uncertainty)
+            factor = self.diagnosis.uncertainty.guard_factor if self.diagnosis.uncertainty else 0.0
+            return self._spread(decision.rule, factor * decision.standard_uncertainty)
 
-        (land, clearance, wear, verdict) = names.lands.only("land", "clearance", "wear", "verdict").columns
-        return [
-            Column("land", width=50, of=names.land_number) if self._numbered else land,
+        def share(projection: Projection, land: LandDiagnosis) -> Judged:
+            return share_cell(land_at(land, self.diagnosis, projection), say, unit=False)
+
+        def decision(land: LandDiagnosis) -> str | None:
+            within = land.shown_as == "within_range"  # shorter than the decision's own words
+            return say("texts.within_new") if within else land.shown_as and say.get("decisions", land.shown_as)
+
+        of_lands = names.lands
+        (land, clearance, verdict) = of_lands.only("land", "clearance", "verdict").columns
+        sizes = of_lands.only("mounting", "effective").columns
+        leakage = of_lands.only(*(["leakage", "interval"] if len(at) <= _WITH_LEAKAGE else [])).columns
+        columns = (
+            Column("land", of=names.land_number) if self._numbered else land,
             Column("", "clearance", words="c_r ± U", of=clearance.of),
-            Column("", "percent", words="Z ± U", of=partial(self._wear, wear)),
-            Column("annex.decides", width=100, of=decided(lambda _, each: names.rule_name(each.rule))),
-            _quantity("annex.value", decided(value)),
+            Column("", "percent", words="Z ± U", of=self._wear),
+            *sizes,
+            *leakage,
+            *(
+                Column(
+                    "",
+                    "percent",
+                    words=f"{begun(say('columns.share'))} {numbers[each.condition]}",
+                    of=partial(share, each),
+                )
+                for each in at
+            ),
+            Column("annex.decides", of=decided(rule)),
             _quantity("annex.limit", decided(lambda _, each: names.rule_value(each.rule, each.limit))),
             _quantity("", decided(guard), "± w"),
             verdict,
-            Column("decision", width=150, of=lambda land: say.get("decisions", land.shown_as or "")),
+            Column("decision", of=decision),
             _probability(_deciding),
-        ]
+        )
+        return list(Table("", columns, self.diagnosis.lands, say).filled.columns)
 
-    def _wear(self, wear: Column, land: LandDiagnosis) -> str:
-        value = wear.text(land, self.say)
+    def _wear(self, land: LandDiagnosis) -> str | None:
+        if land.within_new or land.wear is None:
+            return self.say("texts.within_new") if land.within_new else None
+        value = self.say.number(land.wear * PERCENT, 1)
         interval = land.uncertainty.wear_interval if land.uncertainty else None
-        if interval is None or land.wear is None or land.within_new:
+        if interval is None:
             return value
-        return f"{value} ± {self.say.number((interval[1] - interval[0]) / 2.0 * PERCENT, 0)}"
+        return f"{value} ± {self.say.number((interval[1] - interval[0]) / 2.0 * PERCENT, 1)}"
 
     def _u(self, decided: RuleDecision) -> str:
         """Return the standard uncertainty, or the interval where the distribution lies to one side."""
@@ -173,18 +238,30 @@ class Annex(PrintedPart):
             return None if row.land is None else getattr(row.land, f"{row.part}_{what}")
 
         forms = {"ovality": "ovality", "taper": "taper", "apart": "repeat_spread"}
+        every = self._rows(readings.readings)
         columns = [
-            Column("land", of=self._land),
-            Column("annex.part", of=lambda row: say(f"annex.{row.part}")),
-            Column("annex.plane", of="plane"),
             *self._of_directions(readings.readings),
-            Column("annex.mean", "length", 4, width=50, of=self._mean, times=MM),
+            Column("annex.mean", "length", 4, of=self._mean, times=MM),
             *(
                 Column(f"annex.{key}", "clearance", 1, of=partial(of_part, what), times=UM)
                 for key, what in forms.items()
             ),
         ]
-        yield self._by_valve(self._rows(readings.readings), columns, lambda row: row.component)
+        rows: list[dict[str, _Row]] = [{row.part: row} for row in every]
+        if max(len(row.readings) for row in every) <= _OF_BOTH:
+            pairs: dict[tuple[str, str], dict[str, _Row]] = defaultdict(dict)
+            for row in every:
+                pairs[row.component, row.plane][row.part] = row
+            rows = [*pairs.values()]
+            columns = [self._of_part(part, column) for part in ("sleeve", "spool") for column in columns]
+        else:
+            columns = [Column("annex.part", of=lambda row: say(f"annex.{row.part}")), *columns]
+            columns = [self._of_part("", column) for column in columns]
+        which = [Column("land", of=self._land)]
+        if any(row.land is None or row.plane != str(row.land.land.key[1]) for row in every):
+            which.append(Column("annex.plane", of="plane"))
+        table = Table("", (*(self._of_part("", each) for each in which), *columns), rows, say).filled
+        yield {**self._by_valve(rows, table.columns, lambda row: next(iter(row.values())).component), "dense": True}
         reference = say.plain_value(REFERENCE_TEMPERATURE, "temperature")
         yield text(say("annex.about_readings", reference=reference), small=True)
 
@@ -206,6 +283,18 @@ class Annex(PrintedPart):
         return sorted(
             rows, key=lambda row: (len(order) if row.land is None else order[row.land.land.key], row.part == "sleeve")
         )
+
+    def _of_part(self, part: str, column: Column) -> Column:
+        """Return a column of the rows of one part, or of whichever part a row has, as one of rows of several parts."""
+
+        def of(rows: Mapping[str, _Row]) -> Any:
+            row = rows.get(part) if part else next(iter(rows.values()))
+            return None if row is None else column.judged(row)
+
+        key = column.key
+        title = column.words or (self.say(key) if "." in key else self.say(f"printed.{key}"))
+        words = f"{begun(self.say(f'annex.{part}'))}\n{title}" if part else title
+        return replace(column, of=of, times=None, words=words)
 
     def _land(self, row: _Row) -> str | None:
         if self._numbered:
@@ -286,59 +375,86 @@ class Budget(PrintedPart):
     """The budgets of one report."""
 
     def blocks(self) -> Iterable[Block]:
-        """Return a table for every flagged land that was measured, the worst first."""
+        """Return what all flagged lands that were measured have in common, then of each, the worst first, the rest."""
         uncertainty, say = self.diagnosis.uncertainty, self.say
         flagged = [land for land in self.diagnosis.flagged if land.uncertainty and land.uncertainty.u_clearance]
         if uncertainty is None or not flagged:
             return
         yield text(say("annex.model"), leads=True)
-        for land in flagged[:MOST_BUDGETS]:
-            assert land.uncertainty is not None
-            yield from self._of_land(land, land.uncertainty, uncertainty)
+        shown = flagged[:MOST_BUDGETS]
+        budgets = [budget_lines(land.uncertainty.sources) for land in shown if land.uncertainty]
+        written = [[self._written(line) for line in lines] for lines in budgets]
+        common = [
+            line for line, said in zip(budgets[0], written[0], strict=True) if all(said in each for each in written)
+        ]
+        if len(shown) == 1:
+            common = []
+        if common:
+            yield text(say("annex.in_all", lands=joined(map(self.names.land_number, shown))), leads=True)
+            yield listed(say, common, *self._columns())
+        same = [self._written(line) for line in common]
+        rows: list[tuple[LandDiagnosis, BudgetLine | None, float]] = []
+        for land, lines in zip(shown, budgets, strict=True):
+            u = combined(lines)
+            rows += [(land, line, u) for line in lines if self._written(line) not in same] + [(land, None, u)]
+        yield listed(say, rows, *self._columns_of_lands(), group=partial(self._of_land, uncertainty))
+        said = [self._more(land, land.uncertainty) for land in shown if land.uncertainty]
+        yield bullets(filter(None, said))
         if len(flagged) > MOST_BUDGETS:
             others = joined(map(self.names.land_number, flagged[MOST_BUDGETS:]))
             yield text(say("annex.more_budgets", lands=others))
         yield text(say("annex.about_budgets"), small=True)
 
-    def _of_land(self, land: LandDiagnosis, its: LandUncertainty, unit: UnitUncertainty) -> Iterable[Block]:
-        say, lines = self.say, budget_lines(its.sources)
-        u, k = combined(lines), coverage_factor(unit)
-        yield text(
-            say(
-                "annex.of_land",
-                land=self.names.land_name(land),
-                clearance=say.quantity(land.state.radial_clearance * UM, "clearance", 1),
-                u=say.quantity(u * UM, "uncertainty", 2),
-                expanded=say.quantity(k * u * UM, "clearance", 1),
-                k=say.number(k, 2),
-                coverage=say.percent(unit.coverage, 0),
-            ),
-            leads=True,
+    def _of_land(self, unit: UnitUncertainty, row: tuple[LandDiagnosis, BudgetLine | None, float]) -> str:
+        """Return the heading above what is the land's own."""
+        (land, _, u), say, k = row, self.say, coverage_factor(unit)
+        return say(
+            "annex.of_land",
+            land=self.names.land_name(land),
+            clearance=say.quantity(land.state.radial_clearance * UM, "clearance", 1),
+            u=say.quantity(u * UM, "uncertainty", 2),
+            expanded=say.quantity(k * u * UM, "clearance", 1),
+            k=say.number(k, 2),
+            coverage=say.percent(unit.coverage, 0),
         )
 
-        def of(line_of: Callable[[BudgetLine], Any], of_all: Any = "") -> Callable[[BudgetLine | None], Any]:
-            """Return what stands in a column: something of a line, and something in the last row, of all together."""
-            return lambda line: of_all if line is None else line_of(line)
+    def _more(self, land: LandDiagnosis, its: LandUncertainty) -> str:
+        """Return what wear and share of a land add; an empty text where they add nothing."""
+        said = " ".join(filter(None, (self._of_wear(land, its), self._of_share(its))))
+        return f"{self.names.land_number(land)}: {said}" if said else ""
 
-        yield listed(
-            say,
-            [*lines, None],
-            Column(
-                "annex.source",
-                width=250,
-                of=of(lambda line: say.get("uncertainty_sources", line.source.label), say("annex.combined")),
-            ),
-            Column("annex.distribution", width=150, of=of(self._distribution)),
-            Column("annex.degrees", digits=0, of=of(self._degrees)),
-            Column("", digits=0, width=100, words="u(x)", of=of(self._input)),
-            Column("", digits=0, width=100, words="c", of=of(self._sensitivity)),
-            Column("", "clearance", 2, words="c · u(x)", of=of(lambda line: abs(line.contribution), u), times=UM),
-            Column("annex.part_of_variance", "percent", 1, of=of(lambda line: line.fraction, 1.0), times=PERCENT),
-            whole=True,
+    def _written(self, line: BudgetLine) -> tuple[str, ...]:
+        """Return a line as it is printed, without what part of the variance it is: by that lands are compared."""
+        return listed(self.say, [line], *self._columns())["rows"][0]
+
+    def _columns(self) -> tuple[Column, ...]:
+        """Return the columns of the sources of a budget."""
+        say = self.say
+        return (
+            Column("annex.source", width=250, of=lambda line: say.get("uncertainty_sources", line.source.label)),
+            Column("annex.distribution", width=150, of=self._distribution),
+            Column("annex.degrees", digits=0, of=self._degrees),
+            Column("", digits=0, width=100, words="u(x)", of=self._input),
+            Column("", digits=0, width=100, words="c", of=self._sensitivity),
+            Column("", "clearance", 2, words="c · u(x)", of=lambda line: abs(line.contribution), times=UM),
         )
-        said = [self._of_wear(land, its), self._of_share(its)]
-        if any(said):
-            yield text(" ".join(filter(None, said)), small=True)
+
+    def _columns_of_lands(self) -> Iterator[Column]:
+        """Yield the same of rows of a land, the last of which is all of its sources together, with their parts."""
+        say = self.say
+
+        def of(column: Column, row: tuple[LandDiagnosis, BudgetLine | None, float]) -> Any:
+            _, line, u = row
+            if line is not None:
+                return column.judged(line)
+            whole = {"annex.source": say("annex.combined"), "c · u(x)": u * UM}
+            return whole.get(column.words or column.key, "")
+
+        def part(row: tuple[LandDiagnosis, BudgetLine | None, float]) -> float:
+            return 1.0 if row[1] is None else row[1].fraction
+
+        yield from (replace(each, of=partial(of, each), times=None) for each in self._columns())
+        yield Column("annex.part_of_variance", "percent", 1, of=part, times=PERCENT)
 
     def _distribution(self, line: BudgetLine) -> str:
         return f"{self.say(f'annex.{line.source.shape}')}, {'A' if line.statistical else 'B'}"

@@ -134,7 +134,7 @@ def _name(column: Column, say: Wording) -> str:
     if title is None:
         title = say(column.key) if "." in column.key else column.title(say)
     unit = column.unit(say)
-    title = begun(title) if title[:2].isalpha() else title
+    title = begun(title) if len(title) > 1 and title[:2].isalpha() else title
     return f"{title}\n{unit}" if unit else title
 
 

@@ -142,21 +142,23 @@ _WORKSHOP = (
     "estimate", "condition", "photos", "notes",
 )  # fmt: skip
 _ANNEX = (
-    "matrix", "all", "shares", "conditions", "limits", "decisions", "assumptions", "messages", "method", "readings",
+    "all", "shares", "conditions", "limits", "decisions", "assumptions", "messages", "method", "readings",
     "budget", "provenance",
 )  # fmt: skip
-PDF_SECTIONS = (*_WORKSHOP, *_ANNEX, *_CUSTOMER)
+_BY_NAME = ("matrix",)  # printed where it is asked for: what it says of lands stands in the table of all of them
+PDF_SECTIONS = (*_WORKSHOP, *_BY_NAME, *_ANNEX, *_CUSTOMER)
 DOCUMENTS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "report": (*_WORKSHOP, *_CUSTOMER),
         "customer": _CUSTOMER,
         "workshop": _WORKSHOP,
         "annex": _ANNEX,
-        "all": PDF_SECTIONS,
+        "all": (*_WORKSHOP, *_ANNEX, *_CUSTOMER),
     }
 )
 """What one prints of a diagnosis, with the sections of each; the first is customer's and workshop's report together."""
 _ELSEWHERE = ("sleeve", "spool", "effective", "leakage", "interval")  # of lands: in the table of all of them
+_STUDY = "Dziubak & Szczepaniak, Energies 2023, 16, 7667"  # as the catalogue's files cite it
 CATALOGUE_LANGUAGE = "en"  # of the sources that the catalogue's files name
 _BARS = 16  # largest number of bars in the chart of shares
 
@@ -178,16 +180,21 @@ def chosen_sections(
     if sections is None:
         return tuple(name for name in DOCUMENTS[document] if not (without_sheet and name in _OF_LANDS))
     wanted = list(sections)
+    known = PDF_SECTIONS if document == "all" else (*DOCUMENTS[document], *(_BY_NAME if document == "annex" else ()))
     for name in wanted:
-        if name not in DOCUMENTS[document]:
-            raise unknown(Sentence("no such section"), name, DOCUMENTS[document])
+        if name not in known:
+            raise unknown(Sentence("no such section"), name, known)
     return tuple(name for name in PDF_SECTIONS if name in wanted)
 
 
 def _catalogue_source(source: str, say: Wording) -> str | dict[str, str]:
-    """Return a source in the reader's language, or marked as one of the catalogue's own where it has no other words."""
+    """Return a source in the reader's language, or marked as one of the catalogue's own where it has no other words.
+
+    The study, which the section on the method cites in full, is [1].
+    """
     named = say.name(source)
-    return passage(source, CATALOGUE_LANGUAGE, say) if named == source else named
+    cited = named.replace(_STUDY, "[1]")
+    return passage(cited, CATALOGUE_LANGUAGE, say) if named == source else cited
 
 
 class Body(PrintedPart):
@@ -206,9 +213,8 @@ class Body(PrintedPart):
         The first has facts and verdict at its head, and stands there for these alone where no section is wanted.
         """
         sections, say = self._sections(wanted), self.say
-        of_part = {
-            part: DOCUMENTS[part] for part in ("workshop", "annex") if set(DOCUMENTS[part]) <= set(DOCUMENTS[document])
-        }
+        every = {"workshop": _WORKSHOP, "annex": (*_BY_NAME, *_ANNEX)}
+        of_part = {part: names for part, names in every.items() if set(DOCUMENTS[part]) <= set(DOCUMENTS[document])}
         parts = [
             {"title": say(f"documents.{part}"), "sections": [each for each in sections if each["name"] in names]}
             for part, names in of_part.items()
@@ -221,6 +227,7 @@ class Body(PrintedPart):
         conditions, annex = Conditions(names), Annex(names)
         elsewhere: dict[str, Callable[[], Iterable[Block]]] = {
             "matrix": conditions.matrix,
+            "all": annex.lands,
             "pressures": Pressures(names).blocks,
             "repair_order": conditions.repair_order,
             "gauges": partial(gauge_blocks, self.diagnosis, self.say),
@@ -295,13 +302,6 @@ class Body(PrintedPart):
             lands = [names.land_number(land) for land, each in zip(within, kinds, strict=True) if each == kind]
             if lands:
                 yield text(say(f"texts.{key}", lands=joined(lands)))
-
-    def _all(self) -> Iterable[Block]:
-        names = self.names
-        table = names.lands.without("pair", "share_largest", "consequence", "decided_by", "decision")
-        yield printed(replace(table, group=names.pair))
-        at = names.say.condition(self.diagnosis.projection.condition)
-        yield text(self.say("texts.all_at", condition=at), small=True)
 
     def _shares(self) -> Iterable[Block]:
         say, names, at = self.say, self.names, self.diagnosis.projection
@@ -488,7 +488,8 @@ class Body(PrintedPart):
 
     def _assumptions(self) -> Iterable[Block]:
         section = assumed_section(self.diagnosis, self.say)
-        yield from section_blocks(section, lambda drawn: printed_chart(drawn.chart, self.say), self.say)["blocks"]
+        blocks = section_blocks(section, lambda drawn: printed_chart(drawn.chart, self.say), self.say)["blocks"]
+        yield from ({**block, "dense": True} if block["kind"] == "table" else block for block in blocks)
         yield bullets(self._taken())
 
     def _taken(self) -> Iterator[str]:
@@ -526,8 +527,8 @@ class Body(PrintedPart):
         yield text(" ".join(say(f"texts.method{name}", value=eccentric) for name in (*said, "_limits")))
         study = say("texts.source_study")
         sources = dict.fromkeys((diagnosis.controller.source, diagnosis.fluid.source, diagnosis.limits.source))
-        named = [_catalogue_source(each, say) for each in sources if each and each != study]
-        yield bullets([study, *named])
+        others = (each for each in sources if each not in ("", study, f"{_STUDY}, doi 10.3390/en16227667"))
+        yield bullets([f"[1] {study}", *(_catalogue_source(each, say) for each in others)])
 
     def _provenance(self) -> Iterable[Block]:
         say, job, profile = self.say, self.job, profile_words(self.diagnosis.profile, self.say)
@@ -549,13 +550,14 @@ class Body(PrintedPart):
         if diagnosis.pressures is not None:
             files["pressure_table"] = named_record(diagnosis.pressures.table, "file", "sha256")
         files |= {name: record[name] for name in ("controller", "fluid", "limits")}
-        yield listed(
+        hashes = listed(
             say,
             [(name, file) for name, file in files.items() if file.get("sha256")],
             Column("", words="", width=100, of=lambda each: say(f"facts.{each[0]}")),
             Column("file", width=150, of=lambda each: each[1].get("file") or each[1].get("id")),
-            Column("", words="SHA-256", width=400, of=lambda each: each[1]["sha256"]),
+            Column("", words="SHA-256", width=500, of=lambda each: each[1]["sha256"]),
         )
+        yield hashes and {**hashes, "dense": True}
 
 
 def picture_look(valves: int) -> tuple[int, float]:

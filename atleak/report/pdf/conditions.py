@@ -39,6 +39,20 @@ from atleak.report.tables.table import Column, Table
 ABREAST = 5  # conditions beside one another in a table
 
 
+def leaking_elsewhere(names: PrintedNames, rows: Iterable[MatrixRow]) -> Iterable[str]:
+    """Return one sentence for the lands that leak into the same circuits without drawing from the pump."""
+    say = names.say
+    lands: dict[tuple[str | None, ...], list[LandDiagnosis]] = {}
+    for row in rows:
+        if row.circuits:
+            lands.setdefault(row.circuits, []).append(row.land)
+    for circuits, leaking in lands.items():
+        into = joined(
+            say("texts.another_circuit") if circuit is None else names.section(circuit) for circuit in circuits
+        )
+        yield say("texts.elsewhere", lands=joined(map(names.land_number, leaking)), circuits=into)
+
+
 class Conditions(PrintedPart):
     """What a report says about each condition."""
 
@@ -67,21 +81,8 @@ class Conditions(PrintedPart):
             return
 
         yield from self._abreast(matrix_table(self.diagnosis, rows, say).without("elsewhere"))
-        said = (say("texts.matrix"), shares_add_up(self.diagnosis, say), *self._elsewhere(rows))
+        said = (say("texts.matrix"), shares_add_up(self.diagnosis, say), *leaking_elsewhere(self.names, rows))
         yield text(" ".join(said), small=True)
-
-    def _elsewhere(self, rows: Iterable[MatrixRow]) -> Iterable[str]:
-        """Return one sentence for the lands that leak into the same circuits without drawing from the pump."""
-        say = self.say
-        lands: dict[tuple[str | None, ...], list[LandDiagnosis]] = {}
-        for row in rows:
-            if row.circuits:
-                lands.setdefault(row.circuits, []).append(row.land)
-        for circuits, leaking in lands.items():
-            into = joined(
-                say("texts.another_circuit") if circuit is None else self.names.section(circuit) for circuit in circuits
-            )
-            yield say("texts.elsewhere", lands=joined(map(self.names.land_number, leaking)), circuits=into)
 
     # --- repairs
 

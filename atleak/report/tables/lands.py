@@ -239,11 +239,13 @@ def matrix_table(diagnosis: Diagnosis, rows: Sequence[MatrixRow], say: Wording) 
     return Table("matrix", columns, rows, say)
 
 
-def share_cell(cell: LandAtCondition, say: Wording) -> Judged:
-    """Return a share at one condition in the colour of its own verdict; nothing where nothing leaks."""
+def share_cell(cell: LandAtCondition, say: Wording, *, unit: bool = True) -> Judged:
+    """Return a share at one condition in the colour of its own verdict, with % or without; nothing where none leaks."""
     if cell.leakage == 0.0:
         return Judged(None)
-    return Judged(say.percent(cell.share, 2) if math.isfinite(cell.share) else say("diagnosis.no_flow"), cell.verdict)
+    if not math.isfinite(cell.share):
+        return Judged(say("diagnosis.no_flow"), cell.verdict)
+    return Judged(say.percent(cell.share, 2) if unit else say.number(cell.share * PERCENT, 2), cell.verdict)
 
 
 def clearance(land: LandDiagnosis, say: Wording) -> str:

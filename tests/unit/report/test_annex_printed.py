@@ -20,7 +20,7 @@ from atleak.common.units import UM
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
-from atleak.diagnosis.uncertainty.results import MOST_BUDGETS
+from atleak.diagnosis.uncertainty.results import MOST_BUDGETS, budget_lines
 from atleak.equations.statistics import normal_cdf
 from atleak.measurements.job_card import Job
 from atleak.report.pdf import write_pdf
@@ -57,11 +57,18 @@ def column(table: dict[str, Any], name: str) -> list[str]:
 
 def test_every_measured_land_stands_with_its_decision_the_good_ones_too(worn: Diagnosis) -> None:
     names = names_of(worn)
-    unit, lands = of_kind(Annex(names).decisions(), "table")
+    (unit,), (lands,) = (of_kind(of(), "table") for of in (Annex(names).decisions, Annex(names).lands))
     decided = [land for land in worn.lands if land.decision is not None]
-    assert len(decided) > len(worn.flagged) > 0
-    assert column(lands, "land") == [names.land_number(land) for land in decided]
-    assert column(lands, "decision") == [names.say.get("decisions", land.decision) for land in decided]
+    assert len(worn.lands) > len(decided) > len(worn.flagged) > 0
+    assert column(lands, "land") == [names.land_number(land) for land in worn.lands], "each in one table, once"
+    words = [names.say.get("decisions", land.decision) if land.decision else "–" for land in worn.lands]
+    assert column(lands, "decision") == words
+    for number, at in enumerate(worn.presented, start=1):
+        said = [cell["text"] if isinstance(cell, dict) else cell for cell in column(lands, f"share {number}")]
+        drawn = [at.share_drawn_by(land.key) for land in worn.lands]
+        leaks = [at.leakage_of(land.key) > 0.0 for land in worn.lands]
+        wanted = [f"{each * 100.0:.2f}" if any_ else "–" for each, any_ in zip(drawn, leaks, strict=True)]
+        assert said == wanted
     totals = [names.rule_name(rule) for rule in worn.total_rules]
     assert set(totals) <= set(column(unit, "rule"))
     first = column(unit, "decision")[column(unit, "rule").index(totals[0])]
@@ -80,8 +87,9 @@ def test_rule_risk_and_expanded_uncertainty_are_said(worn: Diagnosis, language: 
 
 def test_every_reading_is_printed_once_below_its_direction(worn: Diagnosis) -> None:
     (table,) = of_kind(Annex(names_of(worn)).readings(), "table")
+    assert len(table["rows"]) == len({(each.component, each.plane) for each in worn.readings.readings})
     for direction in (0.0, 90.0):
-        cells = column(table, f"{direction:g}°")
+        cells = [cell for part in ("sleeve", "spool") for cell in column(table, f"{part}\n{direction:g}°")]
         printed = [number for cell in cells for number in re.findall(r"\d+\.\d{4}", cell)]
         read = [each.diameter * 1e3 for each in worn.readings.readings if each.direction == direction]
         assert len(printed) == len(read) > len(cells) > 0
@@ -129,7 +137,8 @@ def test_long_names_of_valves_stand_above_rows_of_one_height(hipol, limits, read
         written = "\n".join(page.get_textpage().get_text_bounded() for page in document)
         page = document[1].get_textpage()
         boxes = [page.get_rect(each) for each in range(page.count_rects())]
-        rows = {round(box[1], 1) for box in boxes if re.fullmatch(r"(Hülse|Schieber)\s*", page.get_text_bounded(*box))}
+        said = ((box, page.get_text_bounded(*box).strip()) for box in boxes)
+        rows = {round(box[1], 1) for box, word in said if re.match(r"\d+,\d{4}", word)}
     apart = [round(above - below, 1) for below, above in pairwise(sorted(rows))]
     row = min(apart)
     assert len(apart) >= 3
@@ -169,29 +178,37 @@ def test_a_reading_that_does_not_count_stands_in_brackets(worn: Diagnosis) -> No
     with_slip = replace(worn.readings, readings=(*readings, third))
     again = judged(worn, with_slip)
     (table,) = of_kind(Annex(names_of(again)).readings(), "table")
-    cell = column(table, "0°")[0]
+    part = readings[0].part
+    rows = [place for place, each in enumerate(column(table, "part")) if each == part]
+    cell = column(table, "0°")[rows[0]]
     assert f"({third.diameter * 1e3:.4f})" in cell
-    assert column(table, "mean")[0] == of_mean(worn)
+    assert column(table, "mean")[rows[0]] == of_mean(worn, part)
 
 
 def judged(worn: Diagnosis, readings: Any) -> Diagnosis:
     return diagnose(worn.controller, worn.fluid, worn.limits, readings=readings)
 
 
-def of_mean(worn: Diagnosis) -> str:
+def of_mean(worn: Diagnosis, part: str) -> str:
     (table,) = of_kind(Annex(names_of(worn)).readings(), "table")
-    return column(table, "mean")[0]
+    return column(table, f"{part}\nmean")[0]
 
 
 def test_the_budget_of_every_flagged_land_adds_up_to_its_uncertainty(worn: Diagnosis) -> None:
     flagged = [land for land in worn.flagged if land.uncertainty.u_clearance][:MOST_BUDGETS]
-    tables = of_kind(Budget(names_of(worn)).blocks(), "table")
-    assert len(tables) == len(flagged) > 1
-    for land, table in zip(flagged, tables, strict=True):
-        *parts, whole = map(float, column(table, "c · u(x)"))
+    common, table = of_kind(Budget(names_of(worn)).blocks(), "table")
+    assert len(flagged) > 1
+    shared = list(map(float, column(common, "c · u(x)")))
+    assert len(shared) > 2
+    starts = [place for place, row in enumerate(table["rows"]) if len(row) == 1]
+    assert len(starts) == len(flagged)
+    for land, start, end in zip(flagged, starts, [*starts[1:], None], strict=True):
+        own = {**table, "rows": table["rows"][start + 1 : end]}
+        *parts, whole = map(float, column(own, "c · u(x)"))
         assert whole == pytest.approx(land.uncertainty.u_clearance * UM, abs=0.006)
-        assert sum(part**2 for part in parts) ** 0.5 == pytest.approx(whole, abs=0.02)
-        assert column(table, "part")[-1] == "100.0"
+        assert sum(part**2 for part in (*shared, *parts)) ** 0.5 == pytest.approx(whole, abs=0.02)
+        assert len(shared) + len(parts) == len(budget_lines(land.uncertainty.sources))
+        assert column(own, "part")[-1] == "100.0"
 
 
 def test_dates_revision_and_who_are_told_apart_and_the_end_is_marked(worn: Diagnosis) -> None:
@@ -239,7 +256,11 @@ def test_what_was_decided_names_its_valve_in_the_reader_s_language(worn: Diagnos
 
 def test_a_loss_that_may_be_far_more_but_hardly_less_has_its_interval_instead_of_u(worn_clutch: Diagnosis) -> None:
     (unit, *_) = of_kind(Annex(names_of(worn_clutch)).decisions(), "table")
-    decided = [decision for rule in worn_clutch.unit_rules if (decision := worn_clutch.decided(rule)) is not None]
+    known = [decision for rule in worn_clutch.unit_rules if (decision := worn_clutch.decided(rule)) is not None]
+    decided = [each for each in known if each.value or each.probability_over_limit or any(each.interval or ())]
+    (text,) = (block["text"] for block in of_kind(Annex(names_of(worn_clutch)).decisions(), "text") if block["small"])
+    assert wording("en")("annex.left_out", count=len(known) - len(decided)) in text
+    assert len(known) > len(decided)
     shown = [row[unit["names"].index(wording("en")("annex.u_or_interval"))] for row in unit["rows"]]
     assert len(shown) == len(decided)
     skewed = [each for each in decided if each.skewed]

@@ -16,6 +16,7 @@ import pypdfium2
 import pytest
 from PIL import Image
 
+import atleak
 from atleak.catalogue.controller_file import load_controller
 from atleak.common.style import PAPERS
 from atleak.common.translations import languages
@@ -25,6 +26,7 @@ from atleak.diagnosis.examination import diagnose
 from atleak.measurements.job_card import Job
 from atleak.measurements.readings import Reading, Readings
 from atleak.report.pdf import write_pdf
+from tests.unit.report.read_back import pages_of
 
 LONG = "Hydraulischer Hauptdruck-Regelventilkolben mit Verstärkungshülse und Rückstellfeder"
 SHORT = "Valve"
@@ -221,3 +223,15 @@ def test_in_us_units_nothing_is_cut_or_covered_and_small_uncertainties_have_digi
     assert "µin" in budgets
     assert "0.000000" not in budgets
     assert not re.search(r"\d\s(µm|K)\b|/K\b", budgets)
+
+
+def test_the_sample_s_workshop_report_has_four_pages_and_its_annex_eight_at_most(
+    four_speed, hipol, limits, sample_readings, sample_log
+) -> None:
+    readings, road = atleak.read_readings(sample_readings, four_speed), atleak.read_road_test(sample_log)
+    found = diagnose(four_speed, hipol, limits, readings=readings, road_test=road)
+    assert len(found.lands) == 47
+    assert found.log is not None
+    pages = {name: len(pages_of(write_pdf(found, document=name))) for name in ("workshop", "annex")}
+    assert pages["workshop"] <= 4
+    assert pages["annex"] <= 8
