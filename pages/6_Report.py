@@ -11,7 +11,7 @@ from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import DOCUMENTS
 from atleak.report.xlsx import write_workbook
-from pages.shared import conditions, customer, font_form, panel, reader, show
+from pages.shared import comparison, conditions, customer, font_form, panel, reader, show
 from pages.shared.cases import case_with_columns
 from pages.shared.state import job
 
@@ -37,9 +37,11 @@ with st.expander(say("take_along.sections")):
     )  # fmt: skip
 sections = [name for name in of_document if name in picked]
 font_form.draw_missing([record])
+visits = None if document in ("workshop", "annex") else comparison.beside()
 of_pdf = partial(
-    write_pdf, diagnosis, record, language=language, paper=paper, document=document, sections=sections, units=say.units
-)
+    write_pdf, diagnosis, record, language=language, paper=paper, document=document, sections=sections, units=say.units,
+    visits=visits,
+)  # fmt: skip
 downloads: dict[str, tuple[str, Callable[[], str | bytes]]] = {
     "pdf": ("pdf", font_form.printing(of_pdf)),
     "workbook": ("xlsx", partial(write_workbook, diagnosis, record, language=language, paper=paper, units=say.units)),

@@ -134,7 +134,7 @@ def _diagnosed(options: argparse.Namespace) -> int:
 
         sections = None if options.sections is None else [name.strip() for name in options.sections.split(",")]
         document = "all" if sections is not None and document == "report" else document  # no part was named
-        return write_pdf(diagnosis, job, **printed, document=document, sections=sections, font=font)
+        return write_pdf(diagnosis, job, **printed, document=document, sections=sections, font=font, visits=None)
 
     def job_file() -> bytes:
         from atleak.job.zip_file import write_job_file

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
+from atleak.analysis.changes import Comparison
 from atleak.common.errors import Message
 from atleak.common.sentences import Sentence
 from atleak.common.style import DEFAULT_PAPER
@@ -37,6 +38,7 @@ def write_pdf(
     sections: Iterable[str] | None = None,
     units: str = "metric",
     font: OwnFont | None = None,
+    visits: Comparison | None = None,
 ) -> bytes:
     """Return the bytes of the report.
 
@@ -59,6 +61,8 @@ def write_pdf(
         one of `atleak.common.units.SYSTEMS`.
     font
         for characters that the bundled fonts lack.
+    visits
+        this result beside that of another visit of the unit, for the customer's page.
 
     Raises
     ------
@@ -73,7 +77,7 @@ def write_pdf(
     filled, say = job or Job(), wording(language, units)
     chosen = chosen_sections(sections, document, without_sheet=diagnosis.without_sheet)
     words = say("title.report"), say("title.subject")
-    data = partial(report_data, diagnosis, filled, say, chosen, document=document)
+    data = partial(report_data, diagnosis, filled, say, chosen, document=document, visits=visits)
     return write_page("report", words, filled, paper, say, data, date=filled.date, font=font)
 
 
@@ -97,16 +101,19 @@ def report_data(
     pictures: dict[str, str],
     *,
     document: str = "all",
+    visits: Comparison | None = None,
 ) -> dict[str, Any]:
     """Return what the template of the report places beside `common_data`."""
     computed = diagnosis.road if diagnosis.judged and "road_test" in chosen else None  # else it is that of a new unit
     series = None if computed is None else road_series(computed, _ROAD_POINTS)
     names = PrintedNames(diagnosis, job, say)
     front, parts = Front(names), Body(names, series, pictures).parts(chosen, document)
-    customer = CustomerPage(names, signed="signatures" in chosen).data(behind=parts[0]["title"] if parts else "")
+    page = CustomerPage(names, signed="signatures" in chosen, visits=visits)
     return {
         "end": Annex(names).end(),
-        "customer": None if document in ("workshop", "annex") else customer,
+        "customer": None
+        if document in ("workshop", "annex")
+        else page.data(behind=parts[0]["title"] if parts else "", pictures=pictures),
         "facts": front.facts(),
         "verdict": front.verdict(),
         "parts": parts,

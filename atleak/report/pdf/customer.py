@@ -1,122 +1,139 @@
-"""Build the first page, for the customer: the verdict, his complaint beside the finding, which valves, what to do.
+"""Build the first page, for the customer, with the sections of his screen: the answer, the picture, what it costs.
 
-A reader who repairs no cars must be able to say after 20 seconds what is wrong, how bad it is and what to do. The page
+A reader who repairs no cars must be able to say after 20 seconds what is wrong, what to do and what it costs. The page
 stays one page: lists and the complaint are built in several lengths, and the template takes the longest that fits.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, starmap
+from types import MappingProxyType
 from typing import Any
 
 from atleak.analysis.answer import answer_of
+from atleak.analysis.changes import Comparison
 from atleak.analysis.estimate import Line
 from atleak.analysis.pressures import lowest_first, pressures_at
 from atleak.analysis.record_doubts import components_of, needless_work
-from atleak.analysis.repair.totals import Total
 from atleak.catalogue.castings import sound_casting
 from atleak.common.units import KPA, PERCENT
 from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import begun, isolated, joined
 from atleak.diagnosis.consequence import Consequence
+from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.missing import Cause
-from atleak.engine.operation import LINE
 from atleak.measurements.job_card import RepairDecision
 from atleak.report.charts.casting import casting_drawing
 from atleak.report.charts.drawing import controller_svg, shortened
 from atleak.report.pdf.blocks import Block, listed, signatures
 from atleak.report.printed_names import PrintedNames, PrintedPart
-from atleak.report.tables.answer import answer_facts
-from atleak.report.tables.complaint import End, WornValve, explanations, most_lost, worn_valves
+from atleak.report.tables.answer import answer_lines
+from atleak.report.tables.complaint import WornValve, explanations, most_lost, worn_valves
 from atleak.report.tables.first_sentence import impossible_part, may_parts, measured_sentence, shown_verdict, worn_pump
 from atleak.report.tables.names import has_number, is_whole_body
 from atleak.report.tables.repairs import repair_name
-from atleak.report.tables.sentences import consequence_words, service_mileage
-from atleak.report.tables.table import VERDICT, Column, Judged, Table
+from atleak.report.tables.sentences import service_mileage
+from atleak.report.tables.table import Column
 
 _NAMED = 4  # valves that a sentence names
-FELT = 2  # complaints, and ways of the oil, that are named for one valve
 _ROW = 6  # valves that are drawn, beside one another
 _ABREAST = 4  # for which there is room beside one another at the least, so that few are not drawn larger
 _ON_SCREEN = 3  # valves beside one another: a phone is narrow
 _LETTERS = 1.6  # against those of the drawing of all valves
-_DIGITS = 3  # decimals of a share at the most
 
 
 @dataclass(frozen=True)
 class _Length:
     """How much of everything that can be long stands on the page."""
 
-    valves: int
     letters: int  # of the complaint
     lines: int  # of the estimate
     sentences: int = 99  # of the finding, and of what to do
 
 
 _LENGTHS = (
-    *starmap(
-        _Length,
-        ((8, 700, 10), (6, 480, 8), (5, 320, 6), (4, 240, 5), (4, 180, 4), (3, 150, 3), (2, 120, 3), (2, 100, 2)),
-    ),
-    *starmap(_Length, ((2, 100, 2, 3), (1, 100, 1, 3), (1, 60, 1, 2), (0, 60, 1, 1), (0, 60, 1, 0), (0, 60, 0, 1))),
+    *starmap(_Length, ((700, 10), (480, 8), (320, 6), (240, 5), (180, 4), (150, 3), (120, 3), (100, 2))),
+    *starmap(_Length, ((100, 2, 3), (100, 1, 3), (60, 1, 2), (60, 1, 1), (60, 1, 0), (60, 0, 1))),
 )
 
 
-def digits_apart(totals: Iterable[Total]) -> int:
-    """Return the fewest decimals, one at least, with which shares of different bands are different numbers, too."""
-    totals = [*totals]
-
-    def apart(digits: int) -> bool:
-        bands: dict[float, Band] = {}
-        return all(bands.setdefault(round(each.share * PERCENT, digits), each.band) == each.band for each in totals)
-
-    return next(filter(apart, range(1, _DIGITS)), _DIGITS)
-
-
 class CustomerPage(PrintedPart):
-    """The first page of one report; ``signed`` puts the signatures on it."""
+    """The first page of one report.
 
-    def __init__(self, names: PrintedNames, *, signed: bool) -> None:
+    Parameters
+    ----------
+    signed
+        puts the signatures on it.
+    visits
+        this result beside that of another visit of the unit.
+    """
+
+    def __init__(self, names: PrintedNames, *, signed: bool, visits: Comparison | None = None) -> None:
         super().__init__(names)
         self.signed = signed
         shown = shown_verdict(names.diagnosis)
         self.verdict = names.diagnosis.urgency if shown.flagged else shown
+        known = visits is not None and _total_known(visits.before) and _total_known(visits.after)
+        leading = visits.leading if visits is not None and known else None
+        both = (None, None) if leading is None else (leading.before, leading.after)
+        self._is_later = visits is not None and visits.after is self.diagnosis
+        here, self._other = both[::-1] if self._is_later else both
+        self._worst = here or self.diagnosis.worst
+        self._changed = leading is not None and leading.share is not None and leading.share.significant is not False
 
     @cached_property
     def valves(self) -> tuple[WornValve, ...]:
         """Return the valves that have reached a limit, the worst first."""
         return worn_valves(self.diagnosis, self.names.plan.choice) if self.diagnosis.flagged else ()
 
-    def data(self, *, behind: str = "") -> dict[str, Any]:
-        """Return everything that the template places; ``behind`` is what follows the page."""
-        say, diagnosis, found, do = self.say, self.diagnosis, list(self._found()), list(self._do())
-        short, whole = (self._answer(whole=each) for each in (False, True))
+    def data(self, *, behind: str = "", pictures: Mapping[str, str] = MappingProxyType({})) -> dict[str, Any]:
+        """Return everything that the template places.
+
+        Parameters
+        ----------
+        behind
+            what follows the page.
+        pictures
+            files of the job's pictures by their names.
+        """
+        say, diagnosis = self.say, self.diagnosis
+        wrong, found, do = (list(each) for each in (self._wrong(), self._found(), self._do()))
+        sure = answer_lines(answer_of(diagnosis), say, whole=False).sure
         return {
-            "title": say("customer.title"),
+            "title": say("customer_screen.title"),
             "about": self._about(),
             "key": self.verdict,
             "headline": say(f"customer.{self._case or self._told_as}"),
             "urgency": [say("customer.urgency"), say(f"customer.urgent_{self._urgency}", mileage=self._service)],
-            "answer": [whole if each.sentences > len(found) else short for each in _LENGTHS],
+            "answer": [
+                [
+                    [name, said]
+                    for name, said in (
+                        (say("answer.wrong"), " ".join(wrong[: max(each.sentences, 1)])),
+                        (say("answer.do"), " ".join(do[: max(each.sentences, 1)])),
+                        (say("customer.cost"), self._sum()),
+                        (say("answer.sure"), sure),
+                    )
+                    if said
+                ]
+                for each in _LENGTHS
+            ],
             "caveats": [say(f"customer.{name}") for name in ("provisional", "upper_bound") if getattr(diagnosis, name)],
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in _LENGTHS]},
             "found": {"title": say("customer.found"), "texts": [found[: each.sentences] for each in _LENGTHS]},
-            "valves": self._valves(),
+            "valves": say("customer.valves"),
             "drawings": self.drawings(),
-            "do": {"title": say("customer.do"), "texts": [" ".join(do[: each.sentences]) for each in _LENGTHS]},
+            "photo": self._photo(pictures),
+            "bars": {"title": self.bars_at, "rows": [*self.bars()], "note": self._tighter()},
             "cost": self._cost(),
             "signatures": self._signatures() if self.signed else None,
             "follows": say("customer.follows", part=behind) if behind else "",
             "lengths": len(_LENGTHS),
         }
-
-    def _answer(self, *, whole: bool) -> list[list[str]]:
-        """Return the three lines of the answer; where there is no room for all of them, the first sentence of each."""
-        return [list(row) for row in answer_facts(self.diagnosis, self.say, whole=whole).rows]
 
     @cached_property
     def _planned(self) -> list[str]:
@@ -223,24 +240,80 @@ class CustomerPage(PrintedPart):
             return words
         return self.say("customer.cut", text=words[:letters].rsplit(" ", 1)[0].rstrip(" ,;."))
 
-    def _found(self) -> Iterator[str]:
-        """Say what was measured, what is lost by it, which pressure falls, and what the complaint has to do with it."""
+    def _wrong(self) -> Iterator[str]:
+        """Say what is wrong: with the unit, its pump or its valves, and which pressure falls."""
         say, diagnosis = self.say, self.diagnosis
         finding, pump = measured_sentence(diagnosis, say), worn_pump(diagnosis, say)
         if diagnosis.impossible:
             yield f"{begun(impossible_part(diagnosis, say))}."
         elif pump is not None:
             yield pump
+        if self.valves:
+            yield say("customer.worn_valves", valves=self._named(each.component for each in self.valves))
+        yield from self.held()
+        if any(not diagnosis.can_wait(land) for land in diagnosis.flagged):
+            yield say("customer_screen.escapes")
+        if finding is not None:
+            yield finding
+
+    @property
+    def sentence(self) -> str:
+        """Say what was lost at the visit before and is lost now, where that is not the measuring alone; else why."""
+        if self._other is not None and self._changed and self._is_later:
+            before, now = (self.say.number(each.share * PERCENT, 0) for each in (self._other, self._worst))
+            return self.say("customer_screen.since", before=before, now=now)
+        return next(self.held(), self.say("customer_screen.escapes") if self.valves else "")
+
+    @property
+    def bars_at(self) -> str:
+        """Say what the bars are of, and where."""
+        return self.say("customer_screen.bars", condition=self.say.condition(self._worst.condition))
+
+    def bars(self) -> Iterator[dict[str, Any]]:
+        """Yield how much of what the pump delivers is lost now, at another visit, after the repairs and when new."""
+        worst = self._worst
+        if not _total_known(self.diagnosis) or worst.pump_capacity <= 0.0:
+            return
+        lost = {"now": worst.share}
+        if self._other is not None:
+            lost = {"before": self._other.share, **lost} if self._is_later else {**lost, "later": self._other.share}
+        lost |= self._repaired | {"new": self.diagnosis.new_at(worst).share}
+        for name, share in lost.items():
+            litres = self.say.number(share * PERCENT, 0)
+            said, width = self.say(f"customer_screen.{name}"), round(min(share, 1.0), 3)
+            yield {"name": said, "litres": litres, "width": width, "now": name == "now"}
+
+    @cached_property
+    def _repaired(self) -> dict[str, float]:
+        """Return what is lost with the repairs of the estimate, or with the planned ones where none is made."""
+        words = self.names.estimate
+        if words is not None:
+            done = any(line.carried_out for line in words.estimate.lines)
+            name, ends = "after", words.estimate.ends if done else ()
+        else:
+            due = self.verdict.calls_for_repair and self.names.plan.order
+            name, ends = "planned", self.names.plan.ends if due else ()
+        end = next((each for each in ends if each.condition == self._worst.condition), None)
+        return {} if end is None else {name: end.share}
+
+    def _tighter(self) -> str:
+        """Say why less may be lost after the repairs than in a new unit."""
+        new = self.diagnosis.new_at(self._worst).share
+        shown = (self.say.number(each * PERCENT, 0) for each in (*self._repaired.values(), new))
+        less = any(each < new for each in self._repaired.values()) and len({*shown}) > 1
+        return self.say("customer.tighter") if less else ""
+
+    def _found(self) -> Iterator[str]:
+        """Say what was measured, what is lost by it where no bars do, and what the complaint has to do with it."""
+        say, diagnosis = self.say, self.diagnosis
         if diagnosis.without_sheet:
             yield say("customer.no_sheet")
         elif diagnosis.judged:
             yield self._measured()
-        if finding is not None:
-            yield finding
-        yield from self.lost()
+        if not any(self.bars()):
+            yield from self.lost()
         if not self._not_the_valves:
             yield from self._explained()
-        yield from self.held()
         for said in may_parts(diagnosis, say):
             yield f"{begun(said)}."
         half = sum(land.state.measured for land in diagnosis.unmeasured)
@@ -264,7 +337,6 @@ class CustomerPage(PrintedPart):
         waits = sum(map(self.diagnosis.can_wait, flagged))
         later = len(self._before_service)
         said = [self.say("customer.seal"), found]
-        said += [self.say("customer.escapes")] if waits < len(flagged) else []
         said += [self.say("customer.waits", count=waits)] if waits else []
         said += [self.say("customer.later", count=later, mileage=self._service)] if later else []
         return " ".join(said)
@@ -285,10 +357,10 @@ class CustomerPage(PrintedPart):
                 yield say(f"customer.{key}", condition=condition, new=new)
         else:
             key = "lost_over" if at.share > 1.0 else "lost"
-            yield say(f"customer.{key}", condition=condition, share=say.percent(at.share), band=self._worst, new=new)
+            yield say(f"customer.{key}", condition=condition, share=say.percent(at.share), band=self._reached, new=new)
 
     @property
-    def _worst(self) -> str:
+    def _reached(self) -> str:
         """Return the word of the band that the total reached where it is worst, with "just" where that is not sure."""
         rule = self.diagnosis.worst_total
         decided, word = self.diagnosis.decided(rule), self.say.level(Band(rule.level))
@@ -362,72 +434,13 @@ class CustomerPage(PrintedPart):
         components = components_of(decision, controller)
         return self.say("plan.whole_body") if is_whole_body(controller, components) else self._named(components)
 
-    def _valves(self) -> Block | None:
-        if not self.valves:
-            return None
-        say, waiting = self.say, [each for each in self.valves if each.urgency is not each.verdict]
-        columns = (
-            Column("customer.valve", width=250, of=lambda each: self._valve(each.component)),
-            Column("verdict", None if waiting else VERDICT, width=250, of=self._urgent),
-            Column("customer.from_to", width=250, of=self._paths),
-            Column("customer.felt", width=300, of=self._felt),
-            Column("customer.alone", width=350, of=self._alone),
-        )
-        filled = Table("", columns, self.valves, say).filled.columns
-        shortened_to = [self.valves[: each.valves] for each in _LENGTHS]
-        note = say("customer.alone_means") if any(each.helped for each in self.valves) else ""
-        return {
-            "title": say("customer.valves"),
-            "tables": [listed(say, each, *filled) for each in shortened_to],
-            "notes": [joined((self._more(len(self.valves) - len(each)), note), " ") for each in shortened_to],
-        }
-
-    def _urgent(self, valve: WornValve) -> Verdict | Judged:
-        """Return the verdict of a valve; of one whose wear does nothing now, in words, till when it can wait."""
-        if valve.urgency is valve.verdict:
-            return valve.verdict
-        land = max(valve.lands, key=lambda land: self.diagnosis.consequences[land.key].rank)
-        return Judged(consequence_words(self.diagnosis, land, self.say), valve.urgency)
-
     def _more(self, count: int) -> str:
         return self.say("customer.more", count=count) if count else ""
-
-    def _paths(self, valve: WornValve) -> str:
-        ends = ((self._pressure(high), self._end(low)) for high, low in valve.paths)
-        words = dict.fromkeys(self.say("customer.from_to_value", before=high, after=low) for high, low in ends)
-        return joined([*words][:FELT], "; ")
-
-    def _end(self, end: str | End) -> str:
-        return self.say(f"customer.{end.value}") if isinstance(end, End) else self._pressure(end)
 
     def _pressure(self, section: str) -> str:
         """Name a section as people say it."""
         letters = f" {section}"
         return self.names.section(section).removesuffix(letters)
-
-    def _felt(self, valve: WornValve) -> str:
-        say = self.say
-        complaints = [say.name(each.label) for each in valve.complaints[:FELT]]
-        losses = [
-            say("customer.less_pressure", circuit=self._pressure(held.id), loss=self._kpa(loss))
-            for held, loss in valve.costs
-        ]
-        return joined((*complaints, *losses), "; ")
-
-    def _alone(self, valve: WornValve) -> Judged:
-        if valve.helped is None:
-            return Judged(None)
-        say, (at, rule) = self.say, valve.helped
-        condition, both = self.say.condition(at.condition), (at.before, at.after)
-        if rule is None:
-            digits, band = digits_apart(both), at.after.band
-            before, after = (say.percent(total.share, digits) for total in both)
-            values = {"before": before, "after": after, "band": say.level(band), "condition": condition}
-            return Judged(say("customer.alone_share", **values), band)
-        held = LINE if rule.circuit is None else rule.circuit.id
-        before, after = (self._kpa(total.pressures[held]) for total in both)
-        values = {"before": before, "after": after, "circuit": self._pressure(held), "condition": condition}
-        return Judged(say("customer.alone_pressure", **values), rule.verdict)
 
     def drawings(self, *, on_screen: bool = False) -> list[Block]:
         """Return the drawings of the valves that have reached a limit, the best first: on the photo, and a schematic.
@@ -457,6 +470,15 @@ class CustomerPage(PrintedPart):
         enough = next(number for number, each in enumerate(_LENGTHS) if not each.sentences)  # what to do is said
         shown = photo.html if on_screen else photo.svg
         return [{"svg": shown, "alt": alt, "least": 0.6, "lengths": enough}, schematic]
+
+    def _photo(self, pictures: Mapping[str, str]) -> dict[str, str] | None:
+        """Return the job's photo of the worst valve of which there is one."""
+        of = {photo.component: photo for photo in reversed(self.job.photos)}
+        shown = next((of[each.component] for each in self.valves if each.component in of), None)
+        if shown is None or shown.file not in pictures:
+            return None
+        caption = joined((self._valve(shown.component), shown.caption), " · ")
+        return {"file": pictures[shown.file], "caption": caption, "alt": caption}
 
     # --- what to do
 
@@ -497,8 +519,11 @@ class CustomerPage(PrintedPart):
             return
         yield say("customer.do_repair", valves=self._named(due))
         yield from self._elsewhere()
-        steps = {step.land.key[0] for step in self.names.plan.steps}
-        yield from self._brings(due, alone=len(due) == 1 or len(steps) == 1)
+        words, plan = self.names.estimate, self.names.plan
+        if words is not None:  # the work that is agreed to with this page
+            yield say(f"customer.do_{'past' if words.estimate.past else 'green'}_estimate")
+        else:
+            yield say(f"customer.do_{'green' if plan.reached else 'past'}_plan")
         waiting = [each.component for each in self.valves if each.urgency is not each.verdict]
         if waiting:
             yield say("customer.do_wait", valves=self._named(waiting))
@@ -510,40 +535,6 @@ class CustomerPage(PrintedPart):
             return
         if not explanations(diagnosis, diagnosis.complaint):
             yield self.say("customer.do_elsewhere")
-
-    def _brings(self, due: Sequence[str], *, alone: bool) -> Iterator[str]:
-        """Say what the best repair brings by itself, and what all of them bring."""
-        say, plan, worst = self.say, self.names.plan, self.diagnosis.worst
-        words = self.names.estimate
-        ends, reached = plan.ends, plan.reached
-        if words is not None:  # the work that is agreed to with this page
-            ends, reached = words.estimate.ends, not words.estimate.past
-        of = "estimate" if words is not None else "plan"
-        yield say(f"customer.do_{'green' if reached else 'past'}_{of}")
-        condition = self.say.condition(worst.condition)
-        end = next((each for each in ends if each.condition == worst.condition), None)
-        if end is not None and plan.order:
-            of_new = self.diagnosis.valve_body.new_at(worst).share
-            after, new = say.percent(end.share), say.percent(of_new)
-            key = "do_all_tighter" if end.share < of_new and after != new else "do_all"
-            yield say(f"customer.{key}", condition=condition, after=after, band_after=say.level(end.band), new=new)
-        first = max(
-            (each for each in self.valves if each.component in due),
-            key=lambda each: brought.saving if (brought := each.brings(worst)) else 0.0,
-            default=None,
-        )
-        brings = first.brings(worst) if first is not None else None
-        if first is not None and brings is not None and brings.saving > 0.0 and not alone:
-            digits = digits_apart((brings.before, brings.after))
-            yield say(
-                "customer.do_first",
-                valve=self._valve(first.component),
-                condition=condition,
-                before=say.percent(brings.before.share, digits),
-                band_before=self._worst,
-                after=say.percent(brings.after.share, digits),
-                band_after=say.level(brings.after.band),
-            )
 
     # --- what it costs, and who signs
 
@@ -564,12 +555,7 @@ class CustomerPage(PrintedPart):
         unpriced = [line for line in words.estimate.lines if not can_be_agreed_to(line)]
         tables = [listed(say, lines[: each.lines], *columns) for each in _LENGTHS]
         more = [max(len(lines) - each.lines, 0) for each in _LENGTHS]
-        due = words.estimate.total
-        sums, values = "", {"amount": words.summed(due.gross, due.complete), "currency": words.estimate.currency}
-        if due.gross is not None and due.tax is None:
-            sums = say("customer.sum", **values)
-        elif due.gross is not None:
-            sums = say("customer.sum_with_tax", tax=words.money(due.tax), **values)
+        sums, due = self._sum(), words.estimate.total
         named = self._first(self.about(line.decision) for line in unpriced)
         notes = [say("customer.unpriced", valves=named)] if unpriced else []
         notes += [say("customer.at_least")] if sums and not due.complete else []
@@ -581,6 +567,17 @@ class CustomerPage(PrintedPart):
             "notes": [joined((self._more(count), *notes), " ") for count in more],
             "sum": sums,
         }
+
+    def _sum(self) -> str:
+        """Say what the estimate adds up to; that no price is known, where a repair is called for."""
+        say, words = self.say, self.names.estimate
+        due = None if words is None else words.estimate.total
+        if words is None or due is None or due.gross is None:
+            return say("customer.no_price") if self._due and self.verdict.calls_for_repair else ""
+        values = {"amount": words.summed(due.gross, due.complete), "currency": words.estimate.currency}
+        if due.tax is None:
+            return say("customer.sum", **values)
+        return say("customer.sum_with_tax", tax=words.money(due.tax), **values)
 
     def _signatures(self) -> Block:
         """Return a line for technician and customer, and between them for who approves where the job names somebody."""
@@ -594,3 +591,10 @@ def can_be_agreed_to(line: Line) -> bool:
     """Tell whether a line of the estimate can be agreed to, or was: it has a price, or was decided."""
     priced = line.part is not None or line.work is not None
     return priced or line.decision.decision not in (None, "proposed")
+
+
+def _total_known(diagnosis: Diagnosis) -> bool:
+    """Tell whether the total says something of the valve body, and not of a pump that is worn or not described."""
+    if not diagnosis.judged or diagnosis.impossible:
+        return False
+    return diagnosis.worst_total not in diagnosis.pump.lacking

@@ -5,14 +5,12 @@ Of personal data it holds plate and first name.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 from atleak.analysis.changes import Comparison
 from atleak.analysis.estimate import Line
 from atleak.analysis.repair.options import decimals
 from atleak.common.style import look_of
-from atleak.common.units import PERCENT
 from atleak.common.wording import joined, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
@@ -53,17 +51,11 @@ class _Screen(PrintedPart):
 
     def __init__(self, names: PrintedNames, visits: Comparison | None) -> None:
         super().__init__(names)
-        known = visits is not None and _total_known(visits.before) and _total_known(visits.after)
-        leading = visits.leading if visits is not None and known else None
-        both = (None, None) if leading is None else (leading.before, leading.after)
-        self.is_later = visits is not None and visits.after is self.diagnosis
-        here, self.other = both[::-1] if self.is_later else both
-        self.worst = here or self.diagnosis.worst
-        self.changed = leading is not None and leading.share is not None and leading.share.significant is not False
+        self.page = CustomerPage(names, signed=False, visits=visits)
 
     @property
     def data(self) -> dict[str, Any]:
-        page, job = CustomerPage(self.names, signed=False), self.job
+        page, job = self.page, self.job
         said, look, day = page.data(), look_of(page.verdict), self.say.date(job.date) if job.date else ""
         return {
             "language": self.say.language,
@@ -74,33 +66,12 @@ class _Screen(PrintedPart):
             "headline": said["headline"],
             "urgency": " ".join(said["urgency"]),
             "picture": next(iter(page.drawings(on_screen=True)), None),
-            "sentence": self._sentence(page),
-            "bars": [*self._bars()],
-            "bars_at": self.say("customer_screen.bars", condition=self.say.condition(self.worst.condition)),
+            "sentence": page.sentence,
+            "bars": [*page.bars()],
+            "bars_at": page.bars_at,
             "assumed": bool(self.diagnosis.provisional),
             "cost": self._cost(page),
         }
-
-    def _sentence(self, page: CustomerPage) -> str:
-        """Say what was lost at the visit before and is lost now, where that is not the measuring alone; else why."""
-        if self.other is not None and self.changed and self.is_later:
-            before, now = (self.say.number(each.share * PERCENT, 0) for each in (self.other, self.worst))
-            return self.say("customer_screen.since", before=before, now=now)
-        return next(page.held(), self.say("customer_screen.escapes") if page.valves else "")
-
-    def _bars(self) -> Iterator[dict[str, Any]]:
-        """Yield how much of what the pump delivers is lost now, at another visit, after the repairs and when new."""
-        words, worst = self.names.estimate, self.worst
-        if not _total_known(self.diagnosis) or worst.pump_capacity <= 0.0:
-            return
-        lost = {"now": worst.share}
-        if self.other is not None:
-            lost = {"before": self.other.share, **lost} if self.is_later else {**lost, "later": self.other.share}
-        if words is not None and any(line.carried_out for line in words.estimate.lines):
-            lost["after"] = next(at.share for at in words.estimate.ends if at.condition == worst.condition)
-        for name, share in (lost | {"new": self.diagnosis.new_at(worst).share}).items():
-            litres = self.say.number(share * PERCENT, 0)
-            yield {"name": self.say(f"customer_screen.{name}"), "litres": litres, "width": round(min(share, 1.0), 3)}
 
     def _cost(self, page: CustomerPage) -> dict[str, Any] | None:
         """Return the lines of the estimate that can be agreed to, or were, and their sum; None where there is none."""
@@ -135,13 +106,6 @@ class _Screen(PrintedPart):
             "known": line.part is not None and line.work is not None,
             "agreed": {"approved": True, "declined": False}.get(state or ""),
         }
-
-
-def _total_known(diagnosis: Diagnosis) -> bool:
-    """Tell whether the total says something of the valve body, and not of a pump that is worn or not described."""
-    if not diagnosis.judged or diagnosis.impossible:
-        return False
-    return diagnosis.worst_total not in diagnosis.pump.lacking
 
 
 def _first_name(name: str) -> str:
