@@ -344,14 +344,11 @@ def test_a_valve_that_fails_before_the_next_service_says_at_which_mileage_and_th
 
 
 def test_a_loss_after_all_repairs_that_is_under_that_of_a_new_unit_is_explained(grown):
-    found = grown({("25", 1): 2.0, ("26", 2): -0.6})
+    found = grown({("25", 1): 2.0, **{(valve, 2): -0.6 for valve in ("17", "25", "26")}})
     end = next(each for each in plan_repairs(found).ends if each.condition == found.worst.condition)
     assert end.share < found.new_at(found.worst).share
-    say, note = (
-        wording("en"),
-        CustomerPage(PrintedNames(found, Job(), wording("en")), signed=False).data()["bars"]["note"],
-    )
-    assert note == say("customer.tighter")
+    bars = CustomerPage(PrintedNames(found, Job(), wording("en")), signed=False).data()["bars"]
+    assert bars["note"] == wording("en")("customer.tighter")
 
 
 @pytest.mark.parametrize("language", languages())
