@@ -193,7 +193,7 @@ def check(pages: Pages, language: str, paper: str) -> None:
     first, annex, *_ = pages.texts
     assert say("texts.sign_customer") in first
     assert say("texts.sign_approver") in first
-    assert say("customer.title") in first
+    assert say("customer_screen.title") in first
     assert say("documents.workshop") in annex
 
 

@@ -524,7 +524,7 @@ def test_the_readers_units_stand_in_tables_sentences_and_charts(worn, units, the
 
 def test_each_document_prints_its_own_part_and_all_of_them_the_whole(worn) -> None:
     said = {name: text_of(write_pdf(worn, document=name)).replace("\u00a0", " ") for name in DOCUMENTS}
-    heads = {"For the customer": "customer", "Workshop report": "workshop", "Technical annex": "annex"}
+    heads = {"What your transmission needs": "customer", "Workshop report": "workshop", "Technical annex": "annex"}
     holds = {name: {part for head, part in heads.items() if head in text} for name, text in said.items()}
     assert holds == {
         "report": {"customer", "workshop"},
