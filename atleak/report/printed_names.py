@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import cached_property
 
+from atleak.analysis.answer import Answer, answer_of
 from atleak.analysis.estimate import estimate
-from atleak.analysis.repair.plan import RepairPlan, plan_repairs
+from atleak.analysis.repair.plan import RepairPlan
 from atleak.common.wording import Wording, isolated, joined
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
@@ -29,9 +30,14 @@ class PrintedNames:
         self.diagnosis, self.job, self.say = diagnosis, job, say
 
     @cached_property
+    def answer(self) -> Answer:
+        """Return what is wrong, and how sure that is."""
+        return answer_of(self.diagnosis)
+
+    @property
     def plan(self) -> RepairPlan:
         """Return the repairs that the diagnosis calls for."""
-        return plan_repairs(self.diagnosis)
+        return self.answer.plan
 
     @cached_property
     def estimate(self) -> EstimateWords | None:

@@ -13,7 +13,6 @@ from itertools import chain, starmap
 from types import MappingProxyType
 from typing import Any
 
-from atleak.analysis.answer import answer_of
 from atleak.analysis.changes import Comparison
 from atleak.analysis.estimate import Line
 from atleak.analysis.pressures import lowest_first, pressures_at
@@ -102,7 +101,7 @@ class CustomerPage(PrintedPart):
         """
         say, diagnosis = self.say, self.diagnosis
         wrong, found, do = (list(each) for each in (self._wrong(), self._found(), self._do()))
-        sure = answer_lines(answer_of(diagnosis), say, whole=False).sure
+        sure = answer_lines(self.names.answer, say, whole=False).sure
         return {
             "title": say("customer_screen.title"),
             "about": self._about(),
@@ -190,7 +189,7 @@ class CustomerPage(PrintedPart):
     @cached_property
     def _not_the_valves(self) -> bool:
         """Tell whether a pressure is missing that no valve explains."""
-        answer = answer_of(self.diagnosis)
+        answer = self.names.answer
         missing = answer.missing is not None and not answer.by_flow
         return missing and answer.cause not in (Cause.LANDS, Cause.LINE_SETTING)
 
