@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pikepdf
 import pytest
@@ -22,6 +23,12 @@ def picture() -> bytes:
     target = io.BytesIO()
     Image.new("RGB", (30, 20), "#336699").save(target, "PNG")
     return target.getvalue()
+
+
+@pytest.fixture(scope="module")
+def worn(worn: Diagnosis) -> Diagnosis:
+    """The same of a valve body whose source has no words in German."""
+    return replace(worn, controller=replace(worn.controller, source="A handbook of 1998, page 12"))
 
 
 @pytest.fixture(scope="module")
