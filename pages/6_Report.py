@@ -5,11 +5,13 @@ from functools import partial
 
 import streamlit as st
 
+from atleak.job.batch import attachments
 from atleak.job.result import result_record
 from atleak.job.zip_file import write_job_file
 from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf import write_pdf
 from atleak.report.pdf.body import DOCUMENTS
+from atleak.report.printed_fonts import OwnFont
 from atleak.report.xlsx import write_workbook
 from pages.shared import comparison, conditions, customer, font_form, panel, reader, show
 from pages.shared.cases import case_with_columns
@@ -38,13 +40,21 @@ with st.expander(say("take_along.sections")):
 sections = [name for name in of_document if name in picked]
 font_form.draw_missing([record])
 visits = None if document in ("workshop", "annex") else comparison.beside()
-of_pdf = partial(
-    write_pdf, diagnosis, record, language=language, paper=paper, document=document, sections=sections, units=say.units,
-    visits=visits,
-)  # fmt: skip
+printed: dict[str, str] = {"language": language, "paper": paper, "units": say.units}
+
+
+def of_pdf(font: OwnFont | None) -> bytes:
+    """Write the document; a whole annex carries workbook, result and job file."""
+    whole = document in ("annex", "all") and len(sections) == len(of_document)
+    attached = attachments(diagnosis, record, case_with_columns(case), **printed) if whole else ()
+    return write_pdf(
+        diagnosis, record, **printed, document=document, sections=sections, font=font, visits=visits, attached=attached
+    )
+
+
 downloads: dict[str, tuple[str, Callable[[], str | bytes]]] = {
     "pdf": ("pdf", font_form.printing(of_pdf)),
-    "workbook": ("xlsx", partial(write_workbook, diagnosis, record, language=language, paper=paper, units=say.units)),
+    "workbook": ("xlsx", partial(write_workbook, diagnosis, record, **printed)),
     "json": ("json", lambda: to_json(result_record(diagnosis, record))),
     "record": ("record.json", lambda: record.model_dump_json(indent=2, exclude_defaults=True)),
     "job_file": ("zip", lambda: write_job_file(diagnosis, record, case_with_columns(case))),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import gc
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 from atleak.cli.job_options import add_job_options, as_read, chosen_job, input_files, keep_columns
@@ -129,12 +129,20 @@ def _diagnosed(options: argparse.Namespace) -> int:
 
         return write_workbook(diagnosis, job, **printed)
 
+    @cache
+    def attached() -> tuple[Any, ...]:
+        from atleak.job.batch import attachments
+
+        return attachments(diagnosis, job, as_read(case), **printed)
+
     def pdf(document: str) -> bytes:
         from atleak.report.pdf import write_pdf
 
         sections = None if options.sections is None else [name.strip() for name in options.sections.split(",")]
         document = "all" if sections is not None and document == "report" else document  # no part was named
-        return write_pdf(diagnosis, job, **printed, document=document, sections=sections, font=font, visits=None)
+        files = attached() if sections is None and document in ("annex", "all") else ()
+        of_job = {**printed, "font": font, "visits": None}
+        return write_pdf(diagnosis, job, **of_job, document=document, sections=sections, attached=files)
 
     def job_file() -> bytes:
         from atleak.job.zip_file import write_job_file

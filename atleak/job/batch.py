@@ -16,14 +16,18 @@ from atleak.common.style import DEFAULT_PAPER
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, wording
 from atleak.diagnosis.diagnosis import Diagnosis
+from atleak.job.case import Case
+from atleak.job.parts import JobFile
 from atleak.job.result import judged_otherwise, result_record
-from atleak.job.zip_file import read_job_file
+from atleak.job.zip_file import read_job_file, write_job_file
 from atleak.measurements.job_card import Job
 from atleak.report.json.diagnosis import diagnosis_record, to_json
 from atleak.report.pdf import missing_characters, write_pdf
+from atleak.report.pdf.typesetting import Attachment
 from atleak.report.printed_fonts import OwnFont
 from atleak.report.xlsx import write_workbook
 
+_JSON, _WORKBOOK = "application/json", "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
 REPORT_KINDS: dict[str, SealedKind] = {"pdf": "PDF", "xlsx": "report workbook", "json": "record"}
 
 
@@ -96,7 +100,7 @@ def write_reports(
             job_file = read_job_file(source)
             diagnosis = job_file.diagnose()
             for form, path in paths.items():
-                replace_file(path, _report(form, diagnosis, job_file.job, wording(language, units), paper, font))
+                replace_file(path, _report(form, diagnosis, job_file, wording(language, units), paper, font))
                 written.append(path)
             reported = Reported(
                 source,
@@ -121,12 +125,34 @@ def write_reports(
     return done
 
 
-def _report(form: str, diagnosis: Diagnosis, job: Job, say: Wording, paper: str, font: OwnFont | None) -> bytes:
-    if form == "pdf":
-        return write_pdf(diagnosis, job, language=say.language, units=say.units, paper=paper, font=font)
-    if form == "xlsx":
-        return write_workbook(diagnosis, job, language=say.language, units=say.units, paper=paper)
+def attachments(
+    diagnosis: Diagnosis, job: Job | None, case: Case, *, language: str, units: str, paper: str = DEFAULT_PAPER
+) -> tuple[Attachment, ...]:
+    """Return what a technical annex carries: workbook, result and job file, the same bytes as when each is written."""
+    say = wording(language, units)
+    workbook = write_workbook(diagnosis, job, language=language, units=units, paper=paper)
+    return (
+        Attachment("workbook.xlsx", workbook, _WORKBOOK, "alternative", say("annex.attached_workbook")),
+        Attachment("result.json", record_bytes(diagnosis, job), _JSON, "data", say("annex.attached_record")),
+        Attachment(
+            "job.zip", write_job_file(diagnosis, job, case), "application/zip", "source", say("annex.attached_job")
+        ),
+    )
+
+
+def record_bytes(diagnosis: Diagnosis, job: Job | None) -> bytes:
+    """Return the result as the file that ``--json`` writes."""
     return to_json(result_record(diagnosis, job)).encode("utf-8", errors="backslashreplace")
+
+
+def _report(form: str, diagnosis: Diagnosis, kept: JobFile, say: Wording, paper: str, font: OwnFont | None) -> bytes:
+    job, printed = kept.job, {"language": say.language, "units": say.units, "paper": paper}
+    if form == "pdf":
+        attached = attachments(diagnosis, job, kept.case, **printed)
+        return write_pdf(diagnosis, job, **printed, font=font, attached=attached)
+    if form == "xlsx":
+        return write_workbook(diagnosis, job, **printed)
+    return record_bytes(diagnosis, job)
 
 
 def _free(stem: str, taken: set[str]) -> str:

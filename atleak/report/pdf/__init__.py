@@ -1,11 +1,11 @@
-"""Print a diagnosis as a PDF that a workshop hands over: PDF/A-2a and PDF/UA-1 where its fonts allow.
+"""Print a diagnosis as a PDF that a workshop hands over: PDF/A and PDF/UA-1 where its fonts allow.
 
 The same job gives the same bytes: the only date in the file is that of the job.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any
 
@@ -13,14 +13,14 @@ from atleak.analysis.changes import Comparison
 from atleak.common.errors import Message
 from atleak.common.sentences import Sentence
 from atleak.common.style import DEFAULT_PAPER
-from atleak.common.wording import Wording, wording
+from atleak.common.wording import Wording, joined, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
 from atleak.report.pdf.annex import Annex
 from atleak.report.pdf.body import Body, chosen_sections
 from atleak.report.pdf.customer import CustomerPage
 from atleak.report.pdf.front import Front
-from atleak.report.pdf.typesetting import named_characters, unprintable, write_page
+from atleak.report.pdf.typesetting import Attachment, named_characters, unprintable, write_page
 from atleak.report.printed_fonts import OwnFont
 from atleak.report.printed_names import PrintedNames
 from atleak.report.tables.road_test import road_series
@@ -39,6 +39,7 @@ def write_pdf(
     units: str = "metric",
     font: OwnFont | None = None,
     visits: Comparison | None = None,
+    attached: Sequence[Attachment] = (),
 ) -> bytes:
     """Return the bytes of the report.
 
@@ -63,6 +64,8 @@ def write_pdf(
         for characters that the bundled fonts lack.
     visits
         this result beside that of another visit of the unit, for the customer's page.
+    attached
+        files that it carries, such as those of `atleak.job.batch.attachments`; it is PDF/A-3a then.
 
     Raises
     ------
@@ -77,8 +80,10 @@ def write_pdf(
     filled, say = job or Job(), wording(language, units)
     chosen = chosen_sections(sections, document, without_sheet=diagnosis.without_sheet)
     words = say("title.report"), say("title.subject")
-    data = partial(report_data, diagnosis, filled, say, chosen, document=document, visits=visits)
-    return write_page("report", words, filled, paper, say, data, date=filled.date, font=font)
+    files = joined(each.name for each in attached)
+    note = say("annex.attached", files=files) if files else ""
+    data = partial(report_data, diagnosis, filled, say, chosen, document=document, note_at_end=note, visits=visits)
+    return write_page("report", words, filled, paper, say, data, date=filled.date, font=font, attached=attached)
 
 
 def missing_characters(jobs: Iterable[Job], font: OwnFont | None = None) -> list[Message]:
@@ -102,6 +107,7 @@ def report_data(
     *,
     document: str = "all",
     visits: Comparison | None = None,
+    note_at_end: str = "",
 ) -> dict[str, Any]:
     """Return what the template of the report places beside `common_data`."""
     computed = diagnosis.road if diagnosis.judged and "road_test" in chosen else None  # else it is that of a new unit
@@ -117,4 +123,5 @@ def report_data(
         "facts": front.facts(),
         "verdict": front.verdict(),
         "parts": parts,
+        "note-at-end": note_at_end,
     }

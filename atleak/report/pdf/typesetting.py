@@ -1,4 +1,6 @@
-"""Set pages with typst: as PDF/A-2a and PDF/UA-1 where the bundled fonts allow, else as a plain PDF that says so.
+"""Set pages with typst: as PDF/A and PDF/UA-1 where the bundled fonts allow, else as a plain PDF that says so.
+
+PDF/A-2a holds no files; with files attached it is PDF/A-3a.
 
 Typst also turns the core's drawings into pictures for programs that take no SVG.
 """
@@ -49,6 +51,17 @@ class Drawing:
     ground: str = SHEET_OF_PAPER
 
 
+@dataclass(frozen=True)
+class Attachment:
+    """A file that a PDF carries; ``relationship`` to what is printed: ``source``, ``data`` or ``alternative``."""
+
+    name: str
+    content: bytes
+    mime_type: str
+    relationship: str
+    about: str
+
+
 def write_pictures(job: Job, folder: Path) -> dict[str, str]:
     """Write the job's pictures beside the template, upright and no larger than they are printed; return their files."""
     files = {}
@@ -92,7 +105,8 @@ def _shades(ground: str) -> list[int]:
     return [min(kept, key=lambda shade: abs(shade - each)) for each in range(256)]
 
 
-STANDARDS: tuple[typst.PDFStandard, ...] = ("a-2a", "ua-1")
+_ALONE: tuple[typst.PDFStandard, ...] = ("a-2a", "ua-1")
+_WITH_FILES: tuple[typst.PDFStandard, ...] = ("a-3a", "ua-1")
 TEMPLATES = Path(__file__).parent.parent / "templates"
 _UNDATED = dt.date(2000, 1, 1)  # PDF/A requires a date; today's date would make two files of one job differ
 _MISSING_NAMED = 8
@@ -166,6 +180,7 @@ def write_page(
     pictured: Job | None = None,
     date: dt.date | None = None,
     font: OwnFont | None = None,
+    attached: Sequence[Attachment] = (),
 ) -> bytes:
     """Return the bytes of a PDF.
 
@@ -183,11 +198,16 @@ def write_page(
         of the file; a fixed one where none is given.
     font
         for characters that the package's own ones lack; without such characters it changes nothing.
+    attached
+        files that it carries.
     """
     size = find_paper(paper)
     with tempfile.TemporaryDirectory(prefix="atleak-", ignore_cleanup_errors=True) as folder:
         pictures = write_pictures(pictured or job, Path(folder))
-        placed = {**common_data(*words, job, size, say, pictures), **data(pictures)}
+        files = [{**asdict(each), "content": f"attached{number}"} for number, each in enumerate(attached)]
+        for file, each in zip(files, attached, strict=True):
+            (Path(folder) / file["content"]).write_bytes(each.content)
+        placed = {**common_data(*words, job, size, say, pictures), "attached": files, **data(pictures)}
         return _compiled(template, Path(folder), placed, date, say, font)
 
 
@@ -217,7 +237,8 @@ def _compiled(
         return typst.Fonts(include_system_fonts=False, include_embedded_fonts=False, font_paths=paths)
 
     try:
-        return run(fonts() if families else bundled_fonts(), STANDARDS, **{"more-fonts": families})
+        standards = _WITH_FILES if data["attached"] else _ALONE
+        return run(fonts() if families else bundled_fonts(), standards, **{"more-fonts": families})
     except typst.TypstError as error:
         missing = unprintable(said, own)
         if not missing:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import openpyxl
+import pikepdf
 import pytest
 
 from atleak.catalogue.controller import Controller
@@ -35,6 +36,28 @@ def test_json_stands_alone_on_standard_output(sample_readings: Path, sample_log:
     assert record["verdict"] == "replace"
     assert record["road_test"]["file"] == sample_log.name
     assert record["profile"]["name"] == "workshop"
+
+
+def test_the_annex_carries_the_workbook_the_record_and_the_job_file(
+    run: Run, sample_readings: Path, tmp_path: Path
+) -> None:
+    """Each the same bytes as when it is written by itself: one file by which the whole result can be judged."""
+    files = {"workbook.xlsx": "--xlsx", "result.json": "--json", "job.zip": "--job-file"}
+    asked = [argument for name, option in files.items() for argument in (option, tmp_path / name)]
+    pdfs = {name: tmp_path / f"{name}.pdf" for name in ("annex", "all", "workshop")}
+    printed = [argument for name, path in pdfs.items() for argument in ("--pdf", f"{name}={path}")]
+    assert run("diagnose", sample_readings, *asked, *printed)[0] == 0
+    for name, path in pdfs.items():
+        with pikepdf.open(path) as pdf, pdf.open_metadata() as metadata:
+            carried = {each: spec.get_file().read_bytes() for each, spec in pdf.attachments.items()}
+            assert carried == ({} if name == "workshop" else {each: (tmp_path / each).read_bytes() for each in files})
+            assert metadata["pdfaid:part"] == ("2" if name == "workshop" else "3")
+            assert (metadata["pdfaid:conformance"], metadata["pdfuaid:part"]) == ("A", "1")
+            related = {str(each.UF): str(each.AFRelationship) for each in pdf.Root.get("/AF", ())}
+        if carried:
+            assert related == {"workbook.xlsx": "/Alternative", "result.json": "/Data", "job.zip": "/Source"}
+    assert openpyxl.load_workbook(tmp_path / "workbook.xlsx").sheetnames[0] == "Summary"
+    assert read_job_file(tmp_path / "job.zip").diagnose().verdict == "replace"
 
 
 def test_summary_names_totals_flagged_pairs_and_repair(run: Run, sample_readings: Path, sample_log: Path) -> None:
