@@ -141,8 +141,9 @@ def _diagnosed(options: argparse.Namespace) -> int:
         sections = None if options.sections is None else [name.strip() for name in options.sections.split(",")]
         document = "all" if sections is not None and document == "report" else document  # no part was named
         files = attached() if sections is None and document in ("annex", "all") else ()
-        of_job = {**printed, "font": font, "visits": None}
-        return write_pdf(diagnosis, job, **of_job, document=document, sections=sections, attached=files)
+        return write_pdf(
+            diagnosis, job, **printed, document=document, sections=sections, font=font, visits=None, attached=files
+        )
 
     def job_file() -> bytes:
         from atleak.job.zip_file import write_job_file

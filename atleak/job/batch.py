@@ -149,7 +149,7 @@ def _report(form: str, diagnosis: Diagnosis, kept: JobFile, say: Wording, paper:
     job, printed = kept.job, {"language": say.language, "units": say.units, "paper": paper}
     if form == "pdf":
         attached = attachments(diagnosis, job, kept.case, **printed)
-        return write_pdf(diagnosis, job, **printed, font=font, attached=attached)
+        return write_pdf(diagnosis, job, **printed, font=font, visits=None, attached=attached)
     if form == "xlsx":
         return write_workbook(diagnosis, job, **printed)
     return record_bytes(diagnosis, job)
