@@ -13,12 +13,16 @@ import tempfile
 import zipfile
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
+from typing import Any
 
 # Two threads of one small product of matrices wait for each other longer than they compute.
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
 
+import openpyxl
 import pytest
 from hypothesis import settings
+from openpyxl.utils.cell import coordinate_to_tuple
+from python_calamine import CalamineWorkbook
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.controller_file import load_controller
@@ -269,5 +273,24 @@ def convert(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Path, str], N
     def run(workbook: Path, kind: str) -> None:
         command = [soffice, f"-env:UserInstallation={profile}", "--headless", "--convert-to", kind]
         subprocess.run([*command, "--outdir", workbook.parent, workbook], check=True, capture_output=True, timeout=600)
+
+    return run
+
+
+@pytest.fixture
+def recalculated(tmp_path, convert) -> Callable[[openpyxl.Workbook], Callable[[str, str], Any]]:
+    """LibreOffice again: it gets formulas without cached values, and says what each cell gives."""
+
+    def run(book):
+        book.save(tmp_path / "in.xlsx")  # openpyxl writes no cached values
+        convert(tmp_path / "in.xlsx", "ods")
+        sheets = CalamineWorkbook.from_path(tmp_path / "in.ods")
+        rows = {name: sheets.get_sheet_by_name(name).to_python(skip_empty_area=False) for name in sheets.sheet_names}
+
+        def value(sheet, address):
+            row, column = coordinate_to_tuple(address)
+            return rows[sheet][row - 1][column - 1]
+
+        return value
 
     return run

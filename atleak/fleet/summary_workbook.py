@@ -35,7 +35,7 @@ from atleak.fleet.summary_sections import Depth, FleetSections
 from atleak.fleet.summary_tables import FleetTables, SummaryRow, by_trouble
 from atleak.fleet.summary_words import TERMS, FleetWords
 from atleak.fleet.sums import FleetSummary, LandOverMileage, ValveBody
-from atleak.report.sheets.paging import LINE_OF_A_BOOK, row_height
+from atleak.report.sheets.paging import row_height
 from atleak.report.tables.table import VERDICT, Column, Table
 from atleak.report.xlsx import report_workbook
 from atleak.report.xlsx.book import HIGHEST_ROW, ReportBook, cell_span
@@ -328,7 +328,7 @@ class _Writer:
         cells = [[column.cell(item, say) for item in made.rows] for column in made.columns]
         widths = [_width(column, values) for column, values in zip(made.columns, cells, strict=True)]
         sheet = book.sheet(made.title, frozen=(1, frozen), protected=False)
-        sheet.set_row(0, row_height(zip(made.headings, widths, strict=True), bold=True, line=LINE_OF_A_BOOK))
+        sheet.set_row(0, row_height(zip(made.headings, widths, strict=True), bold=True))
         sheet.repeat_columns(0, frozen - 1)
         across = max(_ON_A_PAGE - sum(widths[:frozen]), 1)  # on so many pages beside one another words stay legible
         sheet.fit_to_pages(max(math.ceil(sum(widths[frozen:]) / across), 1), 0)
@@ -355,7 +355,7 @@ class _Writer:
         form = book.form(number_form) if column.is_number else book.form(text_wrap=long)
         for line, value in enumerate(values, start=1):
             if long:
-                sheet.set_row(line, min(row_height([(str(value), _WIDEST)], line=LINE_OF_A_BOOK), HIGHEST_ROW))
+                sheet.set_row(line, min(row_height([(str(value), _WIDEST)]), HIGHEST_ROW))
             if isinstance(value, dt.date):
                 moment = dt.datetime.combine(value, dt.time())
                 sheet.write_datetime(line, number, moment, book.form(_DATE, align="left"))
@@ -383,7 +383,7 @@ class _Writer:
         for line, row in enumerate(rows, start=1):
             for number, text in enumerate(row):
                 book.put(sheet, line, number, text or None, book.wrapped)
-            sheet.set_row(line, row_height(zip(row, widths, strict=True), line=LINE_OF_A_BOOK))
+            sheet.set_row(line, row_height(zip(row, widths, strict=True)))
         sheet.autofilter(0, 0, len(rows), len(widths) - 1)
 
 

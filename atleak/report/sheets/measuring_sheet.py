@@ -206,8 +206,7 @@ def write_readings(
         write_pressures(gauges, controller, pressures)
         _write_instructions(instructions, controller, _FAR, quick=plan is not None)
 
-    font = {"default_format_properties": {"font_name": "Arial", "font_size": 10}}  # as wide in every program
-    return workbook(write, _title(controller, say), mark="measuring sheet" if empty else None, options=font)
+    return workbook(write, _title(controller, say), mark="measuring sheet" if empty else None)
 
 
 def _title(controller: Controller, say: Wording) -> str:

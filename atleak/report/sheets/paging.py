@@ -32,9 +32,10 @@ _INCH, _POINT = 25.4, 25.4 / 72.0  # [mm]
 _PIXELS = 96.0  # of an inch
 _SPARE = 0.92  # of the width that is used: programs round the widths of columns, each its own way
 _LINE = 13.5  # [pt] height of a line of text
-LINE_OF_A_BOOK = 15.0  # [pt] the same of the larger letters of a workbook to be read on a screen
+LINE_OF_A_BOOK = 15.0  # [pt] height of a row unless another is set
 _FULL, _FULL_BOLD = 0.9, 0.75  # of a column's characters: without the sheet's font a program takes a wider one
 
+LETTERS = 10  # [pt]
 HEADER = 5
 """Row of the headings of a table on a tab, from 0."""
 _BOLD_BESIDE = 2  # characters beside the longest word of a heading
@@ -52,7 +53,6 @@ def workbook(
     mark: SealedKind | None = None,
     created: dt.datetime = UNDATED,
     properties: Mapping[str, str] | None = None,
-    options: Mapping[str, Any] | None = None,
 ) -> bytes:
     """Return the bytes of a workbook: texts stay texts, nothing that a user typed becomes a formula or a link.
 
@@ -62,12 +62,13 @@ def workbook(
         writes its sheets.
     mark
         what it is known by as made by atleak, so that it may be written again; None for one that is filled in.
-    properties, options
-        further properties of the document, and further options of xlsxwriter.
+    properties
+        further properties of the document.
     """
     target = io.BytesIO()
     as_texts = dict.fromkeys(("strings_to_formulas", "strings_to_urls", "strings_to_numbers"), False)
-    with xlsxwriter.Workbook(target, {"in_memory": True, **as_texts, **(options or {})}) as book:
+    font = {"default_format_properties": {"font_name": "Arial", "font_size": LETTERS}}  # as wide in every program
+    with xlsxwriter.Workbook(target, {"in_memory": True, **as_texts, **font}) as book:
         book.set_properties({"title": title, "created": created, **(properties or {})})
         if mark is not None:
             book.set_custom_property(PROPERTY, unsealed(mark))
@@ -239,14 +240,14 @@ def _rows_of(block: RowBlock) -> int:
     return block if isinstance(block, int) else sum(map(_rows_of, block))
 
 
-def height_of(text: str, width: float, *, bold: bool = False, line: float = _LINE) -> float:
+def height_of(text: str, width: float, *, bold: bool = False) -> float:
     """Return the height of a text [pt] in a column of so many characters, broken at spaces and line ends.
 
     >>> height_of("contact length", 20) < height_of("contact length of the land", 20)
     True
     """
     most = max(int((_FULL_BOLD if bold else _FULL) * width), 1)
-    return line * sum(max(len(textwrap.wrap(part, most)), 1) for part in text.split("\n"))
+    return _LINE * sum(max(len(textwrap.wrap(part, most)), 1) for part in text.split("\n"))
 
 
 def width_for(texts: Iterable[str], least: int, *, beside: int = 1) -> int:
@@ -258,6 +259,6 @@ def width_for(texts: Iterable[str], least: int, *, beside: int = 1) -> int:
     return max((least, *(beside + len(word) for text in texts for word in text.split())))
 
 
-def row_height(cells: Iterable[tuple[str, float]], *, bold: bool = False, line: float = _LINE) -> float:
+def row_height(cells: Iterable[tuple[str, float]], *, bold: bool = False) -> float:
     """Return the height of a row [pt] whose texts stand in columns of so many characters each."""
-    return max(height_of(text, width, bold=bold, line=line) for text, width in cells)
+    return max(height_of(text, width, bold=bold) for text, width in cells)

@@ -26,14 +26,14 @@ from atleak.report.xlsx.book import ReportBook
 from atleak.report.xlsx.circuits import CIRCUITS
 from atleak.report.xlsx.conditions import CONDITIONS
 from atleak.report.xlsx.constants import CONSTANTS
+from atleak.report.xlsx.estimate import ESTIMATE_SHEET, write_estimate
 from atleak.report.xlsx.lands import LANDS_SHEET, LiveSheets
 from atleak.report.xlsx.reader_units import in_reader_units
 from atleak.report.xlsx.readings import DIRECTIONS_SHEET, READINGS
 from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets, write_gauges, write_sections
 from atleak.report.xlsx.road_sheet import ROAD_SHEET as GAUGES
 from atleak.report.xlsx.rules import LIMITS_SHEET, RULES
-from atleak.report.xlsx.sheets import ESTIMATE_SHEET as ESTIMATE
-from atleak.report.xlsx.sheets import Sheets, write_estimate, write_what_was_read
+from atleak.report.xlsx.sheets import Sheets, write_what_was_read
 from atleak.report.xlsx.uncertainty import BUDGET, INSTRUMENTS_SHEET
 from atleak.version import __version__
 
@@ -111,7 +111,7 @@ def _write(book: ReportBook, diagnosis: Diagnosis, job: Job) -> None:
         live.constants.write(book, book.sheet(CONSTANTS, frozen=(1, 1)))
     write_sections(book, book.sheet(Sentence("Assumed")), [assumed_section(diagnosis, book.say)])
     if job.estimated and not diagnosis.without_sheet:
-        write_estimate(book, book.sheet(ESTIMATE, frozen=(1, 1)), diagnosis, job)
+        write_estimate(book, book.sheet(ESTIMATE_SHEET, frozen=(1, 1)), diagnosis, job)
     if not job.empty:
         rest.write_job(book.sheet(Sentence("Job"), landscape=False))
     rest.write_messages(book.sheet(Sentence("Messages"), frozen=(1, 0)))
@@ -125,16 +125,16 @@ def _write_unit(book: ReportBook, diagnosis: Diagnosis, live: LiveSheets, rest: 
     live.write_lands(book, book.sheet(LANDS_SHEET, frozen=(1, 3)))
     rest.write_matrix(book.sheet(Sentence("Land by condition"), frozen=(1, 3)))
     for at in live.conditions:
-        live.gaps.at[at.prefix].write(book, book.sheet(at.sheet, frozen=(1, 2)), lines=4)
+        live.gaps.at[at.prefix].write(book, book.sheet(at.sheet, frozen=(1, 2)), lines=4, printed=False)
     if live.circuits.sheet.items:
         live.circuits.write(book, book.sheet(CIRCUITS, frozen=(1, 3)))
-    live.rules.write(book, book.sheet(RULES, frozen=(1, 3)))
+    live.rules.write(book, book.sheet(RULES, frozen=(1, 3), landscape=False))
     if diagnosis.readings:
         live.readings.write(book, book.sheet(READINGS, frozen=(1, 2)))
     if diagnosis.readings and diagnosis.readings.sheets:
         write_what_was_read(book, book.sheet(WHAT_WAS_READ), diagnosis.readings.sheets)
     if live.directions.sheet.items:
-        live.directions.sheet.write(book, book.sheet(DIRECTIONS_SHEET, frozen=(1, 2)), lines=3)
+        live.directions.sheet.write(book, book.sheet(DIRECTIONS_SHEET, frozen=(1, 2)), lines=3, printed=False)
     if live.instruments is not None and live.budget is not None:
         live.instruments.write(book, book.sheet(INSTRUMENTS_SHEET, frozen=(1, 1)))
         live.budget.write(book, book.sheet(BUDGET))

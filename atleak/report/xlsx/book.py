@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import xlsxwriter
@@ -17,6 +18,7 @@ from atleak.common.units import UnitOf
 from atleak.common.verdicts import BANDS, VERDICTS, Band, Verdict
 from atleak.common.wording import Wording
 from atleak.measurements.job_card import clean_text
+from atleak.report.sheets.paging import LETTERS, LINE_OF_A_BOOK
 from atleak.report.tables.table import VERDICT, Table
 
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
@@ -44,6 +46,12 @@ NUMBER_FORMATS = {
     "plain": "General",
 }
 
+
+_MARGIN, _FOOT = 0.4, 0.6  # [in] of every page; the lower one has the footer
+_LEAST_LETTERS, _WIDER = 6.0, 1.06  # [pt] as printed; programs draw columns wider, each its own way
+_PIXELS_ACROSS, _PIXELS_UPRIGHT = (
+    (millimetres / 25.4 - 2 * _MARGIN) * 96 * LETTERS / (_LEAST_LETTERS * _WIDER) for millimetres in (279.4, 210.0)
+)  # that columns may take on a page, whether A4 or Letter
 
 Place = tuple[str, int, int]  # of a cell: sheet, row and column
 
@@ -127,7 +135,29 @@ class ReportBook:
             sheet.freeze_panes(*frozen)
         if frozen[0]:
             sheet.repeat_rows(0, frozen[0] - 1)
+        sheet.set_margins(_MARGIN, _MARGIN, _MARGIN, _FOOT)
+        sheet.ignore_errors({"number_stored_as_text": "A1:XFD1048576"})  # a component is called "5", a plane "1"
         return sheet
+
+    def few_pages(self, sheet: Worksheet, rows: int, lines: int) -> None:
+        """Have so many rows, below a heading of so many lines, printed on as few pages as letters can be read on."""
+        high = 72 * ((279.4 if sheet.orientation else 210.0) / 25.4 - _MARGIN - _FOOT)
+        of_page = int(high * LETTERS / _LEAST_LETTERS / LINE_OF_A_BOOK) - lines
+        sheet.fit_to_pages(1, math.ceil(rows / of_page))
+
+    def print_table(self, sheet: Worksheet, rows: int, lines: int, widths: Iterable[float]) -> None:
+        """Have a table printed with as many of its columns, of so many characters, as a page takes in legible size.
+
+        It has so many rows below a heading of so many lines.
+        """
+        self.few_pages(sheet, rows, lines)
+        room = _PIXELS_UPRIGHT if sheet.orientation else _PIXELS_ACROSS
+        taken = accumulate(7 * width + 5 for width in widths)
+        sheet.print_area(0, 0, rows, max(sum(each <= room for each in taken) - 1, 0))
+
+    def for_screen(self, sheet: Worksheet, row: int, column: int) -> None:
+        """Have nothing of a sheet printed with the workbook: the print area is a cell behind all that stands on it."""
+        sheet.print_area(row, column, row, column)
 
     def headings(self, sheet: Worksheet, row: int, names: Iterable[str], lines: int = 2) -> None:
         """Write a row of headings, high enough for so many lines."""
@@ -150,16 +180,6 @@ class ReportBook:
                 self.put(sheet, row, 1, value, self.form(align="left"))
             row += 1
         return row
-
-    def records(self, sheet: Worksheet, row: int, records: Sequence[Mapping[Any, Any]]) -> int:
-        """Write a heading row and a row per record, all of the same names; return the next free row."""
-        if not records:
-            return row
-        self.headings(sheet, row, records[0])
-        for line, record in enumerate(records, start=row + 1):
-            for column, value in enumerate(record.values()):
-                self.put(sheet, line, column, value, self.form(align="left"))
-        return row + len(records) + 1
 
     def table(self, sheet: Worksheet, row: int, content: Table, width: int = 13) -> int:
         """Write a table: numbers as numbers and as exact as they are; return the next free row.

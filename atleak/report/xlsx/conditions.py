@@ -134,6 +134,7 @@ class ConditionsSheet:
         for row, (label, text) in enumerate(notes, start=end + 2):
             book.put(sheet, row, 0, label, book.bold)
             book.put(sheet, row, 1, text)
+        book.few_pages(sheet, end + len(notes) + 1, 2)
 
     @property
     def labels(self) -> str:

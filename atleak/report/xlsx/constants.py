@@ -72,7 +72,7 @@ class ConstantCells:
             each.write(book, sheet, row, 2, each.name)
             book.put(sheet, row, 3, each.unit, book.form(**AFTER_A_NUMBER))
             book.put(sheet, row, 4, each.source)
-        for column, width in enumerate((32, 74, 16, 12, 90)):
+        for column, width in enumerate((32, 70, 16, 12, 80)):
             sheet.set_column(column, column, width)
 
 

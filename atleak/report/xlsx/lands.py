@@ -322,8 +322,6 @@ class LiveSheets:
     def write_lands(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write one row per land: D, d → c_r → c_re → q → share → verdict."""
         self.sheet.write(book, sheet, lines=6)
-        sheet.repeat_columns(0, 3)
-        sheet.fit_to_pages(2, 0)
         for condition in self.conditions:
             share = self.sheet.place["share", condition.prefix]
             bar = {"type": "data_bar", "bar_color": DATA_BAR, "min_type": "num", "min_value": 0}

@@ -221,6 +221,8 @@ class LiveSheet:
         sheet: Worksheet,
         lines: int,
         cells: Callable[[int, Any], Mapping[Any, LiveCell]] | None = None,
+        *,
+        printed: bool = True,
     ) -> None:
         """Write headings of so many lines and a row per item, verdicts in their colours.
 
@@ -235,6 +237,10 @@ class LiveSheet:
                 write_cell(book, sheet, row, self.place[key], replace(content, of=of))
         for number, column in enumerate(self.columns):
             sheet.set_column(number, number, column.width)
+        if printed:
+            book.print_table(sheet, len(self.items), lines, [column.width for column in self.columns])
+        else:
+            book.for_screen(sheet, len(self.items) + 1, len(self.columns))
         sheet.autofilter(0, 0, max(len(self.items), 1), len(self.columns) - 1)
         if "verdict" in self.place:
             book.colour_words(sheet, (1, self.place["verdict"]), (len(self.items), self.place["verdict"]), VERDICTS)

@@ -94,8 +94,9 @@ class RoadSheets:
                 samples=series.samples,
             )
             self.book.put(sheet, row, 0, text)
-        row += 34  # the two charts take so many rows
+        row += 18  # the charts take so many rows
         names = list(series.columns)
+        sheet.print_area(0, 0, row - 1, len(names) - 1)  # the series is for the screen
         book.headings(sheet, row, [_with_unit(label, kind) for label, kind in series.labels.values()])
         for column, (name, values) in enumerate(series.columns.items()):
             kind = series.labels[name][1]
@@ -106,23 +107,30 @@ class RoadSheets:
         first, last = row + 1, row + kept
         flows = [name for name in ("pump_capacity_dm3_min", "leakage_dm3_min") if name in names]
         drawn = [(name, series.labels[name][0], names.index(name)) for name in flows]
-        self._chart(sheet, row - 33, book.words(Sentence("Flow [{unit}]", unit=FLOW)), drawn, first, last)
+        self._chart(sheet, row - 17, book.words(Sentence("Flow [{unit}]", unit=FLOW)), drawn, first, last)
         if "share_percent" in names:
             share = ("share_percent", Sentence("share"), names.index("share_percent"))
-            self._chart(sheet, row - 16, book.words(Sentence("Share [%]")), [share], first, last)
+            self._chart(sheet, row - 17, book.words(Sentence("Share [%]")), [share], first, last, column=6)
 
     def _chart(
-        self, sheet: Worksheet, row: int, axis: str, series: Sequence[tuple[str, str, int]], first: int, last: int
+        self,
+        sheet: Worksheet,
+        row: int,
+        axis: str,
+        series: Sequence[tuple[str, str, int]],
+        first: int,
+        last: int,
+        column: int = 0,
     ) -> None:
         chart = self.book.workbook.add_chart({"type": "scatter", "subtype": "straight"})
         dashes = {"pump_capacity_dm3_min": (PAPER_INKS.pump, "dash"), "leakage_dm3_min": (PAPER_INKS.leakage, "solid")}
-        for name, label, column in series:
+        for name, label, at in series:
             colour, dash = dashes.get(name, (PAPER_INKS.share, "solid"))
             chart.add_series(
                 {
                     "name": self.book.words(label),
                     "categories": "=" + cell_span(first, last, 0, self.book.words(ROAD_TEST)),
-                    "values": "=" + cell_span(first, last, column, self.book.words(ROAD_TEST)),
+                    "values": "=" + cell_span(first, last, at, self.book.words(ROAD_TEST)),
                     "line": {"color": colour, "width": 1.25, "dash_type": dash},
                 }
             )
@@ -131,9 +139,9 @@ class RoadSheets:
         chart.set_title({"none": True})
         chart.set_legend({"position": "top"} if len(series) > 1 else {"none": True})
         chart.show_blanks_as("gap")
-        chart.set_size({"width": 980, "height": 320})
+        chart.set_size({"width": 770, "height": 320})
         sheet.insert_chart(
-            row, 0, chart, {"description": self.book.words(Sentence("{axis} over the road test", axis=axis))}
+            row, column, chart, {"description": self.book.words(Sentence("{axis} over the road test", axis=axis))}
         )
 
 

@@ -277,7 +277,6 @@ class RuleCells:
     def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write what each rule says."""
         self.sheet.write(book, sheet, 2, self._cells)
-        sheet.print_area(0, 0, len(self.sheet.items), len(self.sheet.columns) - 3)  # sources stand beside the limits
 
     def _asked(self, line: _Line, row: int) -> _Asked:
         rule, held = line.rule, self.live.circuits.held

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from decimal import Decimal
 from functools import partial
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.analysis.estimate import estimate
 from atleak.analysis.repair.plan import PumpStep, RepairPlan, RepairStep, plan_repairs
 from atleak.common.errors import MessageLevel
 from atleak.common.sentences import Name, Sentence
@@ -23,7 +21,7 @@ from atleak.readers.cells.sheet import column_letter
 from atleak.report.json.conditions import named_record
 from atleak.report.tables.answer import answer_facts
 from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
-from atleak.report.tables.estimate import EstimateWords, open_words
+from atleak.report.tables.estimate import open_words
 from atleak.report.tables.first_sentence import first_sentence
 from atleak.report.tables.lands import MatrixRow, condition_matrix
 from atleak.report.tables.names import spools_taken
@@ -78,11 +76,15 @@ _HOW_TO_CHANGE = (
     Sentence("Blue cells may be changed: everything in black follows from them."),
     Sentence(
         "What is marked “as issued” is atleak's result and does not follow; nor do the sheets of the road test, of "
-        "gauge readings, of the estimate, of the job and its messages."
+        "gauge readings, of the job and its messages. The estimate follows its own blue cells alone."
     ),
     Sentence(
         "All sheets are protected against slips, without a password: only blue cells take a change. Who wants to "
         "change more unprotects the sheet (Review, Unprotect Sheet)."
+    ),
+    Sentence(
+        "What is for the screen is not printed: readings, directions, gaps, the series of a road test, and columns "
+        "that would print too small. Clear a sheet's print area (Page Layout, Print Area) to print it all."
     ),
 )
 _FACTORS = Sentence(
@@ -94,8 +96,6 @@ _NARROWEST, _WIDEST = 9, 15  # columns of what was read [characters]
 _LEAST = 10  # columns of the summary: what stands alone is a long text
 _KINDS = {"_km": "distance", "_c": "temperature", "_um": "clearance"}  # of quantity, by the end of a field's name
 _WORDED = ("name", "representative_note", "source")  # of an entry of the catalogue, in words
-ESTIMATE_SHEET = Sentence("Estimate")
-_WIDTHS = (30, 34, 18, 12, 10, 12, 12, 14, 30, 60)
 
 
 class Sheets:
@@ -406,47 +406,6 @@ class Sheets:
         return value if value is None or isinstance(value, bool | int | float | str) else str(value)
 
 
-def write_estimate(book: ReportBook, sheet: Worksheet, diagnosis: Diagnosis, job: Job) -> None:
-    """Write lines and sums as numbers, rounded as in the printed estimate."""
-    words = EstimateWords(estimate(diagnosis, job), book.say)
-    for column, width in enumerate(_WIDTHS):
-        sheet.set_column(column, column, width)
-    currency = words.estimate.currency
-    lines: list[dict[Sentence, Any]] = [
-        {
-            Sentence("pair"): words.pair(line),
-            Sentence("work"): words.work(line),
-            Sentence("part no."): line.decision.part_number,
-            Sentence("price"): _number(line.part),
-            Sentence("hours"): line.hours,
-            Sentence("labour"): _number(line.work),
-            Sentence("currency"): currency,
-            Sentence("state"): words.state(line),
-            Sentence("reason"): line.decision.reason,
-            Sentence("without it"): words.lacks(line),
-        }
-        for line in words.estimate.lines
-    ]
-    row = book.records(sheet, 0, lines) + 1
-    sums: list[dict[Sentence, Any]] = [
-        {
-            Sentence("state"): name,
-            Sentence("parts"): _number(each.parts),
-            Sentence("labour"): _number(each.work),
-            Sentence("net"): _number(each.net),
-            Sentence("tax"): _number(each.tax),
-            Sentence("total"): _number(each.gross),
-            Sentence("currency"): currency,
-            Sentence("complete"): each.complete,
-        }
-        for name, each in words.sums
-    ]
-    row = book.records(sheet, row, sums) + 1
-    for sentence in (*words.chosen_by(), *words.missing(), *words.ends(), words.rounding()):
-        book.put(sheet, row, 0, sentence)
-        row += 1
-
-
 def write_what_was_read(book: ReportBook, sheet: Worksheet, sheets: Sequence[SheetCells]) -> None:
     """Write the file's own tables as they stand, each cell in the colour of what it became, and the reasons beside."""
     form = {
@@ -484,7 +443,4 @@ def write_what_was_read(book: ReportBook, sheet: Worksheet, sheets: Sequence[She
             line += 1
     for column, width in widths.items():
         sheet.set_column(column, column, width)
-
-
-def _number(value: Decimal | None) -> float | None:
-    return None if value is None else float(value)
+    book.for_screen(sheet, line + 1, max(widths) + 1)

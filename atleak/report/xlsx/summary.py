@@ -157,7 +157,7 @@ class SummaryPage:
         return sum(self.widths[column : (column if last is None else last) + 1])
 
     def _grow(self, row: int, cells: Iterable[tuple[str, float]], *, bold: bool) -> None:
-        height = min(row_height(cells, bold=bold, line=LINE_OF_A_BOOK), HIGHEST_ROW)
+        height = min(row_height(cells, bold=bold), HIGHEST_ROW)
         if height > self._heights.get(row, LINE_OF_A_BOOK):
             self._heights[row] = height
             self.sheet.set_row(row, height)

@@ -222,14 +222,54 @@ def test_the_report_prints_lines_boxes_and_sums_only_where_an_estimate_was_fille
     assert sums["rows"][-1][0] == say("estimate.all_due")
 
 
+def sheet_of(book: Any) -> tuple[list[list[Any]], dict[str, tuple[int, int]]]:
+    """The cells of the estimate, and where its inputs stand."""
+    rows = [[cell.value for cell in row] for row in book["Estimate"]]
+    first = {str(row[0]): number for number, row in enumerate(rows, start=1)}
+    of_line = next(number for number, row in enumerate(rows, start=1) if row[1] == "bore sleeved")
+    places = {"price": (of_line, 4), "hours": (of_line, 5)}
+    return rows, places | {"rate": (first["labour rate per hour"], 4), "tax": (first["tax [%]"], 4)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("change", [{}, {"price": 99.995}, {"hours": 2.25}, {"tax": 7.0}, {"rate": 61.2}])
+def test_what_is_changed_in_the_workbook_s_estimate_gives_the_sums_that_atleak_gives(
+    worn: Diagnosis, change: dict[str, float], recalculated: Any
+) -> None:
+    terms = {"currency": "EUR", "labour_rate": 43.5, "tax_percent": 19.0}
+    own = {"component": PR, "work": "bore sleeved", "price": 10.0, "hours": 1.15, "decision": "approved"}
+    other = {"component": ACC, "work": "new piston", "hours": 0.5, "price": 12.3, "decision": "proposed"}
+    book = openpyxl.load_workbook(io.BytesIO(write_workbook(worn, Job(estimate=terms, repair_decisions=[own, other]))))
+    cells, places = sheet_of(book)
+    for name, value in change.items():
+        book["Estimate"].cell(*places[name]).value = value
+    value = recalculated(book)
+    line = own | {name: value for name, value in change.items() if name in ("price", "hours")}
+    names = {"rate": "labour_rate", "tax": "tax_percent"}
+    stated = terms | {names[name]: value for name, value in change.items() if name in names}
+    expected = Job(estimate=stated, repair_decisions=[line, other])
+    wanted, _ = sheet_of(openpyxl.load_workbook(io.BytesIO(write_workbook(worn, expected)), data_only=True))
+    formulas = [
+        (row, column)
+        for row, each in enumerate(cells, start=1)
+        for column, cell in enumerate(each, start=1)
+        if str(cell).startswith("=")
+    ]
+    assert len(formulas) >= 2 * 2 + 3 * 6
+    for row, column in formulas:
+        found = value("Estimate", f"{openpyxl.utils.get_column_letter(column)}{row}")
+        asked = wanted[row - 1][column - 1]
+        assert found == (asked or "") if isinstance(asked, str | None) else found == pytest.approx(asked, abs=1e-9)
+
+
 def test_workbook_and_table_hold_the_same_lines_and_sums(worn: Diagnosis) -> None:
     job = Job(
         estimate={"currency": "EUR", "labour_rate": 43.5},
         repair_decisions=[{"component": PR, "land": 2, "work": "=1+1"}],
     )
-    book = openpyxl.load_workbook(io.BytesIO(write_workbook(worn, job)))
+    book = openpyxl.load_workbook(io.BytesIO(write_workbook(worn, job)), data_only=True)
     cells = [[cell.value for cell in row] for row in book["Estimate"]]
-    assert next(row for row in cells if row[2] == "MADE-UP-1")[3:6] == [10.01, 1.15, 50.03]
+    assert next(row for row in cells if row[2] == "MADE-UP-1")[3:7] == [10.01, 1.15, 50.03, 60.04]
     assert "Estimate" not in openpyxl.load_workbook(io.BytesIO(write_workbook(worn, Job(number="1")))).sheetnames
     text = EstimateWords(estimate(worn, job), wording("en")).csv().decode("utf-8-sig")
     rows = list(csv.reader(io.StringIO(text)))

@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
-import openpyxl
 import pytest
-from openpyxl.utils.cell import coordinate_to_tuple
-from python_calamine import CalamineWorkbook
 
 
 @pytest.fixture(scope="session")
@@ -28,22 +23,3 @@ def referee() -> ModuleType:
 def calculator(referee) -> type:
     """The referee that calculates a workbook's formulas."""
     return referee.SheetCalculator
-
-
-@pytest.fixture
-def recalculated(tmp_path, convert) -> Callable[[openpyxl.Workbook], Callable[[str, str], Any]]:
-    """LibreOffice again: it gets formulas without cached values, and says what each cell gives."""
-
-    def run(book):
-        book.save(tmp_path / "in.xlsx")  # openpyxl writes no cached values
-        convert(tmp_path / "in.xlsx", "ods")
-        sheets = CalamineWorkbook.from_path(tmp_path / "in.ods")
-        rows = {name: sheets.get_sheet_by_name(name).to_python(skip_empty_area=False) for name in sheets.sheet_names}
-
-        def value(sheet, address):
-            row, column = coordinate_to_tuple(address)
-            return rows[sheet][row - 1][column - 1]
-
-        return value
-
-    return run

@@ -133,7 +133,7 @@ def test_the_first_sheet_says_that_there_is_no_password(said):
     assert [text for text in texts if word in text]
 
 
-LINE = 15.0  # [pt] of Calibri 11, which is also the height of a row that has none of its own
+LINE = 13.5  # [pt] of letters of 10 pt
 
 
 def widths_of(sheet: Any) -> dict[str, float]:
