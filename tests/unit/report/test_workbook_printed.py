@@ -76,10 +76,7 @@ def test_the_smallest_letters_that_are_printed_can_be_read(book):
     for sheet in book:
         first, top, last, bottom = printed(sheet)
         sizes = [
-            cell.font.sz
-            for row in sheet.iter_rows(top, bottom, first, last)
-            for cell in row
-            if cell.value is not None
+            cell.font.sz for row in sheet.iter_rows(top, bottom, first, last) for cell in row if cell.value is not None
         ]
         assert bool(sizes) != (sheet.title in FOR_SCREEN)
         assert min(sizes, default=10.0) * scale_of(sheet) >= LEAST, sheet.title
