@@ -1,6 +1,6 @@
 """What is learned from simulated units: it is right as often as it says, and it names the worn one.
 
-The figures of the slow tests stand in ``docs/uncertainty.md``.
+The figures of the slow tests stand in ``docs/coverage.md``.
 """
 
 from __future__ import annotations
