@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from functools import cache
 from itertools import accumulate
 from typing import Any, NamedTuple
 
 import xlsxwriter
 from xlsxwriter.format import Format
-from xlsxwriter.utility import xl_col_to_name, xl_rowcol_to_cell
+from xlsxwriter.utility import xl_col_to_name
 from xlsxwriter.worksheet import Worksheet
 
 from atleak.common.sentences import Name, Sentence
 from atleak.common.style import HEADING, LOOKS, Paper, look_of
-from atleak.common.units import UnitOf
+from atleak.common.units import SYSTEMS, UnitOf
 from atleak.common.verdicts import BANDS, VERDICTS, Band, Verdict
 from atleak.common.wording import Wording
 from atleak.measurements.job_card import clean_text
@@ -61,7 +62,13 @@ _ALLOWED = {  # on a protected sheet, besides changing what is unlocked: no numb
 
 
 class _Sheet(Worksheet):
-    """A sheet whose formulas are written as they are: none has a function that Excel wants with a prefix."""
+    """A sheet whose formulas are written as they are: none has a function that Excel wants with a prefix.
+
+    Cells are told by row and column, never as "A1".
+    """
+
+    write_number, write_string = Worksheet._write_number, Worksheet._write_string
+    write_formula = Worksheet._write_formula
 
     def _prepare_formula(self, formula: str, expand_future_functions: bool = False) -> str:
         return formula.removeprefix("=")
@@ -82,7 +89,9 @@ class ReportBook:
     def __init__(self, workbook: xlsxwriter.Workbook, paper: Paper, say: Wording) -> None:
         self.workbook, self.paper, self.say = workbook, paper, say
         self._formats: dict[tuple[Any, ...], Format] = {}
-        self.numbers: dict[Place, Number] = {}  # by where they stand
+        self.numbers: dict[Place, Number] | None = None  # by where they stand, for a reader of other units
+        if say.system is not SYSTEMS["metric"]:
+            self.numbers = {}
         self.named: dict[str, Place] = {}  # where the cells stand that have a name
 
     def form(self, number: str = "plain", of: str | None = None, **properties: Any) -> Format:
@@ -259,6 +268,16 @@ class ReportBook:
         return row + len(parts) - 1
 
 
+@cache
+def column_name(column: int) -> str:
+    """Return what a spreadsheet calls a column.
+
+    >>> column_name(0), column_name(27)
+    ('A', 'AB')
+    """
+    return str(xl_col_to_name(column))
+
+
 def formula(sheet: Worksheet, row: int, column: int, text: str, value: float | str, form: Format | None = None) -> None:
     """Write a live formula with the value it gives, so that a preview or pandas sees it without calculating."""
     if isinstance(value, float) and not math.isfinite(value):
@@ -268,13 +287,13 @@ def formula(sheet: Worksheet, row: int, column: int, text: str, value: float | s
 
 def cell(row: int, column: int, sheet: str | None = None) -> str:
     """Return the address of a cell, fixed in row and column: ``Lands!$D$3``."""
-    address = xl_rowcol_to_cell(row, column, row_abs=True, col_abs=True)
+    address = f"${column_name(column)}${row + 1}"
     return address if sheet is None else f"{_quoted(sheet)}!{address}"
 
 
 def cell_span(first: int, last: int, column: int, sheet: str | None = None) -> str:
     """Return the address of several cells of one column."""
-    name = xl_col_to_name(column)
+    name = column_name(column)
     address = f"${name}${first + 1}:${name}${last + 1}"
     return address if sheet is None else f"{_quoted(sheet)}!{address}"
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
@@ -25,7 +26,7 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.projection import Projection
-from atleak.report.xlsx.book import Number, ReportBook, cell, cell_span, formula
+from atleak.report.xlsx.book import Number, ReportBook, cell, cell_span, column_name, formula
 
 RESERVED = frozenset({"const", "limit", "spool", "sleeve"})
 
@@ -128,11 +129,15 @@ class LiveCell:
     of: str | None = None  # kind of quantity, in the unit of atleak's records; None of what has the same unit for all
 
 
-def write_cell(book: ReportBook, sheet: Worksheet, row: int, column: int, content: LiveCell) -> None:
-    """Write a cell; a formula that gives nothing known is left out."""
-    form = book.form(content.kind, content.of, **content.look)
-    if content.value is not None and (content.formula is not None or not isinstance(content.value, str)):
-        book.numbers[sheet.get_name(), row, column] = Number(content.value, content.formula, form, content.of)
+def write_cell(
+    book: ReportBook, sheet: Worksheet, row: int, column: int, content: LiveCell, of: str | None = None
+) -> None:
+    """Write a cell, of a kind of quantity unless its content says one; a formula that gives nothing is left out."""
+    of = content.of or of
+    form = book.form(content.kind, of, **content.look)
+    known = content.value is not None and (content.formula is not None or not isinstance(content.value, str))
+    if book.numbers is not None and known:
+        book.numbers[sheet.get_name(), row, column] = Number(content.value, content.formula, form, of)
     if content.formula is None:
         book.put(sheet, row, column, content.value, form)
     elif content.value is not None:
@@ -179,7 +184,7 @@ class LiveColumn:
             text = text(item, here)
         return LiveCell(self.kind, value, text, CHANGEABLE if self.blue and text is None else self.look, self.of)
 
-    @property
+    @cached_property
     def of(self) -> str | None:
         """Return the kind of quantity whose unit its heading names."""
         return _kind_named(self.heading)
@@ -233,10 +238,10 @@ class LiveSheet:
             here = self.row(row)
             of_row = cells(row, item) if cells else {each.key: each.cell(item, here) for each in self.columns}
             for key, content in of_row.items():
-                of = content.of or self.columns[self.place[key]].of
-                write_cell(book, sheet, row, self.place[key], replace(content, of=of))
-        for number, column in enumerate(self.columns):
-            sheet.set_column(number, number, column.width)
+                column = self.place[key]
+                write_cell(book, sheet, row, column, content, self.columns[column].of)
+        for number, each in enumerate(self.columns):
+            sheet.set_column(number, number, each.width)
         if printed:
             book.print_table(sheet, len(self.items), lines, [column.width for column in self.columns])
         else:
@@ -401,4 +406,4 @@ def largest_of(terms: Sequence[str]) -> str:
 
 def address(row: int, column: int) -> str:
     """Return the address of a cell of the same sheet, free to move with its row."""
-    return cell(row, column).replace("$", "")
+    return f"{column_name(column)}{row + 1}"

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from xlsxwriter.utility import xl_cell_to_rowcol
 
-from atleak.common.units import SYSTEMS, ShownUnit
+from atleak.common.units import ShownUnit
 from atleak.report.xlsx.book import ReportBook, formula
 
 _TOKEN = re.compile(
@@ -36,9 +36,7 @@ class _Call:
 
 def in_reader_units(book: ReportBook) -> None:
     """Convert every cell that computes; nothing for a reader of the units of atleak's records."""
-    if book.say.system is SYSTEMS["metric"]:
-        return
-    for (sheet, row, column), number in book.numbers.items():
+    for (sheet, row, column), number in (book.numbers or {}).items():
         unit, value = _unit(book, number.of), number.value
         worksheet = book.workbook.get_worksheet_by_name(sheet)
         assert worksheet is not None
@@ -97,8 +95,9 @@ def _in_records(book: ReportBook, sheet: str, text: str) -> str:
 
 def _unit_of(book: ReportBook, sheet: str, token: str) -> ShownUnit | None:
     """Return the unit of a cell, of the first number in a stretch of cells, or of what has a name."""
+    numbers = book.numbers or {}
     if token in book.named:
-        number = book.numbers.get(book.named[token])
+        number = numbers.get(book.named[token])
         return None if number is None else _unit(book, number.of)
     there, _, cells = token.rpartition("!")
     first, _, last = cells.replace("$", "").partition(":")
@@ -107,7 +106,7 @@ def _unit_of(book: ReportBook, sheet: str, token: str) -> ShownUnit | None:
     (top, left), (bottom, right) = xl_cell_to_rowcol(first), xl_cell_to_rowcol(last or first)
     there = there.strip("'") or sheet
     places = ((there, row, column) for column in range(left, right + 1) for row in range(top, bottom + 1))
-    number = next((book.numbers[place] for place in places if place in book.numbers), None)
+    number = next((numbers[place] for place in places if place in numbers), None)
     return None if number is None else _unit(book, number.of)
 
 
