@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
@@ -102,7 +103,9 @@ class RoadSheets:
             kind = series.labels[name][1]
             form = book.form(_FORMATS.get(kind, kind), kind or None)
             for line, value in enumerate((say.convert(values, kind) if kind else values).tolist(), start=row + 1):
-                if value == value:  # NaN: an empty cell, a gap in the chart
+                if math.isfinite(value) and name != "gear":
+                    sheet.write_number(line, column, value, form)
+                elif value == value:  # NaN: an empty cell, a gap in the chart
                     book.put(sheet, line, column, gear_shown(int(value)) if name == "gear" else value, form)
         first, last = row + 1, row + kept
         flows = [name for name in ("pump_capacity_dm3_min", "leakage_dm3_min") if name in names]

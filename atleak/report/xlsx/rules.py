@@ -224,6 +224,10 @@ class RuleCells:
         lines += [_Line(rule, land) for land in self.diagnosis.lands for rule in land.rules]
         self.sheet = LiveSheet(self.say.sentence(RULES), self._columns(), lines)
         self._row = {id(line.rule): row for row, line in enumerate(lines, start=1)}
+        self._ends: dict[LandKey, tuple[int, int]] = {}  # first and last row of a land
+        for row, line in enumerate(lines, start=1):
+            if line.land is not None:
+                self._ends[line.land.key] = self._ends.get(line.land.key, (row, row))[0], row
 
     def _columns(self) -> Sequence[LiveColumn]:
         width = component_width(self.diagnosis.controller.components)
@@ -253,9 +257,7 @@ class RuleCells:
 
     def ranks_of(self, key: LandKey) -> str | None:
         """Return the stretch of cells with the ranks of one land's verdicts; None where no rule judges it."""
-        lines = enumerate(self.sheet.items, start=1)
-        rows = [row for row, line in lines if line.land is not None and line.land.key == key]
-        return self.sheet.span(rows[0], rows[-1], "rank") if rows else None
+        return self.sheet.span(*self._ends[key], "rank") if key in self._ends else None
 
     def rank(self, rule: Rule) -> str:
         """Return the cell with the rank of a rule's verdict."""
