@@ -110,7 +110,7 @@ def bare_typst(diagnosis: Diagnosis, job: Job, folder: Path, document: str) -> C
     pictures = compiling.write_pictures(job, folder)
     head = compiling.common_data(say("title.report"), say("title.subject"), job, find_paper("a4"), say, pictures)
     chosen = pdf.chosen_sections(None, document)
-    data = head | pdf.report_data(diagnosis, job, say, chosen, pictures, document=document)
+    data = {"attached": [], **head, **pdf.report_data(diagnosis, job, say, chosen, pictures, document=document)}
     for path in compiling.TEMPLATES.glob("*.typ"):
         shutil.copy(path, folder)
     inputs = {"data": json.dumps(data, ensure_ascii=False)}
