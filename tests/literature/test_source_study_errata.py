@@ -179,5 +179,5 @@ def test_23_repeats_of_table_1_swap_the_coordinates() -> None:
 
 def test_errata_of_the_document_are_numbered_without_a_gap(root: Path) -> None:
     text = (root / "docs" / "source-study.md").read_text(encoding="utf-8").partition("## Errata")[2]
-    numbers = re.findall(r"^\| (\d+) \| .+ \|$", text, flags=re.MULTILINE)
+    numbers = re.findall(r"^(\d+)\. \*.+\.\* .+$", text, flags=re.MULTILINE)
     assert [int(number) for number in numbers] == list(range(1, 24))
