@@ -42,7 +42,7 @@ def evaluated(tmp_path: Path, server_home: Path, monkeypatch: pytest.MonkeyPatch
 @pytest.mark.slow
 def test_from_a_fleet_down_to_one_unit_and_back_with_what_was_chosen(page: Page, evaluated: Path) -> None:
     to(page, "Fleet")
-    expect(page.get_by_text("To be replaced, or worse: 0 of 3 units.", exact=True)).to_be_visible()
+    expect(page.get_by_text("Units to be replaced, or worse: 0 of 3.", exact=True)).to_be_visible()
     expect(page.get_by_role("button", name="Excel workbook")).to_be_visible()  # the last of the page
     groups = page.get_by_test_id("stMain").get_by_role("combobox", name="Groups by")
     groups.scroll_into_view_if_needed()  # scrolling closes a list that is open

@@ -201,6 +201,8 @@ def _fields(chart: ClassChart, say: Wording, scale: float) -> str:
             axes.set_xlim(*_ends([chart]))
             plotting.number_axes(axes, say, "x", most=10)
             plotting.number_axes(axes, say, "y", most=max(int(height / 18.0), 2))
+            if field.units:  # of which there is no half
+                axes.yaxis.set_major_locator(MaxNLocator(max(int(height / 18.0), 2), integer=True))
             upright_title(axes, field.title, _LEFT)
             axes.tick_params(labelbottom=field is chart.fields[-1], bottom=field is chart.fields[-1])
             above += height + _GAP

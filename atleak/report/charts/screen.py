@@ -144,7 +144,8 @@ def _classes(chart: ClassChart, say: Wording) -> Figure:
                 showlegend=False,
                 hovertemplate="%{y:,.0f}<extra></extra>",
             )
-            figure.update_yaxes(row=row, rangemode="tozero", nticks=3)
+            most = max(field.units)
+            figure.update_yaxes(row=row, rangemode="tozero", nticks=3, dtick=1 if most < 3 else None)
         figure.update_yaxes(row=row, title=field.title, gridcolor=FAINT_GRID)
     if chart.edges:
         figure.update_xaxes(range=[chart.edges[0][0], chart.edges[-1][1]])

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 
+import pytest
+
 Run = Callable[..., tuple[int, str, str]]
 
 
@@ -13,6 +15,16 @@ def test_the_tables_of_the_variants_have_titles_and_their_columns_are_explained(
     for said in ("Table 2: the variants", "Table 3: most leakage", "at its maximum over the log", "U largest: of the"):
         assert said in out
     assert "*" not in out
+
+
+def test_eighty_columns_break_headings_at_spaces_and_cut_none(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    _, out, _ = run("variants")
+    heads = [line for line in out.splitlines() if line.startswith("┃")]
+    assert max(map(len, heads)) <= 80
+    assert "…" not in out
+    words = {word for line in heads for cell in line.split("┃") for word in cell.split()}
+    assert {"variant", "printed", "computed", "largest", "digits", "[dm³/min]", "[mm²/s]"} <= words
 
 
 def test_variants_has_the_promised_keys(run: Run) -> None:
