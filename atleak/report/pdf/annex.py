@@ -31,7 +31,7 @@ from atleak.report.tables.sentences import shares_add_up
 from atleak.report.tables.table import VERDICT, Column, Judged, Table
 
 _CONDITIONS = 5  # whose shares have room beside one another
-_WITH_LEAKAGE = 2  # beside which the leakage and its interval have room, too
+_WITH_LEAKAGE = 2  # beside which the leakage has room, too
 _DIRECTIONS = 4  # of measuring, beside one another in a table
 _ABREAST = 6  # readings that a row has room for
 _OF_BOTH = 4  # readings of a part, where those of sleeve and spool stand in one row
@@ -167,7 +167,7 @@ class Annex(PrintedPart):
         of_lands = names.lands
         (land, clearance, verdict) = of_lands.only("land", "clearance", "verdict").columns
         sizes = of_lands.only("mounting", "effective").columns
-        leakage = of_lands.only(*(["leakage", "interval"] if len(at) <= _WITH_LEAKAGE else [])).columns
+        leakage = of_lands.only(*(["leakage"] if len(at) <= _WITH_LEAKAGE else [])).columns
         columns = (
             Column("land", of=names.land_number) if self._numbered else land,
             Column("", "clearance", words="c_r ± U", of=clearance.of),

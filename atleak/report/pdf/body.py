@@ -117,10 +117,10 @@ def gauge_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
         yield text(say("texts.gauges_unjudged", reason=say.sentence(reason)), small=True)
     items = pattern_sentences(check, diagnosis.controller, say)
     if items:
-        yield text(say("texts.patterns"))
+        yield text(say("texts.patterns"), leads=True)
         yield bullets(items)
     if diagnosis.missing_flagged:
-        yield text(say("answer.split"))
+        yield text(say("answer.split"), leads=True)
         yield printed(missing_table(diagnosis, say))
 
 

@@ -36,7 +36,7 @@ from atleak.report.tables.road_words import (
 from atleak.report.tables.sentences import circuit_sentence, shares_add_up
 from atleak.report.tables.table import Column, Table
 
-ABREAST = 5  # conditions beside one another in a table
+ABREAST, _BESIDE = 5, 3  # conditions beside one another in a table, and beside the steps of a plan
 
 
 def leaking_elsewhere(names: PrintedNames, rows: Iterable[MatrixRow]) -> Iterable[str]:
@@ -100,7 +100,7 @@ class Conditions(PrintedPart):
         yield from map(text, plan_ends(plan, say))
 
     def _steps(self) -> Iterator[Block]:
-        """Yield the steps with the total after each at as many conditions as have room, then at the others."""
+        """Yield the steps, with the total after each at every condition where these have room, else below."""
         say, plan = self.say, self.names.plan
         order, totals = (of(self.diagnosis, plan, say) for of in (order_table, totals_table))
 
@@ -120,8 +120,9 @@ class Conditions(PrintedPart):
         about_steps = map(of_step, order.only("pair", "verdict", "consequence", "replace_at").filled.columns)
         number = Column("", digits=0, words=say("repair_plan.number"), of=lambda row: str(row[0] or "–"))
         _, *conditions = totals.columns
-        yield printed(replace(totals, columns=(number, *about_steps, *conditions[:ABREAST]), remark=about))
-        yield from self._abreast(replace(totals, columns=(number, *conditions[ABREAST:])))
+        beside = conditions if len(conditions) <= _BESIDE else []
+        yield printed(replace(totals, columns=(number, *about_steps, *beside), remark=about))
+        yield from self._abreast(replace(totals, columns=(number, *([] if beside else conditions))))
 
     def _options(self) -> Iterator[Block]:
         """Return the repairs that the valve body's file names for the plan's lands."""
@@ -276,7 +277,7 @@ class RoadTestSection(PrintedPart):
             yield from section_blocks(section, lambda _: "", say)["blocks"]
         checks = check_sentences(self.diagnosis, say)
         if checks:
-            yield text(say("findings.check_next"))
+            yield text(say("findings.check_next"), leads=True)
             yield bullets(checks)
         yield from self._events(log)
         if road is not None and self.series is not None:

@@ -132,7 +132,6 @@ class Front(PrintedPart):
     def _totals(self) -> Block:
         share = Column("share", "percent", 1, times=PERCENT)
         columns = (
-            Column("condition", width=150, of=lambda at: self.say.condition(at.condition)),
             *([] if all(map(self._names_temperature, self.shown)) else [self._temperature]),
             self._speed("speed", lambda at: at.condition.engine_speed),
             Column("gear", digits=0, of=lambda at: gear_shown(at.condition.gear)),
@@ -146,7 +145,7 @@ class Front(PrintedPart):
             Column("reserve", digits=2),
             self._speed("holds", "minimum_speed"),
         )
-        return listed(self.say, self.shown, *columns)
+        return listed(self.say, self.shown, *columns, group=lambda at: self.say.condition(at.condition))
 
     def _speed(self, key: str, of: str | Callable[[Projection], float]) -> Column:
         """Return a column of engine speeds; the sentences of a report have the same unit."""

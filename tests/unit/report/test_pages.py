@@ -30,7 +30,7 @@ from tests.unit.report.read_back import pages_of
 
 LONG = "Hydraulischer Hauptdruck-Regelventilkolben mit Verstärkungshülse und Rückstellfeder"
 SHORT = "Valve"
-FILLED = 0.45  # of a page that is followed by another one
+FILLED = 0.5  # of a page that is followed by another one
 MARGIN = 40.0  # [pt] in which nothing stands; text begins at 42.5
 FOOT = 0.93  # of the page's height, above which its footer begins
 
