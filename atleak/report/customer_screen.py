@@ -43,7 +43,9 @@ def offered(screen: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
 def shows_the_same(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
     """Tell whether two screens say the same and ask the same, whatever was answered."""
     said = [
-        [screen[name] for name in ("language", "headline", "sentence", "bars", "picture")] for screen in (one, other)
+        [screen[name] for name in ("language", "headline", "sentence", "picture")]
+        + [(bar["name"], bar["litres"]) for bar in screen["bars"]]  # a kept one may be of an older version
+        for screen in (one, other)
     ]
     return said[0] == said[1] and offered(one) == offered(other)
 

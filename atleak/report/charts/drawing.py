@@ -34,7 +34,7 @@ _END_VIEW = 220.0  # of the width, for a spool seen along its axis
 _PICTURE = 160.0, 44.0  # [px] of a component drawn by itself
 _ABOVE, _BELOW = 56.0, 58.0  # of the axis, beside a spool's reach: the planes' numbers, and the diameters
 _ABOVE_END_VIEW, _BELOW_END_VIEW = 96.0, 84.0  # of the axis, where directions are drawn
-_AFTER_HYPHEN = re.compile(r"(?<=[^-]-)(?=[^-])")
+_AFTER_HYPHEN = re.compile(r"(?<=[^-]-)(?=[^-\d])|(?<=[^-\d]-)(?=\d)")  # shift valve 1-2 is not broken in its number
 _VOWELS = "aeiouyäöüàâéèêëïîôùûąęó"
 _ONSET = r"sch|ch|ck|ph|th|qu|sz|cz|rz|([bdfgkptw])(?<!\1\1)(?<!ck)[lr]"  # consonants that stay together
 _SYLLABLE = re.compile(rf"(?<=\w)(?:{_ONSET}|[^\W\d_{_VOWELS}])(?=[{_VOWELS}])", re.IGNORECASE)  # where one begins

@@ -54,8 +54,10 @@ class _Length:
     sentences: int = 99  # of the finding, and of what to do
 
 
+_WITH_PHOTO = ((700, 10), (480, 8))  # what a customer agrees to goes before a photo of it
 _LENGTHS = (
-    *starmap(_Length, ((700, 10), (480, 8), (320, 6), (240, 5), (180, 4), (150, 3), (120, 3), (100, 2))),
+    *starmap(_Length, _WITH_PHOTO),
+    *starmap(_Length, (*_WITH_PHOTO, (320, 6), (240, 5), (180, 4), (150, 3), (120, 3), (100, 2))),
     *starmap(_Length, ((100, 2, 3), (100, 1, 3), (60, 1, 2), (60, 1, 1), (60, 1, 0), (60, 0, 1))),
 )
 
@@ -252,14 +254,14 @@ class CustomerPage(PrintedPart):
         yield from self.held()
         if any(not diagnosis.can_wait(land) for land in diagnosis.flagged):
             yield say("customer_screen.escapes")
-        if finding is not None:
+        if finding is not None and self.verdict is not Verdict.OK:
             yield finding
 
     @property
     def sentence(self) -> str:
         """Say what was lost at the visit before and is lost now, where that is not the measuring alone; else why."""
         if self._other is not None and self._changed and self._is_later:
-            before, now = (self.say.number(each.share * PERCENT, 0) for each in (self._other, self._worst))
+            before, now = (self._litres(each.share) for each in (self._other, self._worst))
             return self.say("customer_screen.since", before=before, now=now)
         return next(self.held(), self.say("customer_screen.escapes") if self.valves else "")
 
@@ -278,9 +280,12 @@ class CustomerPage(PrintedPart):
             lost = {"before": self._other.share, **lost} if self._is_later else {**lost, "later": self._other.share}
         lost |= self._repaired | {"new": self.diagnosis.new_at(worst).share}
         for name, share in lost.items():
-            litres = self.say.number(share * PERCENT, 0)
             said, width = self.say(f"customer_screen.{name}"), round(min(share, 1.0), 3)
-            yield {"name": said, "litres": litres, "width": width, "now": name == "now"}
+            yield {"name": said, "litres": self._litres(share), "width": width, "now": name == "now"}
+
+    def _litres(self, share: float) -> str:
+        """Say how many litres of 100 are lost: more than all, where the leaks ask for more than there is."""
+        return ("> " if share > 1.0 else "") + self.say.number(min(share, 1.0) * PERCENT, 0)
 
     @cached_property
     def _repaired(self) -> dict[str, float]:
@@ -298,18 +303,21 @@ class CustomerPage(PrintedPart):
     def _tighter(self) -> str:
         """Say why less may be lost after the repairs than in a new unit."""
         new = self.diagnosis.new_at(self._worst).share
-        shown = (self.say.number(each * PERCENT, 0) for each in (*self._repaired.values(), new))
+        shown = map(self._litres, (*self._repaired.values(), new))
         less = any(each < new for each in self._repaired.values()) and len({*shown}) > 1
         return self.say("customer.tighter") if less else ""
 
     def _found(self) -> Iterator[str]:
-        """Say what was measured, what is lost by it where no bars do, and what the complaint has to do with it."""
+        """Say what was measured, what is lost by it where bars cannot, and what the complaint has to do with it."""
         say, diagnosis = self.say, self.diagnosis
         if diagnosis.without_sheet:
             yield say("customer.no_sheet")
+            finding = measured_sentence(diagnosis, say)
+            if finding and self.verdict is Verdict.OK:
+                yield finding
         elif diagnosis.judged:
             yield self._measured()
-        if not any(self.bars()):
+        if not any(self.bars()) or self._worst.share > 1.0:
             yield from self.lost()
         if not self._not_the_valves:
             yield from self._explained()
@@ -458,7 +466,7 @@ class CustomerPage(PrintedPart):
             only=drawn,
             named=self.say.name,
             letters=_LETTERS,
-            note=self.say("casting.schematic"),
+            note=self.say("customer.schematic"),
         )
         schematic = {"svg": svg, "alt": alt, "least": 0.8, "lengths": len(_LENGTHS)}
         casting = sound_casting(self.diagnosis.controller.id)
@@ -470,14 +478,14 @@ class CustomerPage(PrintedPart):
         shown = photo.html if on_screen else photo.svg
         return [{"svg": shown, "alt": alt, "least": 0.6, "lengths": enough}, schematic]
 
-    def _photo(self, pictures: Mapping[str, str]) -> dict[str, str] | None:
-        """Return the job's photo of the worst valve of which there is one."""
+    def _photo(self, pictures: Mapping[str, str]) -> dict[str, Any] | None:
+        """Return the job's photo of the worst valve that has one, and for how many of the lengths it stands."""
         of = {photo.component: photo for photo in reversed(self.job.photos)}
         shown = next((of[each.component] for each in self.valves if each.component in of), None)
         if shown is None or shown.file not in pictures:
             return None
         caption = joined((self._valve(shown.component), shown.caption), " · ")
-        return {"file": pictures[shown.file], "caption": caption, "alt": caption}
+        return {"file": pictures[shown.file], "caption": caption, "alt": caption, "lengths": len(_WITH_PHOTO)}
 
     # --- what to do
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 
+import pikepdf
 import pytest
+from PIL import Image
 
 from atleak.analysis.repair.plan import plan_repairs
 from atleak.catalogue.controller_file import load_controller
@@ -387,3 +390,37 @@ def test_a_body_is_one_line_of_the_estimate_and_each_valve_is_judged_by_its_own_
     (both,) = (at for at in whole.conditions if at.condition == unit.worst.condition)
     assert len(saved) > 9
     assert max(saved) < 0.9 * (both.before.share - both.after.share)
+
+
+def test_a_photo_of_a_worn_valve_takes_no_line_that_is_agreed_to_and_needs_no_bars(worn, monkeypatch):
+    picture = io.BytesIO()
+    Image.new("RGB", (80, 60)).save(picture, "PNG")
+    flagged = list(dict.fromkeys(land.key[0] for land in worn.flagged))
+    works = [{"component": each, "price": 90.0, "hours": 1.0, "decision": "proposed"} for each in flagged[:3]]
+    bare = Job(estimate=ESTIMATE, repair_decisions=works, complaint=LONG, workshop={"address": "A\nB\nC"})
+    photographed = bare.model_copy(update={"photos": Job(photos=[{"file": "a.png", "component": flagged[0]}]).photos})
+    photographed = photographed.with_pictures({"a.png": picture.getvalue()})
+    printed = [write_pdf(worn, job, document="customer") for job in (bare, photographed)]
+    agreed = [pages_of(each)[0].count("yes no") for each in printed]
+    assert agreed[0] == agreed[1] > 0
+    monkeypatch.setattr(CustomerPage, "bars", lambda self: iter(()))
+    alone = Job(photos=photographed.photos).with_pictures(photographed.pictures)
+    with pikepdf.open(io.BytesIO(write_pdf(worn, alone, document="customer"))) as pdf:
+        assert any(each.get("/Subtype") == "/Image" for each in pdf.pages[0].Resources.XObject.values())
+
+
+def test_of_100_litres_no_more_than_all_are_lost_and_the_share_is_said(hipol, limits):
+    lost = worn_everywhere("gm_4l60e", hipol, limits, clearances=8.0)
+    assert lost.worst.share > 1.0
+    data = CustomerPage(PrintedNames(lost, Job(), wording("en")), signed=False).data()
+    assert next(bar for bar in data["bars"]["rows"] if bar["now"])["litres"] == "> 100"
+    assert any("more than there is, so the pressure falls" in each for each in data["found"]["texts"][0])
+
+
+def test_a_log_within_its_limits_is_nothing_wrong(sample_log):
+    found = Case(road_test=SourceFile("drive.csv", sample_log.read_bytes())).diagnose()
+    names = PrintedNames(found, Job(), wording("en"))
+    assert found.verdict is Verdict.OK
+    assert not answered(names, "wrong")
+    said = CustomerPage(names, signed=False).data()["found"]["texts"][0]
+    assert any("nowhere below what is permitted" in each for each in said)

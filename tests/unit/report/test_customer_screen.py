@@ -73,6 +73,15 @@ def test_beside_another_visit_it_says_what_was_lost_then_and_is_lost_now(
     assert not shows_the_same(later, customer_screen(worn_clutch, Job()))
 
 
+def test_a_screen_kept_by_an_older_version_is_written_and_shows_the_same(unit: Diagnosis) -> None:
+    screen = customer_screen(unit, JOB)
+    bars = [{name: each for name, each in bar.items() if name != "now"} for bar in screen["bars"]]
+    older = screen | {"bars": bars}
+    assert shows_the_same(older, screen)
+    assert bars[0]["litres"] in written(older)
+    assert not shows_the_same(screen | {"bars": bars[1:]}, screen)
+
+
 def test_of_personal_data_it_holds_plate_and_first_name(unit: Diagnosis) -> None:
     page = written(customer_screen(unit, JOB), asks=True)
     assert "Ana" in page

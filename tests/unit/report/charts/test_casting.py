@@ -145,7 +145,7 @@ def test_the_customer_and_the_pdf_are_shown_the_photo_that_the_workshop_keeps(ow
         return unescape(written(customer_screen(worn, Job()))), squeezed(text_of(write_pdf(worn, sections=["picture"])))
 
     html, pdf = shown()
-    assert EN("casting.schematic") in html
+    assert EN("customer.schematic") in html
     assert squeezed(EN("casting.schematic")) in pdf
     casting = marked(worn, (400, 300), "in rows")
     keep_casting(worn.controller.id, casting)
@@ -154,7 +154,7 @@ def test_the_customer_and_the_pdf_are_shown_the_photo_that_the_workshop_keeps(ow
     assert html.count('class="leader"') == 2 * len(flagged_of(worn))
     assert all(each in html for each in leaders)
     assert all(squeezed(each) in pdf for each in leaders)
-    assert EN("casting.schematic") not in html
+    assert EN("customer.schematic") not in html
     assert not re.search(r"(?:src|href)=\"(?!data:)", html), "the page needs nothing else"
     urgent = dict.fromkeys(flagged_of(worn), Verdict.WATCH)
     assert look_of(Verdict.WATCH).line in casting_drawing(casting, worn, EN, verdicts=urgent).svg

@@ -101,6 +101,7 @@ def test_a_word_longer_than_a_line_is_broken_and_a_name_without_end_is_cut():
         ("Leitungsdruckregelung", 14, ["Leitungsdruck-", "regelung"]),
         ("Vorwärtskupplung", 13, ["Vorwärtskupp-", "lung"]),
         ("shift valve 1-2", 12, ["shift valve", "1-2"]),
+        ("shift valve 1-2", 14, ["shift valve", "1-2"]),
         ("X" * 20, 12, ["X" * 11 + "-", "X" * 9]),
     ],
 )
