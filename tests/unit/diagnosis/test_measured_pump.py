@@ -469,13 +469,13 @@ def test_the_sheet_s_head_asks_for_what_the_file_can_use_and_is_read_back(
 ) -> None:
     cells = {
         cell.value: cell
-        for row in openpyxl.load_workbook(io.BytesIO(write_template(unit)))[SHEET]["A4:M6"]
+        for row in openpyxl.load_workbook(io.BytesIO(write_template(unit)))[SHEET]["A4:N7"]
         for cell in row
         if cell.value
     }
     asked = {f"{PUMP_SIDE} [µm]", f"{PUMP_TIP} [µm]"}
     assert asked <= cells.keys()
-    bare = openpyxl.load_workbook(io.BytesIO(write_template(minimal)))[SHEET]["A4:M6"]
+    bare = openpyxl.load_workbook(io.BytesIO(write_template(minimal)))[SHEET]["A4:N7"]
     assert not asked & {cell.value for row in bare for cell in row}
     fields = {PUMP_SIDE: "85", PUMP_TIP: "0.0063 in"}
     again = read_readings(write_readings(unit, read.readings, fields=fields), unit, name="sheet.xlsx")
