@@ -51,14 +51,15 @@ class _Length:
 
     letters: int  # of the complaint
     lines: int  # of the estimate
-    sentences: int = 99  # of the finding, and of what to do
+    sentences: int = 99  # of what is wrong, and of what to do
+    found: int = 99  # sentences
 
 
 _WITH_PHOTO = ((700, 10), (480, 8))  # what a customer agrees to goes before a photo of it
 _LENGTHS = (
     *starmap(_Length, _WITH_PHOTO),
     *starmap(_Length, (*_WITH_PHOTO, (320, 6), (240, 5), (180, 4), (150, 3), (120, 3), (100, 2))),
-    *starmap(_Length, ((100, 2, 3), (100, 1, 3), (60, 1, 2), (60, 1, 1), (60, 1, 0), (60, 0, 1))),
+    *starmap(_Length, ((100, 2, 3, 2), (100, 1, 3, 2), (60, 1, 2, 1), (60, 1, 1, 1), (60, 1, 1, 0), (60, 0, 1, 1))),
 )
 
 
@@ -114,8 +115,8 @@ class CustomerPage(PrintedPart):
                 [
                     [name, said]
                     for name, said in (
-                        (say("answer.wrong"), " ".join(wrong[: max(each.sentences, 1)])),
-                        (say("answer.do"), " ".join(do[: max(each.sentences, 1)])),
+                        (say("answer.wrong"), " ".join(wrong[: each.sentences])),
+                        (say("answer.do"), " ".join(do[: each.sentences])),
                         (say("customer.cost"), self._sum()),
                         (say("answer.sure"), sure),
                     )
@@ -125,7 +126,7 @@ class CustomerPage(PrintedPart):
             ],
             "caveats": [say(f"customer.{name}") for name in ("provisional", "upper_bound") if getattr(diagnosis, name)],
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in _LENGTHS]},
-            "found": {"title": say("customer.found"), "texts": [found[: each.sentences] for each in _LENGTHS]},
+            "found": {"title": say("customer.found"), "texts": [found[: each.found] for each in _LENGTHS]},
             "valves": say("customer.valves"),
             "drawings": self.drawings(),
             "photo": self._photo(pictures),
@@ -474,7 +475,7 @@ class CustomerPage(PrintedPart):
             return [schematic]
         urgent = {each.component: each.urgency for each in self.valves}
         photo = casting_drawing(casting, self.diagnosis, self.say, verdicts=urgent)
-        enough = next(number for number, each in enumerate(_LENGTHS) if not each.sentences)  # what to do is said
+        enough = next(number for number, each in enumerate(_LENGTHS) if not each.found)  # what to do is said
         shown = photo.html if on_screen else photo.svg
         return [{"svg": shown, "alt": alt, "least": 0.6, "lengths": enough}, schematic]
 
@@ -525,12 +526,12 @@ class CustomerPage(PrintedPart):
                 yield say("customer.do_look")
             return
         yield say("customer.do_repair", valves=self._named(due))
-        yield from self._elsewhere()
         words, plan = self.names.estimate, self.names.plan
         if words is not None:  # the work that is agreed to with this page
             yield say(f"customer.do_{'past' if words.estimate.past else 'green'}_estimate")
         else:
             yield say(f"customer.do_{'green' if plan.reached else 'past'}_plan")
+        yield from self._elsewhere()
         waiting = [each.component for each in self.valves if each.urgency is not each.verdict]
         if waiting:
             yield say("customer.do_wait", valves=self._named(waiting))

@@ -424,3 +424,12 @@ def test_a_log_within_its_limits_is_nothing_wrong(sample_log):
     assert not answered(names, "wrong")
     said = CustomerPage(names, signed=False).data()["found"]["texts"][0]
     assert any("nowhere below what is permitted" in each for each in said)
+
+
+def test_that_a_limit_stays_passed_is_said_before_where_else_to_look(sample_diagnoses):
+    sample, say = sample_diagnoses["workshop"], wording("en")
+    found = replace(sample, complaint=sample.controller.complaint("slips_hot"))
+    names = PrintedNames(found, Job(estimate=ESTIMATE), say)
+    said = answered(names, "do")
+    key = "past" if names.estimate.estimate.past else "green"
+    assert 0 < said.index(say(f"customer.do_{key}_estimate")) < said.index(say("customer.do_elsewhere"))
