@@ -110,7 +110,7 @@ def report_data(
     note_at_end: str = "",
 ) -> dict[str, Any]:
     """Return what the template of the report places beside `common_data`."""
-    computed = diagnosis.road if diagnosis.judged and "road_test" in chosen else None  # else it is that of a new unit
+    computed = diagnosis.road if diagnosis.judged and "road_log" in chosen else None  # else it is that of a new unit
     series = None if computed is None else road_series(computed, _ROAD_POINTS)
     names = PrintedNames(diagnosis, job, say)
     front, parts = Front(names), Body(names, series, pictures).parts(chosen, document)

@@ -142,7 +142,7 @@ _WORKSHOP = (
     "estimate", "condition", "photos", "notes",
 )  # fmt: skip
 _ANNEX = (
-    "all", "shares", "conditions", "limits", "decisions", "assumptions", "messages", "method", "readings",
+    "all", "shares", "road_log", "conditions", "limits", "decisions", "assumptions", "messages", "method", "readings",
     "budget", "provenance",
 )  # fmt: skip
 _BY_NAME = ("matrix",)  # printed where it is asked for: what it says of lands stands in the table of all of them
@@ -184,6 +184,8 @@ def chosen_sections(
     for name in wanted:
         if name not in known:
             raise unknown(Sentence("no such section"), name, known)
+    if "road_test" in wanted and document == "all":  # asked for by its name it is printed whole
+        wanted.append("road_log")
     return tuple(name for name in PDF_SECTIONS if name in wanted)
 
 
@@ -224,7 +226,7 @@ class Body(PrintedPart):
     def _sections(self, wanted: Iterable[str]) -> list[dict[str, Any]]:
         """Return title and blocks of every section that has any content."""
         names = self.names
-        conditions, annex = Conditions(names), Annex(names)
+        conditions, annex, road = Conditions(names), Annex(names), RoadTestSection(names, self.series)
         elsewhere: dict[str, Callable[[], Iterable[Block]]] = {
             "matrix": conditions.matrix,
             "all": annex.lands,
@@ -232,7 +234,8 @@ class Body(PrintedPart):
             "repair_order": conditions.repair_order,
             "gauges": partial(gauge_blocks, self.diagnosis, self.say),
             "before_opening": partial(before_opening_blocks, self.diagnosis, self.say),
-            "road_test": RoadTestSection(names, self.series).blocks,
+            "road_test": road.blocks,
+            "road_log": road.in_full,
             "estimate": partial(estimate_blocks, names),
             "decisions": annex.decisions,
             "readings": annex.readings,

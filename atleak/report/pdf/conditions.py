@@ -11,7 +11,6 @@ from atleak.analysis.repair.plan import PumpStep, RepairStep
 from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM, gear_name
 from atleak.common.wording import begun, joined
 from atleak.diagnosis.land import LandDiagnosis
-from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.charts.flows import FlowDiagram, flow_diagram, flow_svg, flow_words
 from atleak.report.charts.paper import drawn_on_paper
@@ -261,8 +260,8 @@ class RoadTestSection(PrintedPart):
         self.series = series
 
     def blocks(self) -> Iterable[Block]:
-        """Yield what the log says by itself, then the leakage over it."""
-        log, road, say = self.diagnosis.log, self.diagnosis.road, self.say
+        """Yield what the log says by itself."""
+        log, say = self.diagnosis.log, self.say
         if log is None:
             return
         test = log.road_test
@@ -279,15 +278,18 @@ class RoadTestSection(PrintedPart):
         if checks:
             yield text(say("findings.check_next"), leads=True)
             yield bullets(checks)
-        yield from self._events(log)
-        if road is not None and self.series is not None:
-            yield from self._leakage(road, self.series)
 
-    def _events(self, log: RoadFindings) -> Iterator[Block]:
+    def in_full(self) -> Iterable[Block]:
+        """Yield its events one by one, and the leakage over it."""
+        log, road = self.diagnosis.log, self.diagnosis.road
+        if log is None:
+            return
         yield printed(event_table(log.events[:EVENTS], self.say).without("event_lasts", "event_source"))
         more = len(log.events) - EVENTS
         if more > 0:
             yield text(self.say("findings.more_events", count=more), small=True)
+        if road is not None and self.series is not None:
+            yield from self._leakage(road, self.series)
 
     # --- leakage over the log
 
