@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from atleak.analysis.pressures import pressures_at
 from atleak.catalogue.circuits import Circuit, Consumer, Leak
-from atleak.common.style import PAPER_INKS, SCREEN, look_of
+from atleak.common.style import PAPER_INKS, SCREEN, SHEET_OF_PAPER, look_of
 from atleak.common.units import DM3_MIN, KPA
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording, isolated, wording
@@ -20,6 +20,7 @@ from atleak.engine.flows import Flow, FlowKind, FlowPlace, flows_at
 from atleak.engine.operation import LINE
 from atleak.engine.projection import Projection
 from atleak.report.charts.drawing import sign_svg, svg_head, svg_text, wrapped
+from atleak.report.printed_fonts import width_of
 from atleak.report.tables.names import has_number, land_number
 from atleak.report.tables.table import VERDICT, Column, Table
 
@@ -421,5 +422,10 @@ def _words(box: _Box) -> str:
     words = (
         svg_text(x, top + _ROW * number, line, _SIZE, bold=bold, anchor="start") for number, line in enumerate(lines)
     )
+    wide, tall = 1.1 * max(width_of(line, _SIZE) for line in lines) + 4.0, _ROW * len(lines)
+    ground = (  # so that no edge of a ribbon strikes the words through
+        f'<rect x="{x - 2.0:.1f}" y="{top - 10.5:.1f}" width="{wide:.1f}" height="{tall:.1f}" rx="3" '
+        f'fill="{SHEET_OF_PAPER}" fill-opacity="0.8"/>'
+    )
     bar = f'<rect x="{box.x:.1f}" y="{box.y:.2f}" width="{_BAR:g}" height="{box.height:.2f}" fill="{fill}"/>'
-    return "".join((bar, sign, *words))
+    return "".join((bar, ground, sign, *words))

@@ -9,7 +9,8 @@ from operator import attrgetter
 from typing import Any
 
 from atleak.analysis.changes import SIDES, Comparison, LandComparison
-from atleak.analysis.record_doubts import components_of
+from atleak.analysis.record_doubts import components_of, covered
+from atleak.catalogue.repairs import LandKey
 from atleak.common.style import DEFAULT_PAPER
 from atleak.common.units import KPA, UM
 from atleak.common.verdicts import Verdict
@@ -156,7 +157,7 @@ class _Page:
 
     def _wrong(self) -> Iterator[SectionPart]:
         diagnosis, say, flagged = self.comparison.before, self.say, self.comparison.before.flagged
-        complaint = joined(dict.fromkeys(job.complaint for job in self.jobs if job.complaint), " · ")
+        complaint = joined(dict.fromkeys(job.complaint.rstrip(" .") for job in self.jobs if job.complaint), " · ")
         said = [say("comparison.wrong_complaint", complaint=complaint)] if complaint else []
         if not diagnosis.judged:
             said.append(say("comparison.wrong_unmeasured"))
@@ -196,6 +197,17 @@ class _Page:
                 works[each.work or each.repair or say("estimate.as_new")].append(self._of(each))
         items = [say("comparison.done_item", work=work, pairs=joined(pairs, "; ")) for work, pairs in works.items()]
         yield Points(items) if items else Text(say("comparison.done_none"))
+        controller = self.comparison.after.controller
+        noted = frozenset[LandKey]().union(
+            *(covered(each, controller) for each in decisions if each.decision == "done")
+        )
+        tighter = (
+            self._named(*each.key)
+            for each in self.comparison.changed
+            if each.change is not None and each.change.value < 0.0 and each.key not in noted
+        )
+        if pairs := joined(tighter, "; "):
+            yield Text(say("comparison.done_measured", pairs=pairs))
         left = [each for each in decisions if each.decision in ("declined", "deferred")]
         if left:
             refused = (

@@ -106,8 +106,20 @@ def test_valves_have_their_names_in_the_reader_s_language(worn) -> None:
 def test_nothing_noted_as_done_is_said_instead_of_left_out(repaired: Comparison) -> None:
     content = write_comparison_pdf(repaired, BEFORE, Job())
     assert content == write_comparison_pdf(repaired, BEFORE, Job())  # the same jobs give the same bytes
-    text = text_of(content)
-    assert wording("en")("comparison.done_none") in text
+    text, say = text_of(content), wording("en")
+    assert say("comparison.done_none") in text
+    valve = say.name(repaired.after.controller.components["2"])
+    assert {land.key for land in repaired.changed} == {("2", 1), ("2", 2)}
+    for noted, offered in ((Job(), (1, 2)), (AFTER, ()), (one_of(AFTER), (2,))):
+        text = text_of(write_comparison_pdf(repaired, BEFORE, noted))
+        pairs = "; ".join(say("comparison.land", name=valve, land=land) for land in offered)
+        assert (say("comparison.done_measured", pairs=pairs) in text) == bool(offered)
+        assert (say("comparison.done_measured", pairs="").rstrip(". ") in text) == bool(offered)
+
+
+def one_of(job: Job) -> Job:
+    """The same with the first of its works alone."""
+    return job.model_copy(update={"repair_decisions": job.repair_decisions[:1]})
 
 
 def test_many_flagged_pairs_stay_on_one_page_and_are_counted(worn) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
@@ -47,6 +48,17 @@ def test_the_pump_over_speed_says_the_speed_from_which_it_covers_what_is_taken(
     for demand in data.demands:
         assert say("charts.taken_at", temperature=f"{demand.temperature:g}") in said
     assert say("charts.speed") in said
+
+
+def test_the_legend_of_the_pump_is_read_along_its_rows(worn: Diagnosis) -> None:
+    say = wording("en")
+    data = pump_over_speed(worn, worn.hot_idle, say)
+    texts = [each for each in ElementTree.fromstring(pump_chart(data, say)).iter(f"{SVG}text") if "taken" in each.text]
+    texts.sort(key=lambda each: (float(each.attrib["y"]), float(each.attrib["x"])))
+    assert len({each.attrib["y"] for each in texts}) == 2, "more than one row"
+    temperatures = [float(re.search(r"[\d.]+", each.text)[0]) for each in texts]
+    assert temperatures == sorted(temperatures)
+    assert len(temperatures) == len(data.demands) > 3
 
 
 @pytest.mark.parametrize("language", languages())
@@ -140,3 +152,7 @@ def test_leakage_pump_and_share_are_each_drawn_over_an_axis_of_their_own(worn: D
     heights = [[float(y) for y in re.findall(r"[ML] \S+ ([\d.]+)", path.attrib["d"])] for path in curves]
     assert len(heights) == (3 if share else 1)
     assert all(max(above) < min(below) for above, below in pairwise(heights)), "no curve reaches into another field"
+    upright = re.findall(r"M ([\d.]+) ([\d.]+)\s+L \1 ([\d.]+)", chart)
+    grid = Counter(x for x, top, bottom in upright if abs(float(top) - float(bottom)) > 50.0)
+    assert len(grid) > 3
+    assert [x for x, count in grid.items() if count % len(heights)] == [], "the same lines in each field"

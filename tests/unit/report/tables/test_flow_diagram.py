@@ -153,6 +153,16 @@ def test_words_of_a_column_do_not_lie_over_one_another(unit: Diagnosis) -> None:
     for heights in by_left.values():
         heights.sort()
         assert all(below - above >= 11.0 for above, below in pairwise(heights))
+    grounds = [
+        [float(box.attrib[name]) for name in ("x", "y", "width", "height")]
+        for box in svg.iter(f"{SVG}rect")
+        if "fill-opacity" in box.attrib
+    ]
+    for text in svg.iter(f"{SVG}text"):  # which no edge of a ribbon strikes through
+        x, y = float(text.attrib["x"]), float(text.attrib["y"])
+        assert any(
+            left < x < left + width and top < y - 8.0 and y < top + height for left, top, width, height in grounds
+        )
 
 
 def test_a_verdict_shows_by_sign_and_weight_and_not_by_colour_alone(worn_clutch: Diagnosis) -> None:
