@@ -104,7 +104,9 @@ class CustomerPage(PrintedPart):
         """
         say, diagnosis = self.say, self.diagnosis
         wrong, found, do = (list(each) for each in (self._wrong(), self._found(), self._do()))
-        sure = answer_lines(self.names.answer, say, whole=False).sure
+        answer = self.names.answer
+        unjudged = answer.cause is not Cause.UNEXPLAINED and (answer.missing is None or answer.missing.doubted)
+        sure = "" if unjudged else answer_lines(answer, say, whole=False).sure
         return {
             "title": say("customer_screen.title"),
             "about": self._about(),
@@ -581,7 +583,8 @@ class CustomerPage(PrintedPart):
         say, words = self.say, self.names.estimate
         due = None if words is None else words.estimate.total
         if words is None or due is None or due.gross is None:
-            return say("customer.no_price") if self._due and self.verdict.calls_for_repair else ""
+            asked = due is None or due.lines  # else every line is declined, or still open
+            return say("customer.no_price") if asked and self._due and self.verdict.calls_for_repair else ""
         values = {"amount": words.summed(due.gross, due.complete), "currency": words.estimate.currency}
         if due.tax is None:
             return say("customer.sum", **values)

@@ -433,3 +433,21 @@ def test_that_a_limit_stays_passed_is_said_before_where_else_to_look(sample_diag
     said = answered(names, "do")
     key = "past" if names.estimate.estimate.past else "green"
     assert 0 < said.index(say(f"customer.do_{key}_estimate")) < said.index(say("customer.do_elsewhere"))
+
+
+def test_an_estimate_of_which_all_is_declined_is_priced(worn):
+    works = [
+        {"component": each, "price": 90.0, "hours": 1.0, "decision": "declined"}
+        for each in dict.fromkeys(land.key[0] for land in worn.flagged)
+    ]
+    say = wording("en")
+    names = PrintedNames(worn, Job(estimate=ESTIMATE, repair_decisions=works), say)
+    assert not CustomerPage(names, signed=False).data()["cost"]["sum"]
+    assert (
+        say("customer.no_price") == CustomerPage(PrintedNames(worn, Job(), say), signed=False).data()["answer"][0][2][1]
+    )
+
+
+def test_how_sure_is_said_of_a_cause_and_not_of_no_verdict(worn, unmeasured):
+    assert answered(PrintedNames(worn, Job(), wording("en")), "sure").startswith("With ")
+    assert not answered(PrintedNames(unmeasured, Job(), wording("en")), "sure")
