@@ -64,7 +64,9 @@ class _EstimateCells:
         for row, (name, each) in enumerate(words.sums, start=sums + 1):
             self._sum(row, name, each)
         texts = (*words.chosen_by(), *words.missing(), *words.ends(), words.rounding())
-        for row, text in enumerate(texts, start=sums + len(words.sums) + 2):
+        notes = sums + len(words.sums) + 2
+        book.put(sheet, notes, 0, Sentence("as issued"), book.bold)  # they do not follow a price that is changed
+        for row, text in enumerate(texts, start=notes + 1):
             sheet.merge_range(row, 0, row, _WITHOUT, "", book.wrapped)
             book.put_text(sheet, row, 0, text, book.wrapped, sum(_LINES.values()))
 
