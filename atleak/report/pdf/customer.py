@@ -252,8 +252,11 @@ class CustomerPage(PrintedPart):
             yield f"{begun(impossible_part(diagnosis, say))}."
         elif pump is not None:
             yield pump
-        if self.valves:
-            yield say("customer.worn_valves", valves=self._named(each.component for each in self.valves))
+        due = [each.component for each in self.valves if each.urgency.calls_for_repair]
+        watched = [each.component for each in self.valves if not each.urgency.calls_for_repair]
+        for name, valves in (("worn_valves", due), ("worn_little", watched)):
+            if valves:
+                yield say(f"customer.{name}", valves=self._named(valves))
         yield from self.held()
         if any(not diagnosis.can_wait(land) for land in diagnosis.flagged):
             yield say("customer_screen.escapes")
@@ -344,10 +347,10 @@ class CustomerPage(PrintedPart):
             repair=repair,
             watch=len(flagged) - repair,
         )
-        waits = sum(map(self.diagnosis.can_wait, flagged))
+        waits = [land.key[0] for land in flagged if self.diagnosis.can_wait(land)]
         later = len(self._before_service)
         said = [self.say("customer.seal"), found]
-        said += [self.say("customer.waits", count=waits)] if waits else []
+        said += [self.say("customer.waits", valves=self._named(waits))] if waits else []
         said += [self.say("customer.later", count=later, mileage=self._service)] if later else []
         return " ".join(said)
 

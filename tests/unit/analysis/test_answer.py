@@ -177,8 +177,8 @@ def test_an_amount_and_a_probability_are_those_of_what_is_named(judged) -> None:
     assert named / 1e3 < np.mean(answer.missing.best.rows[answer.row]) / 1e3 - 1.0
     assert lines.wrong[0].isupper()
     assert (
-        "more than 99\xa0% probability most of it is due to worn lands. The pump was not measured and counts as new."
-        in lines.sure
+        "more than 99\xa0% probability most of the loss is due to worn valves. The pump was not measured and counts as "
+        "new." in lines.sure
     )  # the pump
 
 
@@ -219,7 +219,7 @@ def test_a_cause_is_named_beside_another_once_and_counts_in_the_probability(hipo
     answer = answer_of(diagnose(unit, hipol, limits, pressures=table))
     assert answer.also
     assert len({answer.cause, *answer.also}) == 1 + len(answer.also)
-    assert "most of it is due to a cause that was not measured" in answer_lines(answer, wording("en")).sure
+    assert "most of the loss is due to a cause that was not measured" in answer_lines(answer, wording("en")).sure
 
 
 @pytest.mark.parametrize(
