@@ -63,7 +63,7 @@ def said_by_form(form: OwnForm, cell: Cell) -> str | None:
     """Return what a cell heads in a form, whatever its unit; None where it is no heading of it.
 
     >>> from atleak.measurements.own_forms import MEASUREMENTS
-    >>> said_by_form(MEASUREMENTS, "Nenndurchmesser [mm]"), said_by_form(MEASUREMENTS, "Diameter [2] [mm]")
+    >>> said_by_form(MEASUREMENTS, "Nenndurchmesser [mm]"), said_by_form(MEASUREMENTS, "Colour [mm]")
     ('nominal', None)
     """
     return _headings(form.mark).get(text_of(cell).partition(" [")[0]) if isinstance(cell, str) else None

@@ -30,6 +30,7 @@ class Marking {
             this.put((event.clientX - left) / width, (event.clientY - top) / height)
             this.photo.focus({ preventScroll: true })
         }
+        this.photo.onblur = () => this.send() // whoever goes to another page leaves the photo first
         this.photo.onkeydown = event => {
             if (event.key === "Enter") this.next()
             else if (event.key in STEPS) {

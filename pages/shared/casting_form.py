@@ -35,7 +35,8 @@ def draw(controller: Controller) -> None:
 
     def marked() -> None:
         with show.refusing(key):
-            marks, now = st.session_state[f"{key}-photo"].get("marks"), load_casting(controller.id)
+            sent = st.session_state.get(f"{key}-photo") or {}  # none once another page is shown
+            marks, now = sent.get("marks"), load_casting(controller.id)
             if casting and now and now.photo == casting.photo and marks is not None:  # they are of no other photo
                 keep_casting(controller.id, now.marked(marks))
 
