@@ -323,6 +323,8 @@ class CustomerPage(PrintedPart):
                 yield finding
         elif diagnosis.judged:
             yield self._measured()
+            if waits := [land.key[0] for land in diagnosis.flagged if diagnosis.can_wait(land)]:
+                yield say("customer.waits", valves=self._named(waits))
         if not any(self.bars()) or self._worst.share > 1.0:
             yield from self.lost()
         if not self._not_the_valves:
@@ -347,10 +349,8 @@ class CustomerPage(PrintedPart):
             repair=repair,
             watch=len(flagged) - repair,
         )
-        waits = [land.key[0] for land in flagged if self.diagnosis.can_wait(land)]
         later = len(self._before_service)
         said = [self.say("customer.seal"), found]
-        said += [self.say("customer.waits", valves=self._named(waits))] if waits else []
         said += [self.say("customer.later", count=later, mileage=self._service)] if later else []
         return " ".join(said)
 
