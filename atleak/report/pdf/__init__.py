@@ -121,7 +121,7 @@ def report_data(
         if document in ("workshop", "annex")
         else page.data(behind=parts[0]["title"] if parts else "", pictures=pictures),
         "facts": front.facts(),
-        "verdict": front.verdict(),
+        "verdict": front.verdict() | ({"more": "", "complaint": None} if document == "annex" else {}),
         "parts": parts,
         "note-at-end": note_at_end,
     }

@@ -16,7 +16,7 @@ from atleak.common.units import MM, PERCENT, UM
 from atleak.common.wording import begun, joined
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.rules import Rule
-from atleak.diagnosis.uncertainty import LandUncertainty, RuleDecision, UnitUncertainty
+from atleak.diagnosis.uncertainty import RuleDecision, UnitUncertainty
 from atleak.diagnosis.uncertainty.results import MOST_BUDGETS, BudgetLine, budget_lines, combined
 from atleak.engine.projection import Projection
 from atleak.equations.statistics import normal_cdf, normal_quantile
@@ -100,12 +100,12 @@ class Annex(PrintedPart):
         yield listed(
             say,
             losing,
-            Column("rule", width=300, of=lambda row: names.rule_name(row[0])),
+            Column("rule", width=400, of=lambda row: names.rule_name(row[0])),
             _quantity("annex.value", lambda row: names.rule_value(row[0], row[0].value)),
             _quantity("annex.limit", lambda row: names.rule_value(row[0], row[1].limit)),
             _quantity("annex.u_or_interval", lambda row: self._u(row[1])),
             Column("verdict", VERDICT, of=lambda row: self.diagnosis.verdict_on(row[0])),
-            Column("decision", width=150, of=lambda row: say.get("decisions", row[1].decision)),
+            Column("decision", width=100, of=lambda row: say.get("decisions", row[1].decision)),
             _probability(lambda row: row[1]),
         )
         left_out = len(decided) - len(losing)
@@ -127,8 +127,7 @@ class Annex(PrintedPart):
         """Return every land once: its clearance and wear, what it leaks, and how sure the verdict is."""
         say, names, diagnosis = self.say, self.names, self.diagnosis
         at = diagnosis.presented if len(diagnosis.presented) <= _CONDITIONS else diagnosis.reported
-        table = self._by_valve(diagnosis.lands, self._columns_of_lands(at), lambda land: land.key[0])
-        yield {**table, "dense": True}
+        yield self._by_valve(diagnosis.lands, self._columns_of_lands(at), lambda land: land.key[0])
         conditions = joined((f"{number} {say.condition(each.condition)}" for number, each in enumerate(at, 1)), "; ")
         about = "texts.all_at" if len(at) <= _WITH_LEAKAGE else "annex.warm_at"
         notes = [say(about, condition=say.condition(diagnosis.projection.condition))]
@@ -261,7 +260,7 @@ class Annex(PrintedPart):
         if any(row.land is None or row.plane != str(row.land.land.key[1]) for row in every):
             which.append(Column("annex.plane", of="plane"))
         table = Table("", (*(self._of_part("", each) for each in which), *columns), rows, say).filled
-        yield {**self._by_valve(rows, table.columns, lambda row: next(iter(row.values())).component), "dense": True}
+        yield self._by_valve(rows, table.columns, lambda row: next(iter(row.values())).component)
         reference = say.plain_value(REFERENCE_TEMPERATURE, "temperature")
         yield text(say("annex.about_readings", reference=reference), small=True)
 
@@ -393,19 +392,20 @@ class Budget(PrintedPart):
             yield text(say("annex.in_all", lands=joined(map(self.names.land_number, shown))), leads=True)
             yield listed(say, common, *self._columns())
         same = [self._written(line) for line in common]
-        rows: list[tuple[LandDiagnosis, BudgetLine | None, float]] = []
-        for land, lines in zip(shown, budgets, strict=True):
-            u = combined(lines)
-            rows += [(land, line, u) for line in lines if self._written(line) not in same] + [(land, None, u)]
+        rows = [
+            (land, line, combined(lines))
+            for land, lines in zip(shown, budgets, strict=True)
+            for line in lines
+            if self._written(line) not in same
+        ]
         yield listed(say, rows, *self._columns_of_lands(), group=partial(self._of_land, uncertainty))
-        said = [self._more(land, land.uncertainty) for land in shown if land.uncertainty]
-        yield bullets(filter(None, said))
+        yield bullets((*self._of_shares(shown), *self._of_wear(shown)))
         if len(flagged) > MOST_BUDGETS:
             others = joined(map(self.names.land_number, flagged[MOST_BUDGETS:]))
             yield text(say("annex.more_budgets", lands=others))
         yield text(say("annex.about_budgets"), small=True)
 
-    def _of_land(self, unit: UnitUncertainty, row: tuple[LandDiagnosis, BudgetLine | None, float]) -> str:
+    def _of_land(self, unit: UnitUncertainty, row: tuple[LandDiagnosis, BudgetLine, float]) -> str:
         """Return the heading above what is the land's own."""
         (land, _, u), say, k = row, self.say, coverage_factor(unit)
         return say(
@@ -417,11 +417,6 @@ class Budget(PrintedPart):
             k=say.number(k, 2),
             coverage=say.percent(unit.coverage, 0),
         )
-
-    def _more(self, land: LandDiagnosis, its: LandUncertainty) -> str:
-        """Return what wear and share of a land add; an empty text where they add nothing."""
-        said = " ".join(filter(None, (self._of_wear(land, its), self._of_share(its))))
-        return f"{self.names.land_number(land)}: {said}" if said else ""
 
     def _written(self, line: BudgetLine) -> tuple[str, ...]:
         """Return a line as it is printed, without what part of the variance it is: by that lands are compared."""
@@ -440,21 +435,10 @@ class Budget(PrintedPart):
         )
 
     def _columns_of_lands(self) -> Iterator[Column]:
-        """Yield the same of rows of a land, the last of which is all of its sources together, with their parts."""
-        say = self.say
-
-        def of(column: Column, row: tuple[LandDiagnosis, BudgetLine | None, float]) -> Any:
-            _, line, u = row
-            if line is not None:
-                return column.judged(line)
-            whole = {"annex.source": say("annex.combined"), "c · u(x)": u * UM}
-            return whole.get(column.words or column.key, "")
-
-        def part(row: tuple[LandDiagnosis, BudgetLine | None, float]) -> float:
-            return 1.0 if row[1] is None else row[1].fraction
-
-        yield from (replace(each, of=partial(of, each), times=None) for each in self._columns())
-        yield Column("annex.part_of_variance", "percent", 1, of=part, times=PERCENT)
+        """Yield the same of rows of lands, with what part of the variance each source is."""
+        for each in self._columns():
+            yield replace(each, of=lambda row, column=each: column.judged(row[1]), times=None)
+        yield Column("annex.part_of_variance", "percent", 1, of=lambda row: row[1].fraction, times=PERCENT)
 
     def _distribution(self, line: BudgetLine) -> str:
         return f"{self.say(f'annex.{line.source.shape}')}, {'A' if line.statistical else 'B'}"
@@ -473,35 +457,36 @@ class Budget(PrintedPart):
             return self.say.quantity(line.sensitivity * UM, "clearance_per_kelvin", 3)
         return self.say.number(line.sensitivity, 1)
 
-    def _of_wear(self, land: LandDiagnosis, its: LandUncertainty) -> str:
-        """Return what the wear adds: the uncertainty of what the pair was when new."""
-        rule = its.deciding
-        if land.wear is None or rule is None or rule.rule.kind is not RuleKind.WEAR:
-            return ""
-        ranged = isinstance(land.state.land.mounting_clearance, tuple)
-        return self.say(
-            "annex.of_wear_range" if ranged else "annex.of_wear",
-            mounting=self.say.quantity(its.sources.u_mounting * UM, "uncertainty", 2),
-            limit=self.say.percent(rule.limit),
-            u=self.say.percent(rule.standard_uncertainty),
-        )
+    def _of_wear(self, lands: Iterable[LandDiagnosis]) -> Iterator[str]:
+        """Yield what the wear adds: the uncertainty of what the pairs were when new."""
+        say, alike = self.say, defaultdict(list)
+        for land in lands:
+            its, rule = land.uncertainty, _deciding(land)
+            if land.wear is None or its is None or rule is None or rule.rule.kind is not RuleKind.WEAR:
+                continue
+            ranged = isinstance(land.state.land.mounting_clearance, tuple)
+            mounting = say.quantity(its.sources.u_mounting * UM, "uncertainty", 2)
+            key = ("_range", "", "") if ranged else ("", mounting, say.percent(rule.limit))
+            alike[key].append(f"{self.names.land_number(land)}\u00a0{say.percent(rule.standard_uncertainty)}")
+        for (ranged_, mounting, limit), named in alike.items():
+            yield say(f"annex.of_wear{ranged_}", mounting=mounting, limit=limit, lands=joined(named))
 
-    def _of_share(self, its: LandUncertainty) -> str:
-        """Return what makes a share uncertain where a share decides."""
-        rule = its.deciding
-        if rule is None or rule.rule.kind is not RuleKind.PAIR_SHARE or rule.rule.condition is None:
-            return ""
-        name = rule.rule.condition.name
-        at = next((each for each in its.conditions if each.condition == name), None)
-        if at is None or not math.isfinite(at.u_share) or not at.budget:
-            return ""
-        named = (
-            f"{self.say.get('uncertainty_sources', source)} {self.say.percent(fraction, 0)}"
-            for source, fraction in at.budget[:_OF_SHARE]
-        )
-        return self.say(
-            "annex.of_share",
-            condition=self.say.condition(rule.rule.condition),
-            u=self.say.percent(at.u_share, 2),
-            parts=joined(named),
-        )
+    def _of_shares(self, lands: Iterable[LandDiagnosis]) -> Iterator[str]:
+        """Yield what makes shares uncertain where a share decides."""
+        say = self.say
+        for land in lands:
+            rule = _deciding(land)
+            if rule is None or rule.rule.kind is not RuleKind.PAIR_SHARE or rule.rule.condition is None:
+                continue
+            for at in land.uncertainty.conditions if land.uncertainty else ():
+                if at.condition == rule.rule.condition.name and math.isfinite(at.u_share) and at.budget:
+                    named = (
+                        f"{say.get('uncertainty_sources', source)} {say.percent(fraction, 0)}"
+                        for source, fraction in at.budget[:_OF_SHARE]
+                    )
+                    yield f"{self.names.land_number(land)}: " + say(
+                        "annex.of_share",
+                        condition=say.condition(rule.rule.condition),
+                        u=say.percent(at.u_share, 2),
+                        parts=joined(named),
+                    )

@@ -115,11 +115,17 @@ def printed(content: Table, *, whole: bool = False) -> Block:
         "aligned": "".join(map(_side, shown, zip(*full, strict=True))),
         "whole": whole,
     }
-    if content.group is not None:
-        block["groups"] = [sum(map(len, group)) for group in groups]
-    elif content.remark is not None:
-        block["groups"] = _held([len(together) for together in groups[0]])
+    if content.group is not None or content.remark is not None:
+        block["groups"] = [size for group in groups for size in _held([*map(len, group)])]
     return block
+
+
+def abreast(content: Table) -> Block:
+    """Return a table of many rows of few columns as two, beside one another; an empty block where there are no rows."""
+    half = (len(content.rows) + 1) // 2
+    halves = (printed(replace(content, rows=rows)) for rows in (content.rows[:half], content.rows[half:]))
+    tables = [each for each in halves if each]
+    return {"kind": "abreast", "tables": tables} if tables else {}
 
 
 def _intervals(columns: Sequence[Column]) -> dict[str, tuple[Column, Column]]:

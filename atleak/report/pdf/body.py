@@ -14,7 +14,6 @@ from typing import Any
 from atleak.analysis.estimate import Line
 from atleak.analysis.record_doubts import components_of, record_doubts
 from atleak.catalogue.castings import sound_casting
-from atleak.catalogue.fluid import USED_THINNER
 from atleak.catalogue.limits import Level, LimitOrigin, RuleKind, Steps
 from atleak.catalogue.words import PART_WORDS
 from atleak.common.errors import unknown
@@ -37,6 +36,7 @@ from atleak.report.json.diagnosis import head_record
 from atleak.report.pdf.annex import Annex, Budget
 from atleak.report.pdf.blocks import (
     Block,
+    abreast,
     bullets,
     listed,
     named_facts,
@@ -50,7 +50,7 @@ from atleak.report.pdf.blocks import (
 from atleak.report.pdf.conditions import Conditions, Pressures, RoadTestSection
 from atleak.report.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.answer import missing_table
-from atleak.report.tables.assumed import assumed_section
+from atleak.report.tables.assumed import assumed_line, assumed_table
 from atleak.report.tables.estimate import open_words
 from atleak.report.tables.evidence import printed_sections
 from atleak.report.tables.gauges import gauge_table, pattern_sentences, tap_text
@@ -245,7 +245,7 @@ class Body(PrintedPart):
         filled = []
         for name in wanted:
             build = elsewhere.get(name) or getattr(self, f"_{name}")
-            if blocks := list(with_notes(build())):
+            if blocks := [{**each, "dense": name in _ANNEX} for each in with_notes(build())]:
                 filled.append({"name": name, "title": self.say(f"sections.{name}"), "blocks": blocks})
         return filled
 
@@ -458,10 +458,10 @@ class Body(PrintedPart):
         yield listed(
             say,
             limits.rules.items(),
-            Column("rule", width=150, of=lambda rule: say(f"rules.{rule[0]}")),
-            Column("limit", width=200, of=lambda rule: self._levels(*rule)),
-            Column("origin", width=100, of=lambda rule: say.get("origins", rule[1].origin)),
-            Column("source", width=300, of=lambda rule: source(rule[1])),
+            Column("rule", width=200, of=lambda rule: say(f"rules.{rule[0]}")),
+            Column("limit", width=250, of=lambda rule: self._levels(*rule)),
+            Column("origin", width=150, of=lambda rule: say.get("origins", rule[1].origin)),
+            Column("source", width=800, of=lambda rule: source(rule[1])),
         )
         yield text(f"{isolated(say.name(limits.name))}. {say('texts.limit_note')}", small=True)
 
@@ -490,17 +490,26 @@ class Body(PrintedPart):
                 yield say("rules.added", points=say.plain(added * PERCENT))
 
     def _assumptions(self) -> Iterable[Block]:
-        section = assumed_section(self.diagnosis, self.say)
-        blocks = section_blocks(section, lambda drawn: printed_chart(drawn.chart, self.say), self.say)["blocks"]
-        yield from ({**block, "dense": True} if block["kind"] == "table" else block for block in blocks)
+        say, table = self.say, assumed_table(self.diagnosis, self.say)
+        what, changes, low, high, value, off, file = table.columns
+
+        def named(*columns: Column) -> Callable[[Any], str]:
+            return lambda each: f"{changes.title(say)}: {joined((column.text(each, say) for column in columns), ' · ')}"
+
+        telling = [each for each in table.rows if each.changes in ("verdict", "decision")]
+        kinds = [each.changes for each in table.rows]
+        others = sorted(table.rows[len(telling) :], key=lambda each: (kinds.index(each.changes), each.stands_in))
+        yield text(assumed_line(self.diagnosis, say), leads=True)
+        yield printed(replace(table, columns=(what, low, high, value, off, file), rows=telling, group=named(changes)))
+        yield abreast(
+            replace(table, columns=(replace(what, width=250), value, off), rows=others, group=named(changes, file))
+        )
+        yield text(say("assumed.how"), small=True)
         yield bullets(self._taken())
 
     def _taken(self) -> Iterator[str]:
         """Say what was taken for what nobody measured or said."""
         say, diagnosis = self.say, self.diagnosis
-        if diagnosis.fluid_state_assumed:
-            low, high = USED_THINNER
-            yield say("texts.fluid_assumed", low=low, high=high)
         for status, key in (("spool_only", "assumed_sleeve"), ("sleeve_only", "assumed_spool"), ("not_measured",) * 2):
             unmeasured = [self.names.land_number(land) for land in diagnosis.lands if land.state.status == status]
             if unmeasured:
@@ -553,14 +562,13 @@ class Body(PrintedPart):
         if diagnosis.pressures is not None:
             files["pressure_table"] = named_record(diagnosis.pressures.table, "file", "sha256")
         files |= {name: record[name] for name in ("controller", "fluid", "limits")}
-        hashes = listed(
+        yield listed(
             say,
             [(name, file) for name, file in files.items() if file.get("sha256")],
             Column("", words="", width=100, of=lambda each: say(f"facts.{each[0]}")),
             Column("file", width=150, of=lambda each: each[1].get("file") or each[1].get("id")),
             Column("", words="SHA-256", width=500, of=lambda each: each[1]["sha256"]),
         )
-        yield hashes and {**hashes, "dense": True}
 
 
 def picture_look(valves: int) -> tuple[int, float]:
