@@ -436,8 +436,11 @@ class Budget(PrintedPart):
 
     def _columns_of_lands(self) -> Iterator[Column]:
         """Yield the same of rows of lands, with what part of the variance each source is."""
-        for each in self._columns():
-            yield replace(each, of=lambda row, column=each: column.judged(row[1]), times=None)
+
+        def of(column: Column, row: tuple[LandDiagnosis, BudgetLine, float]) -> Judged:
+            return column.judged(row[1])
+
+        yield from (replace(each, of=partial(of, each), times=None) for each in self._columns())
         yield Column("annex.part_of_variance", "percent", 1, of=lambda row: row[1].fraction, times=PERCENT)
 
     def _distribution(self, line: BudgetLine) -> str:
