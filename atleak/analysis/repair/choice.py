@@ -173,7 +173,7 @@ def _searches(
     wanted = [key for key in flagged if (option := options.wanted(key)) and option.repair in diagnosis.repairs]
     for as_new in (False, True):
         moves = Moves(options, lands, prices, kept=kept, as_new=as_new)
-        unit = moves.unit()
+        unit = RepairableUnit(diagnosis.valve_body, moves.states)
         required = [key for key in (flagged if goal is Goal.EVERY_LIMIT else wanted) if moves.of_land[key]]
         for end in (_best_states(moves, unit), moves.choice(together(moves.all))):
             targets = (
@@ -277,7 +277,7 @@ class OfferedRepairs:
         self.diagnosis, self.prices = diagnosis, Prices()
         lands = [land for land in diagnosis.lands if land.state.judged]
         self.moves = Moves(Options(diagnosis), lands, self.prices)
-        self.unit: RepairableUnit = self.moves.unit()
+        self.unit = RepairableUnit(diagnosis.valve_body, self.moves.states)
 
     @cached_property
     def all(self) -> tuple[OfferedRepair, ...]:

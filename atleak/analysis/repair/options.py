@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import ROUND_HALF_UP, Decimal
 
-from atleak.analysis.repair.totals import LandChoice, RepairableUnit
+from atleak.analysis.repair.totals import LandChoice
 from atleak.catalogue.repairs import LandKey, Repair
 from atleak.common.verdicts import Verdict, worst
 from atleak.diagnosis.diagnosis import Diagnosis
@@ -62,9 +62,10 @@ class Options:
     """
 
     def __init__(self, diagnosis: Diagnosis) -> None:
-        self.diagnosis = diagnosis.valve_body
-        by_key = {land.key: land for land in self.diagnosis.lands}
-        self.all = tuple(_option(repair, by_key, self.diagnosis) for repair in diagnosis.controller.repairs)
+        unit = diagnosis.valve_body
+        self.of_workshop = diagnosis.repairs
+        by_key = {land.key: land for land in unit.lands}
+        self.all = tuple(_option(repair, by_key, unit) for repair in diagnosis.controller.repairs)
 
     @property
     def of_pump(self) -> tuple[Option, ...]:
@@ -77,7 +78,7 @@ class Options:
 
     def wanted(self, key: LandKey) -> Option | None:
         """Return the option that the workshop chose for a land, whether it mends the land or not; None without one."""
-        return next((option for option in self.of(key) if option.repair in self.diagnosis.repairs), None)
+        return next((option for option in self.of(key) if option.repair in self.of_workshop), None)
 
 
 def cost_of(options: Iterable[Option | None]) -> Cost:
@@ -295,7 +296,7 @@ class Moves:
     def _wanted(self, kept: Iterable[str]) -> Iterator[tuple[LandKey, Option]]:
         """Yield the lands that the workshop's repairs change, each with its one."""
         by_id, taken = {option.repair.id: option for option in self.options.all}, set[LandKey]()
-        for name in (*(repair.id for repair in self.options.diagnosis.repairs), *kept):
+        for name in (*(repair.id for repair in self.options.of_workshop), *kept):
             option = by_id.get(name)
             if option is not None and taken.isdisjoint(option.states):
                 taken |= option.states.keys()
@@ -327,10 +328,6 @@ class Moves:
         everywhere = {key for each in self.options.all if self._priced(each) for key in each.mending}
         return any(priced) and option.mending & self._flagged <= everywhere
 
-    def unit(self) -> RepairableUnit:
-        """Return the unit with each land in every state that one of these repairs leaves it in."""
-        return RepairableUnit(self.options.diagnosis, self.states)
-
     def state_after(self, move: Move, key: LandKey) -> int:
         """Return the number of the state in which a repair leaves a land."""
         return self._numbers[move.key, key]
@@ -350,7 +347,7 @@ def pump_option(options: Options, prices: Prices, kept: Collection[str] = ()) ->
     first where these are in several currencies or none has one.
     """
     offered = options.of_pump
-    wanted = [each for each in offered if each.repair in options.diagnosis.repairs or each.repair.id in kept]
+    wanted = [each for each in offered if each.repair in options.of_workshop or each.repair.id in kept]
     moves = [Move(each, (), frozenset()) for each in wanted or offered]
     priced = [move for move in moves if prices.cost(move) is not None]
     if len(set(map(prices.currency_of, priced))) < 2:

@@ -16,6 +16,7 @@ from atleak.analysis.repair.choice import Choice, choose
 from atleak.analysis.repair.options import Cost, Move, Option, Options, Prices, cost_of, pump_option
 from atleak.analysis.repair.totals import RepairableUnit, RepairedAt, Total
 from atleak.catalogue.repairs import LandKey
+from atleak.common.memory import kept_with
 from atleak.common.printable import brief
 from atleak.common.verdicts import Band, Verdict
 from atleak.diagnosis.consequence import Consequence
@@ -181,7 +182,11 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
     RepairPlan
         steps in their order, what each brings, and what stays past its limits.
     """
-    choice = choose(diagnosis)
+    return kept_with(diagnosis, "repair plan", "", lambda: _planned(diagnosis), most=1)
+
+
+def _planned(diagnosis: Diagnosis) -> RepairPlan:
+    choice, valve_body = choose(diagnosis), diagnosis.valve_body
     jobs = in_order(choice, diagnosis)
     done: list[LandKey] = []
     after_each = [done := [*done, *(land.key for land in lands)] for _, lands in jobs]
@@ -207,7 +212,7 @@ def plan_repairs(diagnosis: Diagnosis) -> RepairPlan:
         ends=ends,
         remaining=tuple(
             _remainder(diagnosis, end, new)
-            for end, new in zip(ends, choice.unit.diagnosis.new_projections, strict=True)
+            for end, new in zip(ends, valve_body.new_projections, strict=True)
             if end.band is not Band.GREEN
         ),
         pressures_past=tuple(rule for end in ends for rule in end.pressure_rules if rule.verdict.flagged),
@@ -236,7 +241,7 @@ def _repaired(before: Iterable[Total], after: Iterable[Total]) -> tuple[Repaired
 def in_order(choice: Choice, diagnosis: Diagnosis) -> list[tuple[Move, list[LandDiagnosis]]]:
     """Return the repairs of a choice in their order, each with its lands, the one that calls for it first."""
     later = {Consequence.BEFORE_NEXT_SERVICE: 1, Consequence.NONE: 2}
-    by_key = {land.key: land for land in choice.unit.diagnosis.lands}
+    by_key = {land.key: land for land in diagnosis.valve_body.lands}
     treated, saving = {key for move in choice.chosen for key in move.treats}, choice.savings
 
     def urgency(key: LandKey) -> tuple[bool, int, int, float]:

@@ -112,8 +112,10 @@ class RepairableUnit:
     """
 
     def __init__(self, diagnosis: Diagnosis, states: Mapping[LandKey, Sequence[LandClearance]]) -> None:
-        self.diagnosis, self.states = diagnosis, states
-        model = self.diagnosis.model
+        self.controller, self.states = diagnosis.controller, states
+        self.judged = tuple(JudgedTotal.all_at(diagnosis, each) for each in diagnosis.projections)
+        """The rules of every condition, that of its total first."""
+        model = diagnosis.model
         models = [model]
         for number in range(max(map(len, states.values()), default=0)):
             clearances = (
@@ -126,12 +128,7 @@ class RepairableUnit:
     @cached_property
     def conditions(self) -> tuple[LandStates, ...]:
         """Return the unit at every condition, the stated one first."""
-        return tuple(LandStates.of(self._models, each.condition) for each in self.diagnosis.projections)
-
-    @cached_property
-    def judged(self) -> tuple[tuple[JudgedTotal, ...], ...]:
-        """Return the rules of every condition, that of its total first."""
-        return tuple(JudgedTotal.all_at(self.diagnosis, each) for each in self.diagnosis.projections)
+        return tuple(LandStates.of(self._models, total.projection.condition) for total, *_ in self.judged)
 
     def repaired(self, choices: Sequence[LandChoice]) -> list[Repaired]:
         """Compute every condition for several choices at once."""

@@ -90,7 +90,7 @@ class CustomerPage(PrintedPart):
     @cached_property
     def valves(self) -> tuple[WornValve, ...]:
         """Return the valves that have reached a limit, the worst first."""
-        return worn_valves(self.diagnosis, self.names.plan.choice) if self.diagnosis.flagged else ()
+        return worn_valves(self.diagnosis, self.names.plan) if self.diagnosis.flagged else ()
 
     def data(self, *, behind: str = "", pictures: Mapping[str, str] = MappingProxyType({})) -> dict[str, Any]:
         """Return everything that the template places.

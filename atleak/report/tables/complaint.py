@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from atleak.analysis.pressures import HeldPressure, PressuresAt, drawing_more, pressures_at
-from atleak.analysis.repair.choice import Choice
-from atleak.analysis.repair.totals import RepairedAt
+from atleak.analysis.repair.plan import RepairPlan
 from atleak.catalogue.limits import RuleKind
 from atleak.catalogue.repairs import Complaint, LandKey
 from atleak.common.units import KPA
@@ -150,7 +149,6 @@ class WornValve:
     component: str
     lands: tuple[LandDiagnosis, ...]  # past a limit, the worst first
     urgency: Verdict  # the worst of its lands', each to watch where its wear does nothing now
-    alone: tuple[RepairedAt, ...]  # what repairing them alone brings at every condition; none where nothing is chosen
 
     @property
     def verdict(self) -> Verdict:
@@ -158,30 +156,21 @@ class WornValve:
         return self.lands[0].verdict
 
 
-def worn_valves(diagnosis: Diagnosis, choice: Choice) -> tuple[WornValve, ...]:
-    """Return every valve with lands past a limit: the most urgent first, of equal ones that which saves most.
-
-    Parameters
-    ----------
-    choice
-        the repairs that are chosen for the unit; of a kit only what it does to a valve is that valve's own.
-    """
+def worn_valves(diagnosis: Diagnosis, plan: RepairPlan) -> tuple[WornValve, ...]:
+    """Return every valve with lands past a limit: the most urgent first, of equal ones as the plan has them."""
+    planned = [land.key[0] for step in plan.steps for land in (step.land, *step.together)]
+    turn = {component: number for number, component in reversed([*enumerate(planned)])}
     by_component: dict[str, list[LandDiagnosis]] = {}
     for land in diagnosis.flagged:
         by_component.setdefault(land.key[0], []).append(land)
-    mine = [{key: state for key, state in choice.states.items() if key[0] == name} for name in by_component]
-    now, *after = choice.unit.totals([{}, *mine])
 
-    def valve(component: str, flagged: list[LandDiagnosis], alone: tuple[RepairedAt, ...]) -> WornValve:
+    def valve(component: str, flagged: list[LandDiagnosis]) -> WornValve:
         lands = tuple(sorted(flagged, key=lambda land: -land.verdict.rank))
-        return WornValve(component, lands, worst(map(diagnosis.urgency_of, lands)), alone)
+        return WornValve(component, lands, worst(map(diagnosis.urgency_of, lands)))
 
-    effects = (
-        tuple(map(RepairedAt, now, totals)) if states else () for states, totals in zip(mine, after, strict=True)
-    )
-    valves = map(valve, by_component, by_component.values(), effects)
+    valves = map(valve, by_component, by_component.values())
 
-    def order(valve: WornValve) -> tuple[int, int, float]:
-        return -valve.urgency.rank, -valve.verdict.rank, -max((each.saving for each in valve.alone), default=0.0)
+    def order(valve: WornValve) -> tuple[int, int, int]:
+        return -valve.urgency.rank, -valve.verdict.rank, turn.get(valve.component, len(planned))
 
     return tuple(sorted(valves, key=order))

@@ -108,7 +108,7 @@ def kit_words(controller: Controller, option: Option | None, say: Wording) -> st
 
 def option_rows(plan: RepairPlan) -> list[RepairOptionRow]:
     """Return every option of every step of a plan, those of the file's order, the planned one first."""
-    controller = plan.choice.unit.diagnosis.controller
+    controller = plan.choice.unit.controller
     return [
         RepairOptionRow(number, step, option, controller)
         for number, step in enumerate(plan.order, start=1)

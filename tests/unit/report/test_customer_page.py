@@ -80,7 +80,7 @@ def test_the_first_page_says_what_is_wrong_how_bad_it_is_and_what_to_do(worn, la
     complaint = worn.controller.complaint("slips_hot")
     job = Job(complaint="It waits at the lights.", customer={"name": "A. Customer"})
     first, *_ = pages_of(write_pdf(replace(worn, complaint=complaint), job, language=language, sections=SIGNED))
-    valves = worn_valves(worn, plan.choice)
+    valves = worn_valves(worn, plan)
     after = next(each.share for each in plan.ends if each.condition == worn.worst.condition)
     said = [
         say(f"customer.{worn.verdict}"),
@@ -178,14 +178,13 @@ def test_lines_with_a_price_come_first_and_those_without_stand_in_one_line(worn)
     assert bars["with these repairs"] == f"{end.share * 100:.0f}", "the number of the estimate"
 
 
-def test_what_one_valve_brings_alone_is_what_the_engine_says_with_its_lands_repaired(worn):
-    choice = plan_repairs(worn).choice
-    for valve in worn_valves(worn, choice):
-        mine = [move for move in choice.chosen if any(key[0] == valve.component for key in move.treats)]
-        (totals,) = choice.totals_of([mine])
-        assert [each.after.share for each in valve.alone] == [total.share for total in totals]
-        (now,) = (each.before.share for each in valve.alone if each.condition == worn.worst.condition)
-        assert now == pytest.approx(worn.worst.share, abs=1e-12)
+def test_of_equally_worn_valves_the_one_that_is_repaired_first_is_named_first(all_worn):
+    unit = all_worn("gm_4l60e")
+    planned = [step.land.key[0] for step in plan_repairs(unit).steps]
+    worst = [each for each in worn_valves(unit, plan_repairs(unit)) if each.urgency is each.verdict is unit.urgency]
+    assert len(worst) > 2
+    turns = [planned.index(each.component) for each in worst]
+    assert turns == sorted(turns)
 
 
 @pytest.mark.parametrize("name", ["unmeasured", "within"])
@@ -375,7 +374,7 @@ def test_who_approves_signs_between_technician_and_customer_where_somebody_is_na
         assert people[0][1] == "B. Nowak"
 
 
-def test_a_body_is_one_line_of_the_estimate_and_each_valve_is_judged_by_its_own_lands(all_worn):
+def test_a_body_is_one_line_of_the_estimate_and_each_valve_is_named(all_worn):
     worn = all_worn("five_speed_2005")
     lands = tuple(land.key for land in worn.controller.lands)
     body = Repair("body", lands, "other", "new body", "made up", price=650.0, currency="EUR", hours=6.0)
@@ -384,12 +383,7 @@ def test_a_body_is_one_line_of_the_estimate_and_each_valve_is_judged_by_its_own_
     assert [row[:3] for row in CustomerPage(names, signed=False).data()["cost"]["tables"][0]["rows"]] == [
         ["the whole valve body", "new body", "1\u00a0130.00"]
     ]
-    worst = [each for valve in worn_valves(unit, names.plan.choice) for each in valve.alone]
-    saved = [at.before.share - at.after.share for at in worst if at.condition == unit.worst.condition]
-    (whole,) = names.plan.steps
-    (both,) = (at for at in whole.conditions if at.condition == unit.worst.condition)
-    assert len(saved) > 9
-    assert max(saved) < 0.9 * (both.before.share - both.after.share)
+    assert len(worn_valves(unit, names.plan)) > 9
 
 
 def test_a_photo_of_a_worn_valve_takes_no_line_that_is_agreed_to_and_needs_no_bars(worn, monkeypatch):

@@ -85,9 +85,9 @@ def green_sets(choice: Choice) -> list[list[Move]]:
     return list(itertools.compress(sets, green))
 
 
-def rediagnosed(choice: Choice) -> bool:
+def rediagnosed(diagnosis: Diagnosis, choice: Choice) -> bool:
     """Whether the repaired unit is green where everything is computed anew, one condition after the other."""
-    diagnosis, states = choice.unit.diagnosis, choice.moves.choice(choice.chosen)
+    states = choice.moves.choice(choice.chosen)
     after = tuple(
         choice.unit.states[land.key][states[land.key] - 1] if land.key in states else land.state
         for land in diagnosis.lands
@@ -114,7 +114,7 @@ def test_the_fewest_repairs_of_twelve_flagged_lands_are_those_of_all_4096_sets(
     assert len(choice.moves.all) == 12
     assert choice.proven
     assert choice.reached
-    assert rediagnosed(choice)
+    assert rediagnosed(diagnosis, choice)
     assert 1 < len(choice.chosen) < 12
     assert len(choice.chosen) == min(map(len, green_sets(choice)))
     everything = choose(diagnosis)
@@ -167,7 +167,7 @@ def test_a_choice_is_as_good_as_the_best_of_all_sets_and_green_where_any_is(
         assert (sum(plan.cost.prices.values()), plan.cost.hours) == known
         assert plan.cost.repairs == len(planned)
     good = [each for each in green_sets(choice) if {key for move in each for key in move.treats} >= asked]
-    assert choice.reached == bool(good) == rediagnosed(choice)
+    assert choice.reached == bool(good) == rediagnosed(diagnosis, choice)
     assert {key for move in choice.chosen for key in move.treats} >= asked
     cost = choice.moves.prices.cost
     if not good:  # kits that overlap leave a land worn
@@ -223,17 +223,14 @@ def test_where_the_search_is_ended_the_repairs_suffice_and_nobody_says_that_they
     priced: Callable[..., Diagnosis],
 ) -> None:
     repairs = [option(number, "2", lands, None, None) for number, lands in enumerate([(1,), (2,), (1, 2)])]
-    choice = choose(priced(*repairs), rounds=0)
+    diagnosis = priced(*repairs)
+    choice = choose(diagnosis, rounds=0)
     assert choice.chosen
     assert choice.reached
     assert not choice.proven
-    assert choose(priced(*repairs)).proven
-    assert "The search was ended after 0 proposals" in " ".join(said_of(choice))
-
-
-def said_of(choice: Choice) -> Iterator[str]:
-    made = Estimate(choice.unit.diagnosis, EstimateTerms(), choice, (), "")
-    return EstimateWords(made, wording("en")).chosen_by()
+    assert choose(diagnosis).proven
+    made = Estimate(diagnosis, EstimateTerms(), choice, (), "")
+    assert "The search was ended after 0 proposals" in " ".join(EstimateWords(made, wording("en")).chosen_by())
 
 
 def test_a_gain_is_the_rule_that_comes_nearest_to_its_limit_without_a_repair(priced: Callable[..., Diagnosis]) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from atleak.analysis.repair.plan import plan_repairs
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits, load_limits
@@ -63,6 +64,7 @@ def test_it_is_made_once_and_let_go_with_its_diagnosis(minimal: Controller, hipo
     diagnosis = diagnose(minimal, hipol, limits)
     record = diagnosis_record(diagnosis)
     assert diagnosis_record(diagnosis) is record
+    assert plan_repairs(diagnosis) is plan_repairs(diagnosis)
     seen = weakref.ref(diagnosis)
     del diagnosis
     gc.collect()
