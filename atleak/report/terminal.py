@@ -359,10 +359,11 @@ def _verdict(diagnosis: Diagnosis, say: Wording) -> str:
     within = level != diagnosis.verdict  # nothing is past a limit, and something is open or in doubt
     word = f"{look_of(level).sign} {say('diagnosis.open')}" if within else signed(level)
     sentence = f"unit: {word}" + (f" ({', '.join(marks)})" if marks else "")
-    pump = worn_pump(diagnosis, say)
+    worn = worn_pump(diagnosis, say)
     if diagnosis.impossible:
         return f"{sentence}: {impossible_part(diagnosis, say)}"
-    if pump is not None:
+    if worn is not None:
+        pump = f"{worn} {say('pump.repair_first')}"
         if decided_by is diagnosis.pump:
             return f"{sentence}. {pump}"
         sentence = f"{pump}\n{sentence}"

@@ -1,7 +1,7 @@
-"""Build the first page, for the customer, with the sections of his screen: the answer, the picture, what it costs.
+"""Build the customer's page, with the sections of his screen: the answer, the picture, what it costs.
 
-A reader who repairs no cars must be able to say after 20 seconds what is wrong, what to do and what it costs. The page
-stays one page: lists and the complaint are built in several lengths, and the template takes the longest that fits.
+A reader who repairs no cars must be able to say after 20 seconds what is wrong, what to do and what it costs. Texts are
+built in several lengths, and the template takes the longest that fits; an estimate may take a second page.
 """
 
 from __future__ import annotations
@@ -50,17 +50,16 @@ class _Length:
     """How much of everything that can be long stands on the page."""
 
     letters: int  # of the complaint
-    lines: int  # of the estimate
     sentences: int = 99  # of what is wrong, and of what to do
     found: int = 99  # sentences
 
 
-_WITH_PHOTO = ((700, 10), (480, 8))  # what a customer agrees to goes before a photo of it
 _LENGTHS = (
-    *starmap(_Length, _WITH_PHOTO),
-    *starmap(_Length, (*_WITH_PHOTO, (320, 6), (240, 5), (180, 4), (150, 3), (120, 3), (100, 2))),
-    *starmap(_Length, ((100, 2, 3, 2), (100, 1, 3, 2), (60, 1, 2, 1), (60, 1, 1, 1), (60, 1, 1, 0), (60, 0, 1, 1))),
+    *map(_Length, (700, 480, 320, 700, 480, 320, 180, 100)),
+    *starmap(_Length, ((100, 3, 2), (60, 2, 1), (60, 1, 1), (60, 1, 0))),
 )
+_WITH_PHOTO = 3  # of these lengths; and with the estimate on the same page
+_LINES = (40, 30, 20, 10)  # of the estimate, on a page of its own
 
 
 class CustomerPage(PrintedPart):
@@ -136,7 +135,9 @@ class CustomerPage(PrintedPart):
             "cost": self._cost(),
             "signatures": self._signatures() if self.signed else None,
             "follows": say("customer.follows", part=behind) if behind else "",
+            "overleaf": say("customer.overleaf"),
             "lengths": len(_LENGTHS),
+            "with-photo": _WITH_PHOTO,
         }
 
     @cached_property
@@ -323,14 +324,14 @@ class CustomerPage(PrintedPart):
                 yield finding
         elif diagnosis.judged:
             yield self._measured()
-            if waits := [land.key[0] for land in diagnosis.flagged if diagnosis.can_wait(land)]:
-                yield say("customer.waits", valves=self._named(waits))
-        if not any(self.bars()) or self._worst.share > 1.0:
-            yield from self.lost()
         if not self._not_the_valves:
             yield from self._explained()
-        for said in may_parts(diagnosis, say):
-            yield f"{begun(said)}."
+        if waits := [land.key[0] for land in diagnosis.flagged if diagnosis.can_wait(land)]:
+            yield say("customer.waits", valves=self._named(waits))
+        if not any(self.bars()) or self._worst.share > 1.0:
+            yield from self.lost()
+        if any(may_parts(diagnosis, say)):
+            yield say("customer.may")
         half = sum(land.state.measured for land in diagnosis.unmeasured)
         missing = len(diagnosis.unmeasured) - half
         if missing and diagnosis.judged:
@@ -485,13 +486,13 @@ class CustomerPage(PrintedPart):
         return [{"svg": shown, "alt": alt, "least": 0.6, "lengths": enough}, schematic]
 
     def _photo(self, pictures: Mapping[str, str]) -> dict[str, Any] | None:
-        """Return the job's photo of the worst valve that has one, and for how many of the lengths it stands."""
+        """Return the job's photo of the worst valve that has one."""
         of = {photo.component: photo for photo in reversed(self.job.photos)}
         shown = next((of[each.component] for each in self.valves if each.component in of), None)
         if shown is None or shown.file not in pictures:
             return None
         caption = joined((self._valve(shown.component), shown.caption), " · ")
-        return {"file": pictures[shown.file], "caption": caption, "alt": caption, "lengths": len(_WITH_PHOTO)}
+        return {"file": pictures[shown.file], "caption": caption, "alt": caption}
 
     # --- what to do
 
@@ -554,7 +555,8 @@ class CustomerPage(PrintedPart):
     def _cost(self) -> Block | None:
         """Return the lines of the estimate with boxes to agree to each, and the sum; None where none is made."""
         say, words = self.say, self.names.estimate
-        if words is None:
+        lines = [] if words is None else [line for line in words.estimate.lines if can_be_agreed_to(line)]
+        if words is None or not lines:
             return None
         columns = (
             Column("customer.valve", width=250, of=lambda line: self.about(line.decision)),
@@ -562,18 +564,20 @@ class CustomerPage(PrintedPart):
             Column("", digits=2, words=f"{say('printed.amount')}\n{words.estimate.currency}".strip(), of=words.amount),
             Column("agreed", width=200, of=words.agreed),
         )
-        lines = sorted(
-            filter(can_be_agreed_to, words.estimate.lines), key=lambda line: line.part is None and line.work is None
-        )
+        lines.sort(key=lambda line: line.part is None and line.work is None)
         unpriced = [line for line in words.estimate.lines if not can_be_agreed_to(line)]
-        tables = [listed(say, lines[: each.lines], *columns) for each in _LENGTHS]
-        more = [max(len(lines) - each.lines, 0) for each in _LENGTHS]
+        tables = [listed(say, lines[:most], *columns) for most in _LINES]
+        more = [max(len(lines) - most, 0) for most in _LINES]
         sums, due = self._sum(), words.estimate.total
         named = self._first(self.about(line.decision) for line in unpriced)
         notes = [say("customer.unpriced", valves=named)] if unpriced else []
         notes += [say("customer.at_least")] if sums and not due.complete else []
         needless = self._first(map(self.about, needless_work(self.job, self.diagnosis)))
         notes[:0] = [say("customer.needless", valves=needless)] if needless else []
+        if self._due and self.verdict.calls_for_repair:
+            notes.append(say("customer.declined"))
+        elif not needless and not self._case and self.verdict in (Verdict.OK, Verdict.WATCH):
+            notes.insert(0, say("customer.none_due"))
         return {
             "title": say("customer.cost"),
             "tables": tables,

@@ -130,7 +130,7 @@ def worn_pump(diagnosis: Diagnosis, say: Wording) -> str | None:
     new_rules = () if diagnosis.pump_new is None else diagnosis.pump_new.unit_rules
     if pump.lacking and not any(rule.verdict.flagged for rule in new_rules):
         said.append(say("pump.new_does"))
-    return " ".join([*said, say("pump.repair_first")])
+    return " ".join(said)
 
 
 _SAME = 0.9  # part of what is missing that would be missing with new valves, too: choice of this project
@@ -178,7 +178,7 @@ def _parts(diagnosis: Diagnosis, say: Wording) -> Iterator[str]:
     if diagnosis.impossible:
         yield impossible_part(diagnosis, say)
     elif pump is not None:
-        yield pump
+        yield f"{pump} {say('pump.repair_first')}"
     if diagnosis.without_sheet:
         yield say("findings.alone")
         return

@@ -187,14 +187,15 @@ def check(pages: Pages, language: str, paper: str) -> None:
     assert pages.outside() == []
     assert pages.covered == []
     assert pages.left_alone() == []
+    behind = say("customer.follows", part=say("documents.workshop"))
+    of_customer = next(number for number, text in enumerate(pages.texts, start=1) if behind in text)
     before_annex = next((number for number, text in enumerate(pages.texts) if say("documents.annex") in text), 0)
-    filled = [each for each in enumerate(pages.filled(), start=1) if each[0] != before_annex]
-    assert [(number, round(part, 2)) for number, part in filled[1:-1] if part < FILLED] == []
-    first, annex, *_ = pages.texts
-    assert say("texts.sign_customer") in first
-    assert say("texts.sign_approver") in first
-    assert say("customer_screen.title") in first
-    assert say("documents.workshop") in annex
+    filled = [each for each in enumerate(pages.filled(), start=1) if each[0] not in (of_customer, before_annex)]
+    assert [(number, round(part, 2)) for number, part in filled[:-1] if part < FILLED] == []
+    assert say("customer_screen.title") in pages.texts[0]
+    assert of_customer <= 2
+    assert say("texts.sign_customer") in pages.texts[of_customer - 1]
+    assert say("texts.sign_approver") in pages.texts[of_customer - 1]
 
 
 QUICK = [("four_speed", "en", "a4", LONG)]
