@@ -110,8 +110,8 @@ class CustomerPage(PrintedPart):
             "title": say("customer_screen.title"),
             "about": self._about(),
             "key": self.verdict,
-            "headline": say(f"customer.{self._case or self._told_as}"),
-            "urgency": [say("customer.urgency"), say(f"customer.urgent_{self._urgency}", mileage=self._service)],
+            "headline": self.headline,
+            "urgency": self.urgency,
             "answer": [
                 [
                     [name, said]
@@ -139,6 +139,16 @@ class CustomerPage(PrintedPart):
             "lengths": len(_LENGTHS),
             "with-photo": _WITH_PHOTO,
         }
+
+    @property
+    def headline(self) -> str:
+        """Say in a line how the valve body is."""
+        return self.say(f"customer.{self._case or self._told_as}")
+
+    @property
+    def urgency(self) -> tuple[str, str]:
+        """Return how urgent it is, behind the words that ask for it."""
+        return self.say("customer.urgency"), self.say(f"customer.urgent_{self._urgency}", mileage=self._service)
 
     @cached_property
     def _planned(self) -> list[str]:

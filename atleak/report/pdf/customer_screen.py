@@ -55,16 +55,16 @@ class _Screen(PrintedPart):
 
     @property
     def data(self) -> dict[str, Any]:
-        page, job = self.page, self.job
-        said, look, day = page.data(), look_of(page.verdict), self.say.date(job.date) if job.date else ""
+        page, job, look = self.page, self.job, look_of(self.page.verdict)
+        day = self.say.date(job.date) if job.date else ""
         return {
             "language": self.say.language,
             "closed": False,
             "workshop": job.workshop.name,
             "about": joined((_first_name(job.customer.name), job.vehicle.registration, self.names.vehicle, day), " · "),
             "look": {"sign": look.sign, "tint": look.tint, "words": look.on_tint, "line": look.line},
-            "headline": said["headline"],
-            "urgency": " ".join(said["urgency"]),
+            "headline": page.headline,
+            "urgency": " ".join(page.urgency),
             "picture": next(iter(page.drawings(on_screen=True)), None),
             "sentence": page.sentence,
             "bars": [*page.bars()],
