@@ -6,7 +6,7 @@ built in several lengths, and the template takes the longest that fits; an estim
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, starmap
@@ -16,8 +16,7 @@ from typing import Any
 from atleak.analysis.changes import Comparison
 from atleak.analysis.estimate import Line
 from atleak.analysis.pressures import lowest_first, pressures_at
-from atleak.analysis.record_doubts import components_of, needless_work
-from atleak.catalogue.castings import sound_casting
+from atleak.analysis.record_doubts import needless_work
 from atleak.common.units import KPA, PERCENT
 from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import begun, isolated, joined
@@ -25,24 +24,16 @@ from atleak.diagnosis.consequence import Consequence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.diagnosis.missing import Cause
-from atleak.measurements.job_card import RepairDecision
-from atleak.report.charts.casting import casting_drawing
-from atleak.report.charts.drawing import controller_svg, shortened
+from atleak.report.charts.drawing import shortened
 from atleak.report.pdf.blocks import Block, listed, signatures
+from atleak.report.pdf.customer_valves import CustomerValves
 from atleak.report.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.answer import answer_lines
-from atleak.report.tables.complaint import WornValve, explanations, most_lost, worn_valves
+from atleak.report.tables.complaint import explanations, most_lost
 from atleak.report.tables.first_sentence import impossible_part, may_parts, measured_sentence, shown_verdict, worn_pump
-from atleak.report.tables.names import has_number, is_whole_body
 from atleak.report.tables.repairs import repair_name
 from atleak.report.tables.sentences import service_mileage
 from atleak.report.tables.table import Column
-
-_NAMED = 4  # valves that a sentence names
-_ROW = 6  # valves that are drawn, beside one another
-_ABREAST = 4  # for which there is room beside one another at the least, so that few are not drawn larger
-_ON_SCREEN = 3  # valves beside one another: a phone is narrow
-_LETTERS = 1.6  # against those of the drawing of all valves
 
 
 @dataclass(frozen=True)
@@ -59,6 +50,7 @@ _LENGTHS = (
     *starmap(_Length, ((100, 3, 2), (60, 2, 1), (60, 1, 1), (60, 1, 0))),
 )
 _WITH_PHOTO = 3  # of these lengths; and with the estimate on the same page
+_WITH_FOUND = next(number for number, each in enumerate(_LENGTHS) if not each.found)
 _LINES = (40, 30, 20, 10)  # of the estimate, on a page of its own
 
 
@@ -75,7 +67,7 @@ class CustomerPage(PrintedPart):
 
     def __init__(self, names: PrintedNames, *, signed: bool, visits: Comparison | None = None) -> None:
         super().__init__(names)
-        self.signed = signed
+        self.signed, self.valves = signed, CustomerValves(names)
         shown = shown_verdict(names.diagnosis)
         self.verdict = names.diagnosis.urgency if shown.flagged else shown
         known = visits is not None and _total_known(visits.before) and _total_known(visits.after)
@@ -85,11 +77,6 @@ class CustomerPage(PrintedPart):
         here, self._other = both[::-1] if self._is_later else both
         self._worst = here or self.diagnosis.worst
         self._changed = leading is not None and leading.share is not None and leading.share.significant is not False
-
-    @cached_property
-    def valves(self) -> tuple[WornValve, ...]:
-        """Return the valves that have reached a limit, the worst first."""
-        return worn_valves(self.diagnosis, self.names.plan) if self.diagnosis.flagged else ()
 
     def data(self, *, behind: str = "", pictures: Mapping[str, str] = MappingProxyType({})) -> dict[str, Any]:
         """Return everything that the template places.
@@ -129,8 +116,11 @@ class CustomerPage(PrintedPart):
             "told": {"title": say("customer.told"), "texts": [self._told(each.letters) for each in _LENGTHS]},
             "found": {"title": say("customer.found"), "texts": [found[: each.found] for each in _LENGTHS]},
             "valves": say("customer.valves"),
-            "drawings": self.drawings(),
-            "photo": self._photo(pictures),
+            "drawings": [
+                {**each, "lengths": _WITH_FOUND if each["casting"] else len(_LENGTHS)}
+                for each in self.valves.drawings()
+            ],
+            "photo": self.valves.photo(pictures),
             "bars": {"title": self.bars_at, "rows": [*self.bars()], "note": self._tighter()},
             "cost": self._cost(),
             "signatures": self._signatures() if self.signed else None,
@@ -160,7 +150,7 @@ class CustomerPage(PrintedPart):
     @cached_property
     def _due(self) -> list[str]:
         """Return the valves that are worn past a limit and cannot wait; where none is, those that are planned."""
-        return [each.component for each in self.valves if each.urgency.calls_for_repair] or self._planned
+        return [each.component for each in self.valves.worn if each.urgency.calls_for_repair] or self._planned
 
     @cached_property
     def _before_service(self) -> tuple[LandDiagnosis, ...]:
@@ -263,11 +253,11 @@ class CustomerPage(PrintedPart):
             yield f"{begun(impossible_part(diagnosis, say))}."
         elif pump is not None:
             yield pump
-        due = [each.component for each in self.valves if each.urgency.calls_for_repair]
-        watched = [each.component for each in self.valves if not each.urgency.calls_for_repair]
+        due = [each.component for each in self.valves.worn if each.urgency.calls_for_repair]
+        watched = [each.component for each in self.valves.worn if not each.urgency.calls_for_repair]
         for name, valves in (("worn_valves", due), ("worn_little", watched)):
             if valves:
-                yield say(f"customer.{name}", valves=self._named(valves))
+                yield say(f"customer.{name}", valves=self.valves.named(valves))
         yield from self.held()
         if any(not diagnosis.can_wait(land) for land in diagnosis.flagged):
             yield say("customer_screen.escapes")
@@ -280,7 +270,7 @@ class CustomerPage(PrintedPart):
         if self._other is not None and self._changed and self._is_later:
             before, now = (self._litres(each.share) for each in (self._other, self._worst))
             return self.say("customer_screen.since", before=before, now=now)
-        return next(self.held(), self.say("customer_screen.escapes") if self.valves else "")
+        return next(self.held(), self.say("customer_screen.escapes") if self.valves.worn else "")
 
     @property
     def bars_at(self) -> str:
@@ -337,7 +327,7 @@ class CustomerPage(PrintedPart):
         if not self._not_the_valves:
             yield from self._explained()
         if waits := [land.key[0] for land in diagnosis.flagged if diagnosis.can_wait(land)]:
-            yield say("customer.waits", valves=self._named(waits))
+            yield say("customer.waits", valves=self.valves.named(waits))
         if not any(self.bars()) or self._worst.share > 1.0:
             yield from self.lost()
         if any(may_parts(diagnosis, say)):
@@ -418,7 +408,7 @@ class CustomerPage(PrintedPart):
             values = {
                 "label": label,
                 "condition": self.say.condition(each.rule.condition),
-                "valves": self._named(component for component, _ in each.lands),
+                "valves": self.valves.named(component for component, _ in each.lands),
             }
             if each.held is None:
                 yield say("customer.explained_by_reserve", **values)
@@ -434,30 +424,6 @@ class CustomerPage(PrintedPart):
         key = "no_effect" if lost is None else "small_effect"
         yield say(f"customer.{key}", label=label, condition=conditions, loss=loss)
 
-    # --- the valves
-
-    def _valve(self, component: str) -> str:
-        """Name a valve by its name, its number behind it where it has one, or as it was typed."""
-        name = isolated(self.say.name(self.diagnosis.controller.components.get(component, component)))
-        return (
-            f"{name} ({component})" if has_number(self.diagnosis.controller, component) and name != component else name
-        )
-
-    def _named(self, components: Iterable[str]) -> str:
-        return self._first(map(self._valve, components))
-
-    def _first(self, names: Iterable[str]) -> str:
-        """Join names, each once: the first of them, and how many more."""
-        names = [*dict.fromkeys(names)]
-        named, more = joined(names[:_NAMED]), len(names) - _NAMED
-        return named if more <= 0 else self.say("diagnosis.and_more", named=named, count=more)
-
-    def about(self, decision: RepairDecision) -> str:
-        """Name the valve that a decision is about, or those that a kit mends."""
-        controller = self.diagnosis.controller
-        components = components_of(decision, controller)
-        return self.say("plan.whole_body") if is_whole_body(controller, components) else self._named(components)
-
     def _more(self, count: int) -> str:
         return self.say("customer.more", count=count) if count else ""
 
@@ -465,44 +431,6 @@ class CustomerPage(PrintedPart):
         """Name a section as people say it."""
         letters = f" {section}"
         return self.names.section(section).removesuffix(letters)
-
-    def drawings(self, *, on_screen: bool = False) -> list[Block]:
-        """Return the drawings of the valves that have reached a limit, the best first: on the photo, and a schematic.
-
-        Each states how small it may become, and for how many of the lengths it stands. ``on_screen`` the photo is HTML,
-        and the schematic narrow.
-        """
-        if not self.valves:
-            return []
-        drawn = [each.component for each in self.valves[:_ROW]]
-        alt = self.say("customer.drawing_alt", valves=joined(map(self._valve, drawn)))
-        svg = controller_svg(
-            self.diagnosis.controller,
-            {land.key: self.diagnosis.urgency_of(land) for each in self.valves for land in each.lands},
-            columns=_ON_SCREEN if on_screen else max(len(drawn), _ABREAST),
-            only=drawn,
-            named=self.say.name,
-            letters=_LETTERS,
-            note=self.say("customer.schematic"),
-        )
-        schematic = {"svg": svg, "alt": alt, "least": 0.8, "lengths": len(_LENGTHS)}
-        casting = sound_casting(self.diagnosis.controller.id)
-        if casting is None:
-            return [schematic]
-        urgent = {each.component: each.urgency for each in self.valves}
-        photo = casting_drawing(casting, self.diagnosis, self.say, verdicts=urgent)
-        enough = next(number for number, each in enumerate(_LENGTHS) if not each.found)  # what to do is said
-        shown = photo.html if on_screen else photo.svg
-        return [{"svg": shown, "alt": alt, "least": 0.6, "lengths": enough}, schematic]
-
-    def _photo(self, pictures: Mapping[str, str]) -> dict[str, Any] | None:
-        """Return the job's photo of the worst valve that has one."""
-        of = {photo.component: photo for photo in reversed(self.job.photos)}
-        shown = next((of[each.component] for each in self.valves if each.component in of), None)
-        if shown is None or shown.file not in pictures:
-            return None
-        caption = joined((self._valve(shown.component), shown.caption), " · ")
-        return {"file": pictures[shown.file], "caption": caption, "alt": caption}
 
     # --- what to do
 
@@ -529,11 +457,11 @@ class CustomerPage(PrintedPart):
                 return
         if self._not_the_valves and self.names.plan.pump is None:
             yield say("customer.do_find")
-        watched = [each.component for each in self.valves if not each.urgency.calls_for_repair]
+        watched = [each.component for each in self.valves.worn if not each.urgency.calls_for_repair]
         if not self.verdict.calls_for_repair:
             before = list(dict.fromkeys(land.key[0] for land in self._before_service))
             key = "do_before" if before else "do_watch" if watched or planned else "do_look"
-            yield say(f"customer.{key}", valves=self._named(before or watched or planned), mileage=self._service)
+            yield say(f"customer.{key}", valves=self.valves.named(before or watched or planned), mileage=self._service)
             yield from self._elsewhere()
             return
         due = self._due
@@ -541,16 +469,16 @@ class CustomerPage(PrintedPart):
             if not self._not_the_valves:
                 yield say("customer.do_look")
             return
-        yield say("customer.do_repair", valves=self._named(due))
+        yield say("customer.do_repair", valves=self.valves.named(due))
         words, plan = self.names.estimate, self.names.plan
         if words is not None:  # the work that is agreed to with this page
             yield say(f"customer.do_{'past' if words.estimate.past else 'green'}_estimate")
         else:
             yield say(f"customer.do_{'green' if plan.reached else 'past'}_plan")
         yield from self._elsewhere()
-        waiting = [each.component for each in self.valves if each.urgency is not each.verdict]
+        waiting = [each.component for each in self.valves.worn if each.urgency is not each.verdict]
         if waiting:
-            yield say("customer.do_wait", valves=self._named(waiting))
+            yield say("customer.do_wait", valves=self.valves.named(waiting))
 
     def _elsewhere(self) -> Iterator[str]:
         """Say what to look at for a complaint that no pressure explains, where pressures are solved."""
@@ -569,7 +497,7 @@ class CustomerPage(PrintedPart):
         if words is None or not lines:
             return None
         columns = (
-            Column("customer.valve", width=250, of=lambda line: self.about(line.decision)),
+            Column("customer.valve", width=250, of=lambda line: self.valves.about(line.decision)),
             Column("work", width=250, of=words.work),
             Column("", digits=2, words=f"{say('printed.amount')}\n{words.estimate.currency}".strip(), of=words.amount),
             Column("agreed", width=200, of=words.agreed),
@@ -579,10 +507,10 @@ class CustomerPage(PrintedPart):
         tables = [listed(say, lines[:most], *columns) for most in _LINES]
         more = [max(len(lines) - most, 0) for most in _LINES]
         sums, due = self._sum(), words.estimate.total
-        named = self._first(self.about(line.decision) for line in unpriced)
+        named = self.valves.first(self.valves.about(line.decision) for line in unpriced)
         notes = [say("customer.unpriced", valves=named)] if unpriced else []
         notes += [say("customer.at_least")] if sums and not due.complete else []
-        needless = self._first(map(self.about, needless_work(self.job, self.diagnosis)))
+        needless = self.valves.first(map(self.valves.about, needless_work(self.job, self.diagnosis)))
         notes[:0] = [say("customer.needless", valves=needless)] if needless else []
         if self._due and self.verdict.calls_for_repair:
             notes.append(say("customer.declined"))

@@ -65,7 +65,7 @@ class _Screen(PrintedPart):
             "look": {"sign": look.sign, "tint": look.tint, "words": look.on_tint, "line": look.line},
             "headline": page.headline,
             "urgency": " ".join(page.urgency),
-            "picture": next(iter(page.drawings(on_screen=True)), None),
+            "picture": next(iter(page.valves.drawings(on_screen=True)), None),
             "sentence": page.sentence,
             "bars": [*page.bars()],
             "bars_at": page.bars_at,
@@ -96,7 +96,7 @@ class _Screen(PrintedPart):
         assert words is not None  # of which the line is
         return {
             "key": line.key,
-            "valve": page.about(line.decision),
+            "valve": page.valves.about(line.decision),
             "work": words.work(line),
             "amount": words.amount(line),
             "net": sum(float(each) for each in (line.part, line.work) if each is not None),
