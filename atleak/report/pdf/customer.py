@@ -509,7 +509,7 @@ class CustomerPage(PrintedPart):
         sums, due = self._sum(), words.estimate.total
         named = self.valves.first(self.valves.about(line.decision) for line in unpriced)
         notes = [say("customer.unpriced", valves=named)] if unpriced else []
-        notes += [say("customer.at_least")] if sums and not due.complete else []
+        notes += [say("customer.incomplete")] if sums and not due.complete else []
         needless = self.valves.first(map(self.valves.about, needless_work(self.job, self.diagnosis)))
         notes[:0] = [say("customer.needless", valves=needless)] if needless else []
         if self._due and self.verdict.calls_for_repair:
@@ -530,7 +530,9 @@ class CustomerPage(PrintedPart):
         if words is None or due is None or due.gross is None:
             asked = due is None or due.lines  # else every line is declined, or still open
             return say("customer.no_price") if asked and self._due and self.verdict.calls_for_repair else ""
-        values = {"amount": words.summed(due.gross, due.complete), "currency": words.estimate.currency}
+        amount = words.money(due.gross)
+        amount = amount if due.complete else say("customer.at_least", amount=amount)
+        values = {"amount": amount, "currency": words.estimate.currency}
         if due.tax is None:
             return say("customer.sum", **values)
         return say("customer.sum_with_tax", tax=words.money(due.tax), **values)

@@ -134,7 +134,7 @@ def test_lines_of_the_estimate_have_a_price_and_boxes_to_agree_on_the_first_page
     first = pages_of(write_pdf(worn, Job(estimate=ESTIMATE, repair_decisions=[work]), sections=SIGNED))[0]
     say = wording("en")
     assert "ream 340.00 yes no" in first
-    assert say("customer.sum_with_tax", amount="≥ 418.20", currency="EUR", tax="78.20") in first
+    assert say("customer.sum_with_tax", amount="at least 418.20", currency="EUR", tax="78.20") in first
     assert say("customer.no_price") in pages_of(write_pdf(worn, sections=SIGNED))[0]
 
 
