@@ -29,8 +29,9 @@ _HERE = "127.0.0.1"
 _PATIENCE = 2.0  # [s]
 _PORTS = range(1, 65536)
 _SECRETS, _ALLOWED = "secrets.toml", "allowed.toml"
-# Else the GNU C library gives every thread, of which each run of a page has its own, memory that it keeps for that one.
-_SPARING = {"MALLOC_ARENA_MAX": "2"}
+# Else the GNU C library gives every thread, of which each run of a page has its own, memory that it keeps for that one,
+# and threads of the linear algebra, whose matrices are small here, take a core each while they wait for one another.
+_SPARING = {"MALLOC_ARENA_MAX": "2", "OPENBLAS_NUM_THREADS": "1"}
 _LEFT = 600  # [s] without a connected page, after which the server of a window, or of a tab in its place, ends
 _STARTS = 60.0  # [s] that a server may take to answer
 _SOON = 5.0  # [s] within which a browser ends that cannot start, or that hands its window on to one that runs

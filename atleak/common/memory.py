@@ -94,8 +94,10 @@ def collect_soon() -> None:
 
 
 def _collect() -> None:
-    gc.collect()
-    set_imports_aside()
+    if len(sys.modules) > _aside:
+        _set_aside()
+    else:
+        gc.collect()
 
 
 def _do_in(seconds: float, what: Callable[[], object]) -> None:

@@ -108,11 +108,12 @@ def _without_limits(
     controller: Controller, road_test: RoadTest
 ) -> tuple[RoadPressure | NotJudged, CommandedPressure | None, tuple[Event, ...], dict[int, float]]:
     """Return what follows from the log and the valve body's gears and permissible pressures alone."""
+    counted = CountedSamples(road_test)
     return (
-        judge_pressure(controller, road_test),
+        judge_pressure(controller, road_test, counted),
         compare_with_commanded(road_test),
         events(road_test, gears=controller.gears),
-        _gears(road_test),
+        _gears(road_test, counted),
     )
 
 
@@ -139,11 +140,10 @@ def _lowest_at(gear: int, state: StandingState, time: float) -> Sentence:
     return Sentence("gear {gear}, driving, at {time:.1f} s of the road test", gear=gear_name(gear), time=time)
 
 
-def _gears(road_test: RoadTest) -> dict[int, float]:
+def _gears(road_test: RoadTest, counted: CountedSamples) -> dict[int, float]:
     gear = road_test.values("gear")
     if gear is None:
         return {}
-    counted = CountedSamples(road_test)
     return {int(each): counted.time_of(gear == each) for each in np.unique(gear[np.isfinite(gear)])}
 
 

@@ -162,6 +162,8 @@ def stretches(controller: Controller, road_test: RoadTest, relative: float) -> I
     least, required = (np.full(len(pressure), np.nan) for _ in range(2))
     found: list[tuple[OperatingPoint, np.ndarray]] = []
     for state, there in standing_states(road_test, gear).items():
+        if state == "driving" and commanded is None:
+            continue  # nothing tells what is required
         for number in (each for each in controller.gears if each != 0):
             here, point = there & (gear == number) & known, standing_point(controller, number, state)
             permissible = controller.permissible_at(number, cast("State", state))
@@ -169,7 +171,7 @@ def stretches(controller: Controller, road_test: RoadTest, relative: float) -> I
             if commanded is not None:
                 point = point or replace(controller.operating_points[0], gear=number)
                 least[here] = required[here] = np.where(commanded[here] > 0.0, commanded[here], np.nan)
-            elif state != "driving" and point is not None and low is not None and here.any():
+            elif point is not None and low is not None and here.any():
                 highest = float(np.quantile(pressure[here], _HELD_ONCE))
                 required[here], least[here] = point.main_pressure, max(low, min(highest, point.main_pressure))
             if point is not None and here.any():

@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from importlib.util import find_spec
 
 import numpy as np
 import pandas as pd
-from pandas.api.indexers import BaseIndexer
 
 from atleak.common.memory import kept_with
 from atleak.measurements.events import Thresholds, engine_starts, gear_shifts
@@ -23,6 +23,7 @@ from atleak.measurements.road_test import RoadTest, Segment
 SUSTAINED_SECONDS = 0.5  # of the running median: choice of this project
 SUSTAINED_SAMPLES = 5  # that it takes at least: choice of this project
 _ROUNDING = 1e-12  # relative: values that differ by less are equal but for rounding
+_LONG = 100_000  # samples of a log for which scipy's median is worth its import
 _LIVELY = ("main_pressure", "converter_pressure", "engine_speed")  # channels whose noise the median is to take out
 
 
@@ -172,11 +173,52 @@ def running_median(values: np.ndarray, clock: np.ndarray, window: float) -> np.n
     np.ndarray
         NaN where fewer than `SUSTAINED_SAMPLES` values lie in the window.
     """
-    index = pd.TimedeltaIndex(np.round(clock * 1e9).astype("timedelta64[ns]"))
+    ticks, length = np.round(clock * 1e9).astype(np.int64), round(window * 1e9)
+    if len(values) < _LONG or find_spec("scipy") is None:
+        return _rolling_median(values, ticks, length)
+    from scipy.ndimage import median_filter  # six times as fast, but dear to import
+
+    reach, even = _even_windows(np.isfinite(values), ticks, length // 2)
+    if not even.any():
+        return _rolling_median(values, ticks, length)
+    medians: np.ndarray = median_filter(np.where(np.isfinite(values), values, 0.0), 2 * reach + 1)
+    rest = np.flatnonzero(~even)
+    first, last = (
+        np.searchsorted(ticks, ticks[rest] + step, side)
+        for step, side in ((-(length // 2), "left"), (length // 2, "right"))
+    )
+    edges = np.zeros(len(values) + 1, int)
+    np.add.at(edges, first, 1)
+    np.add.at(edges, last, -1)
+    near = np.cumsum(edges[:-1]) > 0  # all that the windows of the rest hold
+    medians[rest] = _rolling_median(values[near], ticks[near], length)[~even[near]]
+    return medians
+
+
+def _rolling_median(values: np.ndarray, ticks: np.ndarray, window: int) -> np.ndarray:
+    index = pd.TimedeltaIndex(ticks.astype("timedelta64[ns]"))
     rolling = pd.Series(values, index, copy=False).rolling(
-        pd.Timedelta(round(window * 1e9), "ns"), min_periods=SUSTAINED_SAMPLES, center=True, closed="both"
+        pd.Timedelta(window, "ns"), min_periods=SUSTAINED_SAMPLES, center=True, closed="both"
     )
     return rolling.median().to_numpy()
+
+
+def _even_windows(known: np.ndarray, ticks: np.ndarray, half: int) -> tuple[int, np.ndarray]:
+    """Return how far the window in the middle reaches to each side, in samples, and which windows are like it.
+
+    Those hold as many samples on each side, all of them known.
+    """
+    size, middle = len(ticks), len(ticks) // 2
+    reach = int(np.searchsorted(ticks, ticks[middle] + half, "right")) - 1 - middle
+    even = np.zeros(size, bool)
+    if 2 * reach + 1 < SUSTAINED_SAMPLES or size < 4 * reach + 4:
+        return reach, even
+    within, beyond = ticks[reach:] - ticks[:-reach] <= half, ticks[reach + 1 :] - ticks[: -reach - 1] > half
+    start, stop = reach + 1, size - reach - 1
+    on_both = within[start:stop] & within[1 : stop - reach] & beyond[start:stop] & beyond[: stop - start]
+    unknown = np.cumsum(~known)
+    even[start:stop] = on_both & (unknown[start + reach : stop + reach] == unknown[: stop - start])
+    return reach, even
 
 
 def clock_at(time: np.ndarray, segments: Sequence[Segment], window: float) -> np.ndarray:
@@ -224,6 +266,14 @@ class CountedSamples:
         elapsed = np.cumsum(self.steps) - self.steps
         self.clock = elapsed[self.samples] + _APART * self.part  # [s] of those that count
 
+    @cached_property
+    def seconds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return with which of them the second up to each begins, and whether that is whole within its segment."""
+        starts = np.flatnonzero(np.append(True, self.part[1:] != self.part[:-1])[: len(self.part)])
+        begins = np.repeat(starts, np.diff(np.append(starts, len(self.part))))
+        since = np.searchsorted(self.clock, self.clock - _ENOUGH, side="right") - 1
+        return np.maximum(since, begins), since >= begins
+
     def time_of(self, mask: np.ndarray) -> float:
         """Return how long some of the log's samples take [s], each until the next one of its segment."""
         return float(np.sum(self.steps[mask]))
@@ -256,14 +306,10 @@ class Lasting:
         self.excess, self._counted = values, counted
         samples, clock, part = counted.samples, counted.clock, counted.part
         known = np.where(np.isnan(values), _NEVER, values)[samples]
-        begins = np.searchsorted(part, part)  # first sample of each one's segment
-        since = np.searchsorted(clock, clock - _ENOUGH, side="right") - 1
-        self._since = np.maximum(since, begins)
-        # of the second that ends with each sample
-        least = pd.Series(known).rolling(_Windows(self._since), min_periods=1).min().to_numpy()
-        self._least = np.where(since >= begins, least, _NEVER)
+        self._since, whole = counted.seconds
+        self._least = np.where(whole, least_since(known, self._since), _NEVER)  # of the second up to each sample
         over = known > 0.0
-        edges = np.flatnonzero((np.diff(over, prepend=~over[:1]) != 0) | (np.diff(part, prepend=-1) != 0))
+        edges = np.flatnonzero(np.append(over[:1] | True, (over[1:] != over[:-1]) | (part[1:] != part[:-1])))
         stops = np.append(edges[1:], len(samples))[: len(edges)] - 1
         kept = over[edges] & (clock[stops] - clock[edges] >= _ENOUGH)
         self._starts, self._stops = edges[kept], stops[kept]
@@ -291,19 +337,22 @@ class Lasting:
         return float(time[samples[self._starts[number]]]), float(time[samples[self._stops[number]]])
 
 
-class _Windows(BaseIndexer):
-    """Windows that end with each value and begin with a given one."""
+def least_since(values: np.ndarray, begins: np.ndarray) -> np.ndarray:
+    """Return the least of the values from a given place up to each one.
 
-    def __init__(self, begins: np.ndarray) -> None:
-        super().__init__()
-        self.begins = begins.astype(np.int64)
-
-    def get_window_bounds(
-        self,
-        num_values: int = 0,
-        min_periods: int | None = None,
-        center: bool | None = None,
-        closed: str | None = None,
-        step: int | None = None,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        return self.begins, np.arange(1, num_values + 1, dtype=np.int64)
+    >>> least_since(np.array([3.0, 1.0, 2.0, 4.0]), np.array([0, 0, 2, 1]))
+    array([3., 1., 2., 1.])
+    """
+    lengths = np.arange(1, len(values) + 1) - begins
+    widest = 1 << int(np.max(lengths, initial=1)).bit_length() - 1
+    shorter = np.flatnonzero(lengths < widest)  # a few, as a rule
+    of_shorter, of_width, width = values[shorter], values.copy(), 1  # the least of the last ``width`` values, at each
+    while width < widest:
+        fits = lengths[shorter] // width == 1  # two of this width cover their windows
+        here = shorter[fits]
+        of_shorter[fits] = np.minimum(of_width[here], of_width[begins[here] + width - 1])
+        np.minimum(of_width[width:], of_width[:-width].copy(), out=of_width[width:])
+        width *= 2
+    least = np.minimum(of_width, of_width[np.minimum(begins + (widest - 1), len(values) - 1)])
+    least[shorter] = of_shorter
+    return least

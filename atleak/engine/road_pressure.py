@@ -129,13 +129,20 @@ class CommandedPressure:
     compared: float  # [s] for how long both are there
 
 
-def judge_pressure(controller: Controller, road_test: RoadTest) -> RoadPressure | NotJudged:
+def judge_pressure(
+    controller: Controller, road_test: RoadTest, counted: CountedSamples | None = None
+) -> RoadPressure | NotJudged:
     """Compare main pressure with what the valve body permits in the gear and state of every sample.
 
     A sample idles under `IDLE_SPEED` where no logged speed shows that the car rolls; it stalls where a logged speed
     shows that the car stands in gear with the engine raised; else it drives. Without a gear that the valve body's file
     names there is no limit, nor while the engine stands or starts, while the car coasts as slowly as it idles, nor in
     shifts shorter than a second.
+
+    Parameters
+    ----------
+    counted
+        the log's samples that count, where they were found before.
 
     Returns
     -------
@@ -145,7 +152,7 @@ def judge_pressure(controller: Controller, road_test: RoadTest) -> RoadPressure 
     why = _why_not_judged(controller, road_test)
     if why is not None:
         return why
-    samples = _Permitted(controller, road_test)
+    samples = _Permitted(controller, road_test, counted)
     return samples.judge() if samples.counted.time_of(samples.number >= 0) > 0.0 else "never_there"
 
 
@@ -183,9 +190,9 @@ def _why_not_judged(controller: Controller, road_test: RoadTest) -> NotJudged | 
 class _Permitted:
     """What is permitted at every sample of a log; arrays of shape (samples,), NaN where there is no limit."""
 
-    def __init__(self, controller: Controller, road_test: RoadTest) -> None:
+    def __init__(self, controller: Controller, road_test: RoadTest, counted: CountedSamples | None = None) -> None:
         self.controller, self.time = controller, road_test.time
-        self.gear, self.counted = np.asarray(gear_engaged(road_test)), CountedSamples(road_test)
+        self.gear, self.counted = np.asarray(gear_engaged(road_test)), counted or CountedSamples(road_test)
         temperature = road_test.values("atf_temperature")
         self.temperature = np.full(len(self.time), np.nan) if temperature is None else temperature
         self.pressure = smoothed(road_test, "main_pressure")

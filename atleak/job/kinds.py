@@ -36,7 +36,7 @@ from atleak.readers.sheets.words import is_word
 
 _REFUSED: tuple[type[Exception], ...] = (ReadingsError, *DAMAGE)
 _SHORT, _SURE = 400, 4  # rows of a sheet that may be of another valve body, and planes of that found in it
-_START = 60_000  # bytes of a text that are looked at
+_START, _START_OF_LARGE, _LARGE = 60_000, 15_000, 1_000_000  # bytes of a text that are looked at; of one so large
 _PICTURES = (b"\x89PNG\r\n", b"\xff\xd8\xff")
 _TOML = re.compile(r"(\s*#.*\n|\s*\n)*\s*(\w+ *= *[\"'0-9\[]|\[\w+\])")
 _TOP = re.compile(r"^\[*([a-z_]+)[\].]|^([a-z_]+)\s*=", re.MULTILINE)
@@ -73,7 +73,8 @@ def table_kind(data: bytes, controller: Controller) -> TableKind:
         return TableKind.ROAD_TEST
     is_workbook = form_of(data) == "workbook"
     if not is_workbook:
-        data = data[:_START].rpartition(b"\n")[0] if len(data) > _START else data
+        start = _START if len(data) < _LARGE else _START_OF_LARGE
+        data = data[:start].rpartition(b"\n")[0] if len(data) > start else data
     names, likeness = ControllerNames(controller), gauge_table.likeness_of(controller)
     of_rows = {TableKind.VACUUM: vacuum_finder(controller), TableKind.FLOWS: flow_finder(controller)}
 

@@ -63,6 +63,18 @@ def test_pictures_come_back_and_those_that_are_dropped_leave_the_book(book: Book
     assert count(book, files) == held - 1
 
 
+def test_a_large_file_comes_back_and_is_named_where_it_was_damaged(book: Book, small_job: MakeJob) -> None:
+    large = b"0.01;800.0;671.05\n" * 80_000
+    parts = small_job(photos=[{"file": "photos/bore.png"}])
+    saved = book.save(replace(parts, pictures={"photos/bore.png": large}))
+    assert book.load(saved.id).file.job.pictures == {"photos/bore.png": large}
+    with book.writing() as connection:
+        kept = connection.execute(sa.select(files.c.content).where(files.c.size == len(large))).scalar_one()
+        connection.execute(files.update().where(files.c.size == len(large)).values(content=kept[: len(kept) // 2]))
+    with pytest.raises(BookError, match="was damaged in the database"):
+        book.load(saved.id)
+
+
 def test_two_jobs_share_the_bytes_of_a_file_and_keep_it_until_both_have_dropped_it(
     book: Book, small_job: MakeJob
 ) -> None:
