@@ -16,7 +16,7 @@ from typing import Any
 from atleak.analysis.changes import Comparison
 from atleak.analysis.estimate import Line
 from atleak.analysis.pressures import lowest_first, pressures_at
-from atleak.analysis.record_doubts import needless_work
+from atleak.analysis.record_doubts import components_of, needless_work
 from atleak.common.units import KPA, PERCENT
 from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import begun, isolated, joined
@@ -105,7 +105,7 @@ class CustomerPage(PrintedPart):
                     for name, said in (
                         (say("answer.wrong"), " ".join(wrong[: each.sentences])),
                         (say("answer.do"), " ".join(do[: each.sentences])),
-                        (say("customer.cost"), self._sum()),
+                        (say("customer.cost"), self._asked()),
                         (say("answer.sure"), sure),
                     )
                     if said
@@ -254,13 +254,13 @@ class CustomerPage(PrintedPart):
         elif pump is not None:
             yield pump
         due = [each.component for each in self.valves.worn if each.urgency.calls_for_repair]
-        watched = [each.component for each in self.valves.worn if not each.urgency.calls_for_repair]
-        for name, valves in (("worn_valves", due), ("worn_little", watched)):
-            if valves:
-                yield say(f"customer.{name}", valves=self.valves.named(valves))
+        if due:
+            yield say("customer.worn_valves", valves=self.valves.named(due))
         yield from self.held()
         if any(not diagnosis.can_wait(land) for land in diagnosis.flagged):
             yield say("customer_screen.escapes")
+        if watched := [each.component for each in self.valves.worn if not each.urgency.calls_for_repair]:
+            yield say("customer.worn_little", valves=self.valves.named(watched))
         if finding is not None and self.verdict is not Verdict.OK:
             yield finding
 
@@ -330,7 +330,7 @@ class CustomerPage(PrintedPart):
             yield say("customer.waits", valves=self.valves.named(waits))
         if not any(self.bars()) or self._worst.share > 1.0:
             yield from self.lost()
-        if any(may_parts(diagnosis, say)):
+        if self.verdict is Verdict.OK and any(may_parts(diagnosis, say)):
             yield say("customer.may")
         half = sum(land.state.measured for land in diagnosis.unmeasured)
         missing = len(diagnosis.unmeasured) - half
@@ -493,49 +493,69 @@ class CustomerPage(PrintedPart):
     def _cost(self) -> Block | None:
         """Return the lines of the estimate with boxes to agree to each, and the sum; None where none is made."""
         say, words = self.say, self.names.estimate
-        lines = [] if words is None else [line for line in words.estimate.lines if can_be_agreed_to(line)]
-        if words is None or not lines:
+        every = [] if words is None else words.estimate.lines
+        lines = [line for line in every if can_be_agreed_to(line) or self._needed(line)]
+        if words is None or not any(map(can_be_agreed_to, lines)):
             return None
         columns = (
             Column("customer.valve", width=250, of=lambda line: self.valves.about(line.decision)),
             Column("work", width=250, of=words.work),
-            Column("", digits=2, words=f"{say('printed.amount')}\n{words.estimate.currency}".strip(), of=words.amount),
-            Column("agreed", width=200, of=words.agreed),
+            Column(
+                "",
+                digits=2,
+                words=f"{say('printed.amount')}\n{words.estimate.currency}".strip(),
+                of=lambda line: words.amount(line) if can_be_agreed_to(line) else say("customer.not_yet"),
+            ),
+            Column("agreed", width=200, of=lambda line: words.agreed(line) if can_be_agreed_to(line) else ""),
         )
-        lines.sort(key=lambda line: line.part is None and line.work is None)
-        unpriced = [line for line in words.estimate.lines if not can_be_agreed_to(line)]
+        lines.sort(key=lambda line: (not self._needed(line), not has_price(line)))
         tables = [listed(say, lines[:most], *columns) for most in _LINES]
-        more = [max(len(lines) - most, 0) for most in _LINES]
-        sums, due = self._sum(), words.estimate.total
-        named = self.valves.first(self.valves.about(line.decision) for line in unpriced)
-        notes = [say("customer.unpriced", valves=named)] if unpriced else []
-        notes += [say("customer.incomplete")] if sums and not due.complete else []
         needless = self.valves.first(map(self.valves.about, needless_work(self.job, self.diagnosis)))
-        notes[:0] = [say("customer.needless", valves=needless)] if needless else []
-        if self._due and self.verdict.calls_for_repair:
-            notes.append(say("customer.declined"))
-        elif not needless and not self._case and self.verdict in (Verdict.OK, Verdict.WATCH):
-            notes.insert(0, say("customer.none_due"))
+        others = self.valves.first(self.valves.about(line.decision) for line in every if line not in lines)
+        due = self._due and self.verdict.calls_for_repair
+        waits = not due and not needless and not self._case and self.verdict in (Verdict.OK, Verdict.WATCH)
+        notes = (
+            ("needless", needless, needless),
+            ("none_due", waits, ""),
+            ("incomplete", not words.estimate.total.complete, ""),
+            ("unpriced", others, others),
+            ("declined", due, ""),
+        )
+        said = [say(f"customer.{name}", valves=valves) for name, holds, valves in notes if holds]
         return {
             "title": say("customer.cost"),
             "tables": tables,
-            "notes": [joined((self._more(count), *notes), " ") for count in more],
-            "sum": sums,
+            "notes": [joined((self._more(max(len(lines) - most, 0)), *said), " ") for most in _LINES],
+            "sum": self._sum(),
         }
 
+    def _needed(self, line: Line) -> bool:
+        """Tell whether a line of the estimate is about what cannot wait."""
+        about = components_of(line.decision, self.diagnosis.controller)
+        return line.carried_out and (line.of_pump or not {*self._due, *self._planned}.isdisjoint(about))
+
+    def _asked(self) -> str:
+        """Say what a repair that is called for costs, and of which valves the price is missing."""
+        words = self.names.estimate
+        if not self.verdict.calls_for_repair:
+            return ""
+        if words is None or words.estimate.total.gross is None:
+            asked = words is None or words.estimate.total.lines  # else every line is declined, or still open
+            return self.say("customer.no_price") if asked and self._due else ""
+        missing = [line for line in words.estimate.lines if self._needed(line) and not has_price(line)]
+        valves = self.valves.first(self.valves.about(line.decision) for line in missing)
+        return joined((self._sum(), self.say("customer.lacking", valves=valves) if missing else ""), " ")
+
     def _sum(self) -> str:
-        """Say what the estimate adds up to; that no price is known, where a repair is called for."""
+        """Say what the estimate adds up to; an empty text where nothing of it is known."""
         say, words = self.say, self.names.estimate
-        due = None if words is None else words.estimate.total
-        if words is None or due is None or due.gross is None:
-            asked = due is None or due.lines  # else every line is declined, or still open
-            return say("customer.no_price") if asked and self._due and self.verdict.calls_for_repair else ""
+        if words is None or words.estimate.total.gross is None:
+            return ""
+        due = words.estimate.total
         amount = words.money(due.gross)
         amount = amount if due.complete else say("customer.at_least", amount=amount)
         values = {"amount": amount, "currency": words.estimate.currency}
-        if due.tax is None:
-            return say("customer.sum", **values)
-        return say("customer.sum_with_tax", tax=words.money(due.tax), **values)
+        return say(f"customer.sum{'' if due.tax is None else '_with_tax'}", net=words.money(due.net), **values)
 
     def _signatures(self) -> Block:
         """Return a line for technician and customer, and between them for who approves where the job names somebody."""
@@ -545,10 +565,14 @@ class CustomerPage(PrintedPart):
         return signatures(signing, self.say)
 
 
+def has_price(line: Line) -> bool:
+    """Tell whether anything of what a line of the estimate costs is known."""
+    return line.part is not None or line.work is not None
+
+
 def can_be_agreed_to(line: Line) -> bool:
     """Tell whether a line of the estimate can be agreed to, or was: it has a price, or was decided."""
-    priced = line.part is not None or line.work is not None
-    return priced or line.decision.decision not in (None, "proposed")
+    return has_price(line) or line.decision.decision not in (None, "proposed")
 
 
 def _total_known(diagnosis: Diagnosis) -> bool:

@@ -64,6 +64,7 @@ class CustomerValves(PrintedPart):
             return []
         drawn = [each.component for each in self.worn[:_ROW]]
         alt = self.say("customer.drawing_alt", valves=joined(map(self.name, drawn)))
+        signs = sorted({each.urgency for each in self.worn[:_ROW]}, key=lambda each: -each.rank)
         svg = controller_svg(
             self.diagnosis.controller,
             {land.key: self.diagnosis.urgency_of(land) for each in self.worn for land in each.lands},
@@ -71,7 +72,7 @@ class CustomerValves(PrintedPart):
             only=drawn,
             named=self.say.name,
             letters=_LETTERS,
-            note=self.say("customer.schematic"),
+            note=joined((self.say("customer.schematic"), *map(self.say.signed, signs)), " · "),
         )
         schematic = {"svg": svg, "alt": alt, "least": 0.8, "casting": False}
         casting = sound_casting(self.diagnosis.controller.id)
