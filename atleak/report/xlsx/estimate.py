@@ -7,14 +7,14 @@ from decimal import Decimal
 
 from xlsxwriter.worksheet import Worksheet
 
-from atleak.analysis.estimate import Sum, estimate
+from atleak.analysis.estimate import ORDER, Sum, estimate
 from atleak.analysis.repair.options import decimals
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
 from atleak.report.sheets.paging import LINE_OF_A_BOOK, row_height
 from atleak.report.tables.estimate import EstimateWords
-from atleak.report.xlsx.book import ReportBook, cell, formula
+from atleak.report.xlsx.book import ReportBook, cell, cell_span, formula
 from atleak.report.xlsx.live_sheet import AFTER_A_NUMBER, CHANGEABLE, quote
 
 ESTIMATE_SHEET = Sentence("Estimate")
@@ -43,8 +43,10 @@ class _EstimateCells:
         self.book, self.sheet, self.words = book, sheet, words
         self.places = decimals(words.estimate.currency)
         self.money = f"0.{'0' * self.places}" if self.places else "0"
-        self.terms = len(words.estimate.lines) + 2  # row of the first of them
-        self.rows = {line.key: row for row, line in enumerate(words.estimate.lines, start=1)}
+        # lines of a state, and of all that is to be done, are neighbours: a function takes 255 cells, or a span of any
+        self.lines = sorted(words.estimate.lines, key=lambda line: (*ORDER, None).index(line.decision.decision))
+        self.rows = {line.key: row for row, line in enumerate(self.lines, start=1)}
+        self.terms = len(self.lines) + 2  # row of the first of them
 
     def write(self) -> None:
         book, sheet, words = self.book, self.sheet, self.words
@@ -72,7 +74,7 @@ class _EstimateCells:
 
     def _lines(self) -> None:
         words = self.words
-        for line, row in zip(words.estimate.lines, self.rows.values(), strict=True):
+        for row, line in enumerate(self.lines, start=1):
             texts = {
                 _PAIR: words.pair(line),
                 _WORK: words.work(line),
@@ -98,18 +100,18 @@ class _EstimateCells:
     def _sum(self, row: int, name: str, each: Sum) -> None:
         """Write what some lines cost together: what is known of it, and whether that is all."""
         rows = [self.rows[line.key] for line in each.lines]
-        prices, works = ([cell(at, column) for at in rows] for column in (_PRICE, _LABOUR))
+        prices, works = (cell_span(min(rows), max(rows), column) for column in (_PRICE, _LABOUR))
         net, percent, taxed = cell(row, _LINE), cell(self.terms + 1, _PRICE), cell(row, _TAX)
         self.book.put(self.sheet, row, _PAIR, name, self.book.form())
-        self._amount(row, _PRICE, self._total(prices), each.parts)
-        self._amount(row, _LABOUR, self._total(works), each.work)
+        self._amount(row, _PRICE, self._total([prices]), each.parts)
+        self._amount(row, _LABOUR, self._total([works]), each.work)
         self._amount(row, _LINE, self._added(row, (_PRICE, _LABOUR)), each.net)
         tax = f'IF(COUNT({net},{percent})=2,ROUND({net}*{percent}/100,{self.places}),"")'
         self._amount(row, _TAX, tax, each.tax)
         self._amount(row, _TOTAL, self._total([net, taxed]), each.gross)
         yes, no = (self.book.say(f"estimate.{word}") for word in ("yes", "no"))
         left = self.book.form(**AFTER_A_NUMBER)
-        known = f"COUNT({','.join([*prices, *works])})={2 * len(rows)}"
+        known = f"COUNT({prices},{works})={2 * len(rows)}"
         formula(self.sheet, row, _COMPLETE, f"IF({known},{quote(yes)},{quote(no)})", yes if each.complete else no, left)
 
     def _added(self, row: int, columns: Sequence[int]) -> str:
