@@ -39,7 +39,8 @@ from atleak.report.sheets.paging import row_height
 from atleak.report.tables.table import VERDICT, Column, Table
 from atleak.report.xlsx import report_workbook
 from atleak.report.xlsx.book import HIGHEST_ROW, ReportBook, cell_span
-from atleak.report.xlsx.summary import SummaryPage
+from atleak.report.xlsx.page import SheetPage
+from atleak.report.xlsx.summary import summary_page
 
 _ROWS = 22  # that a chart takes, the free ones below it with them
 _CHARTED = 12  # most valve bodies with charts
@@ -256,7 +257,7 @@ _FROZEN = {"pairs": 3, "wear": 3, "latest": 3, "temperatures": 3, "rates_compare
            "deciders": 2, "conditions": 2}  # fmt: skip  # columns that stay in sight
 _NUMBER, _LEAST, _MOST, _WIDEST = 12, 10, 48, 90  # [characters] of columns: numbers, words, long texts that wrap
 _LONG, _BARS = "message", "pair_replace.percent"  # columns of long texts, and of bars behind their numbers
-_ON_A_PAGE = 240  # characters that a page has room for side by side, at six tenths of their size
+_ON_A_PAGE = 225  # characters that a page has room for side by side, at six tenths of their size
 _SIDE = 0.4  # [in] margins
 
 
@@ -306,7 +307,7 @@ class _Writer:
         """Write what leads: the sections without their charts, but for the one of the verdicts."""
         sections = FleetSections(self.words, _OVERVIEW)
         verdicts, know = sections.section("verdicts"), sections.know()
-        page = SummaryPage(self.book, sheet, _COLUMNS)
+        page = summary_page(self.book, sheet, _COLUMNS)
         head = sections.head()
         row = page.section(0, replace(head, parts=head.parts[:-1]))
         row = page.section(page.pairs(row, sections.figures()) + 1, verdicts)
@@ -365,10 +366,6 @@ class _Writer:
     def _meanings(self, sheet: Worksheet) -> None:
         """Write what the terms, the sheets and their columns mean; of the parts of things, each once."""
         book, say = self.book, self.say
-        widths = (28, 48, 100)
-        for number, width in enumerate(widths):
-            sheet.set_column(number, number, width)
-        book.headings(sheet, 0, [say(f"fleet_summary.meanings_{name}") for name in ("sheet", "column", "meaning")], 1)
         rows = [("", say(f"fleet_terms.{name}"), say(f"fleet_meaning.{name}")) for name in TERMS]
         parts: dict[str, None] = {}
         for made in self.tables:
@@ -380,11 +377,10 @@ class _Writer:
                 rows += [(made.title, each.title(say).replace("\n", " "), each.note) for each in whole if each.note]
         named = ((say(f"fleet_parts.{part}"), say(f"fleet_part_notes.{part}")) for part in parts)
         rows += [("", *each) for each in named if each[0]]
-        for line, row in enumerate(rows, start=1):
-            for number, text in enumerate(row):
-                book.put(sheet, line, number, text or None, book.wrapped)
-            sheet.set_row(line, row_height(zip(row, widths, strict=True)))
-        sheet.autofilter(0, 0, len(rows), len(widths) - 1)
+        page = SheetPage(book, sheet, (28, 48, 100))
+        headings = [say(f"fleet_summary.meanings_{name}") for name in ("sheet", "column", "meaning")]
+        page.table(0, headings, ([text or None for text in row] for row in rows))
+        sheet.autofilter(0, 0, len(rows), page.last)
 
 
 def _width(column: Column, values: Sequence[Any]) -> int:

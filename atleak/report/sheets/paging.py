@@ -33,7 +33,7 @@ _PIXELS = 96.0  # of an inch
 _SPARE = 0.92  # of the width that is used: programs round the widths of columns, each its own way
 _LINE = 13.5  # [pt] height of a line of text
 LINE_OF_A_BOOK = 15.0  # [pt] height of a row unless another is set
-_FULL, _FULL_BOLD = 0.9, 0.75  # of a column's characters: without the sheet's font a program takes a wider one
+_FULL, _FULL_BOLD = 0.9, 0.8  # of a column's characters: without the sheet's font a program takes a wider one
 
 LETTERS = 10  # [pt]
 HEADER = 5

@@ -28,9 +28,10 @@ from atleak.report.xlsx.conditions import CONDITIONS
 from atleak.report.xlsx.constants import CONSTANTS
 from atleak.report.xlsx.estimate import ESTIMATE_SHEET, write_estimate
 from atleak.report.xlsx.lands import LANDS_SHEET, LiveSheets
+from atleak.report.xlsx.page import SheetPage, widths_for, write_sections
 from atleak.report.xlsx.reader_units import in_reader_units
 from atleak.report.xlsx.readings import DIRECTIONS_SHEET, READINGS
-from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets, write_gauges, write_sections
+from atleak.report.xlsx.road_sheet import ROAD_EVENTS, ROAD_TEST, RoadSheets, write_gauges
 from atleak.report.xlsx.road_sheet import ROAD_SHEET as GAUGES
 from atleak.report.xlsx.rules import LIMITS_SHEET, RULES
 from atleak.report.xlsx.sheets import Sheets, write_what_was_read
@@ -102,7 +103,8 @@ def _write(book: ReportBook, diagnosis: Diagnosis, job: Job) -> None:
         road.write(book.sheet(ROAD_TEST))
         events = book.sheet(ROAD_EVENTS, frozen=(1, 0))
         if diagnosis.log.events:
-            book.table(events, 0, event_table(diagnosis.log.events, book.say))
+            table = event_table(diagnosis.log.events, book.say)
+            SheetPage(book, events, widths_for([table])).printed(0, table)
         else:
             book.put(events, 0, 0, book.say("findings.no_events"))
     if not diagnosis.without_sheet:
@@ -125,7 +127,7 @@ def _write_unit(book: ReportBook, diagnosis: Diagnosis, live: LiveSheets, rest: 
     live.write_lands(book, book.sheet(LANDS_SHEET, frozen=(1, 3)))
     rest.write_matrix(book.sheet(Sentence("Land by condition"), frozen=(1, 3)))
     for at in live.conditions:
-        live.gaps.at[at.prefix].write(book, book.sheet(at.sheet, frozen=(1, 2)), lines=4, printed=False)
+        live.gaps.at[at.prefix].write(book, book.sheet(at.sheet, frozen=(1, 2)), printed=False)
     if live.circuits.sheet.items:
         live.circuits.write(book, book.sheet(CIRCUITS, frozen=(1, 3)))
     live.rules.write(book, book.sheet(RULES, frozen=(1, 3), landscape=False))
@@ -134,7 +136,7 @@ def _write_unit(book: ReportBook, diagnosis: Diagnosis, live: LiveSheets, rest: 
     if diagnosis.readings and diagnosis.readings.sheets:
         write_what_was_read(book, book.sheet(WHAT_WAS_READ), diagnosis.readings.sheets)
     if live.directions.sheet.items:
-        live.directions.sheet.write(book, book.sheet(DIRECTIONS_SHEET, frozen=(1, 2)), lines=3, printed=False)
+        live.directions.sheet.write(book, book.sheet(DIRECTIONS_SHEET, frozen=(1, 2)), printed=False)
     if live.instruments is not None and live.budget is not None:
         live.instruments.write(book, book.sheet(INSTRUMENTS_SHEET, frozen=(1, 1)))
         live.budget.write(book, book.sheet(BUDGET))

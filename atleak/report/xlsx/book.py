@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import math
 from collections.abc import Iterable
 from functools import cache
@@ -16,11 +17,10 @@ from xlsxwriter.worksheet import Worksheet
 from atleak.common.sentences import Name, Sentence
 from atleak.common.style import HEADING, LOOKS, Paper, look_of
 from atleak.common.units import SYSTEMS, UnitOf
-from atleak.common.verdicts import BANDS, VERDICTS, Band, Verdict
+from atleak.common.verdicts import Band, Verdict
 from atleak.common.wording import Wording
 from atleak.measurements.job_card import clean_text
-from atleak.report.sheets.paging import LETTERS, LINE_OF_A_BOOK
-from atleak.report.tables.table import VERDICT, Table
+from atleak.report.sheets.paging import LETTERS, LINE_OF_A_BOOK, row_height
 
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
 HIGHEST_ROW = 409.0  # [pt] that Excel allows
@@ -148,66 +148,34 @@ class ReportBook:
         sheet.ignore_errors({"number_stored_as_text": "A1:XFD1048576"})  # a component is called "5", a plane "1"
         return sheet
 
-    def few_pages(self, sheet: Worksheet, rows: int, lines: int) -> None:
+    def few_pages(self, sheet: Worksheet, rows: float, lines: float) -> None:
         """Have so many rows, below a heading of so many lines, printed on as few pages as letters can be read on."""
         high = 72 * ((279.4 if sheet.orientation else 210.0) / 25.4 - _MARGIN - _FOOT)
-        of_page = int(high * LETTERS / _LEAST_LETTERS / LINE_OF_A_BOOK) - lines
+        of_page = high * LETTERS / _LEAST_LETTERS / LINE_OF_A_BOOK - lines
         sheet.fit_to_pages(1, math.ceil(rows / of_page))
 
-    def print_table(self, sheet: Worksheet, rows: int, lines: int, widths: Iterable[float]) -> None:
+    def print_table(self, sheet: Worksheet, last: int, widths: Iterable[float], rows: float, lines: float) -> None:
         """Have a table printed with as many of its columns, of so many characters, as a page takes in legible size.
 
-        It has so many rows below a heading of so many lines.
+        It is as high as so many rows of one line, below a heading of so many lines.
         """
         self.few_pages(sheet, rows, lines)
         room = _PIXELS_UPRIGHT if sheet.orientation else _PIXELS_ACROSS
         taken = accumulate(7 * width + 5 for width in widths)
-        sheet.print_area(0, 0, rows, max(sum(each <= room for each in taken) - 1, 0))
+        sheet.print_area(0, 0, last, max(sum(each <= room for each in taken) - 1, 0))
 
     def for_screen(self, sheet: Worksheet, row: int, column: int) -> None:
         """Have nothing of a sheet printed with the workbook: the print area is a cell behind all that stands on it."""
         sheet.print_area(row, column, row, column)
 
-    def headings(self, sheet: Worksheet, row: int, names: Iterable[str], lines: int = 2) -> None:
-        """Write a row of headings, high enough for so many lines."""
-        sheet.set_row(row, 15.0 * lines)
-        for column, name in enumerate(names):
-            sheet.write_string(row, column, self.words(name), self.heading)
-
-    def pairs(self, sheet: Worksheet, row: int, pairs: Iterable[tuple[str, Any]], width: int | None = None) -> int:
-        """Write names and values below one another, without unknown and empty values; return the next free row.
-
-        Text is wrapped to ``width`` characters where given, else it runs over the empty cells to its right.
-        """
-        for name, value in pairs:
-            if value is None or value in ("", [], ()):
-                continue
-            sheet.write_string(row, 0, clean_text(self.words(name)), self.bold)
-            if isinstance(value, str):
-                row = self.put_text(sheet, row, 1, value, self.form() if width is None else self.wrapped, width)
-            else:
-                self.put(sheet, row, 1, value, self.form(align="left"))
-            row += 1
-        return row
-
-    def table(self, sheet: Worksheet, row: int, content: Table, width: int = 13) -> int:
-        """Write a table: numbers as numbers and as exact as they are; return the next free row.
-
-        Words take as wide a column [characters] as their longest, but of several lines at the most 48.
-        """
-        say, first = content.say, row + 1
-        self.headings(sheet, row, content.headings)
-        for number, column in enumerate(content.columns):
-            places = column.places(say) if column.is_number else 0
-            form = self.form("0." + "0" * places if places else "0", align="left") if column.is_number else self.wrapped
-            for line, item in enumerate(content.rows, start=first):
-                value, level = column.cell(item, say), column.judged(item).level
-                self.put(sheet, line, number, say.signed(level) if level and column.kind == VERDICT else value, form)
-            longest = max((len(column.text(item, say)) for item in content.rows), default=0)
-            sheet.set_column(number, number, max(width, min(longest + 2, 48)))
-            if column.kind == VERDICT:
-                self.colour_words(sheet, (first, number), (row + len(content.rows), number), (*VERDICTS, *BANDS))
-        return first + len(content.rows)
+    def headings(self, sheet: Worksheet, row: int, names: Iterable[str], widths: Iterable[float]) -> float:
+        """Write a row of headings, as high as columns of so many characters need it; return how many lines that is."""
+        words = list(map(self.words, names))
+        height = max(row_height(zip(words, widths, strict=True), bold=True), LINE_OF_A_BOOK)
+        sheet.set_row(row, height)
+        for column, text in enumerate(words):
+            sheet.write_string(row, column, text, self.heading)
+        return height / LINE_OF_A_BOOK
 
     def colour_words(
         self, sheet: Worksheet, first: tuple[int, int], last: tuple[int, int], levels: Iterable[Verdict | Band]
@@ -237,7 +205,8 @@ class ReportBook:
         self.workbook.define_name(name, f"={cell(row, column, sheet)}")
 
     def put(self, sheet: Worksheet, row: int, column: int, value: Any, form: Format | None = None) -> None:
-        """Write a value in a cell: numbers as numbers, everything else as text, an unknown value as an empty cell."""
+        """Write a value in a cell: numbers and dates as such, all else as text, an unknown value as an empty cell."""
+        form = form or self.form()
         if isinstance(value, bool):
             sheet.write_string(row, column, self.say("estimate.yes" if value else "estimate.no"), form)
         elif isinstance(value, int | float):
@@ -247,25 +216,11 @@ class ReportBook:
                 sheet.write_number(row, column, NO_DELIVERY, form)
         elif isinstance(value, list | tuple) and not isinstance(value, UnitOf):
             self.put(sheet, row, column, ", ".join(map(self.words, value)), form)
+        elif isinstance(value, dt.date):
+            pattern = self.say.table("language")["date"].format(day="dd", month="mm", year="yyyy")
+            sheet.write_datetime(row, column, value, self.form(pattern, align="left"))
         elif value is not None:
             sheet.write_string(row, column, clean_text(self.words(value))[:CELL_LIMIT], form)
-
-    def put_text(
-        self, sheet: Worksheet, row: int, column: int, text: str, form: Format | None = None, width: int | None = None
-    ) -> int:
-        """Write text of any length, continued below where one cell cannot hold it; return the last row used.
-
-        With a ``width`` in characters the row is made as high as the wrapped text needs.
-        """
-        text = clean_text(self.words(text))
-        parts = [text[start : start + CELL_LIMIT] for start in range(0, len(text), CELL_LIMIT)] or [""]
-        for line, part in enumerate(parts):
-            sheet.write_string(row + line, column, part, form)
-            if width is not None:
-                lines = sum(1 + len(each) // width for each in part.split("\n"))
-                if lines > 1:
-                    sheet.set_row(row + line, min(15.0 * lines, HIGHEST_ROW))
-        return row + len(parts) - 1
 
 
 @cache

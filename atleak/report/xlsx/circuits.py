@@ -75,7 +75,7 @@ class CircuitCells:
 
     def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write one row per condition and circuit, the line before its circuits."""
-        self.sheet.write(book, sheet, lines=5)
+        self.sheet.write(book, sheet)
         for row, line in enumerate(self.sheet.items, start=1):
             if line.held.circuit is not None:
                 for key, name in (("required", line.at.pressure), ("required_new", line.at.new_pressure)):
@@ -113,7 +113,8 @@ def _columns(rules: RuleCells, say: Wording) -> Sequence[LiveColumn]:
 
     # fmt: off
     return (
-        LiveColumn("condition", say("printed.condition"), value=lambda line: line.at.label, width=34),
+        LiveColumn("condition", say("printed.condition"), value=lambda line: line.at.label, width=34,
+                   look={"text_wrap": True}),
         LiveColumn("circuit", Sentence("circuit"), value=lambda line: line.held.id, width=22),
         LiveColumn("name", Sentence("name"), width=30,
                    value=lambda line: Name(line.held.circuit.name) if line.held.circuit else _LINE_NAME),

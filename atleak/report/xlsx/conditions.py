@@ -19,7 +19,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.uncertainty import TotalUncertainty
 from atleak.engine.projection import LeakFlow, Projection
 from atleak.report.tables.names import spools_taken
-from atleak.report.tables.sentences import counted_in_speed, fluid_in_state, profile_words
+from atleak.report.tables.sentences import counted_in_speed, fluid_in_state
 from atleak.report.xlsx import live_sheet as names
 from atleak.report.xlsx.book import ReportBook, cell
 from atleak.report.xlsx.constants import ORDERED_BELOW, fluid_formulas
@@ -38,11 +38,13 @@ from atleak.report.xlsx.live_sheet import (
     quote,
     share_of,
 )
+from atleak.report.xlsx.page import SheetPage
 
 if TYPE_CHECKING:
     from atleak.report.xlsx.lands import LiveSheets
 
 CONDITIONS = Sentence("Conditions")
+_ROOM = 208  # [characters] of all columns
 BAND_ROWS = ("band", "reserve_band")
 SPEED = Sentence("pump covers leakage, slip and consumers from")
 _SOLVED = Sentence(
@@ -101,14 +103,15 @@ class ConditionsSheet:
     def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write every quantity of every condition; the gaps use each by its name."""
         fluid = self.diagnosis.fluid
-        book.headings(sheet, 0, [Sentence("quantity"), Sentence("unit"), *(at.label for at in self.conditions)])
-        sheet.set_column(0, 0, 62)
-        sheet.set_column(1, 1, 12)
-        sheet.set_column(2, 2 + len(self.conditions), 26)
+        many = len(self.conditions)
+        label = min(max(_ROOM - 12 - 26 * many, 62), 92)
+        widths = [label, 12, *[min(max((_ROOM - 12 - label) // many, 26), 36)] * many]
+        page = SheetPage(book, sheet, [*widths, max(_ROOM - sum(widths), 1)])  # room for the notes
+        page.headings(0, [Sentence("quantity"), Sentence("unit"), *(at.label for at in self.conditions)])
         for column, at in enumerate(self.conditions, start=2):
             quantities = list(self._condition(at))
             for row, each in enumerate(quantities, start=1):
-                book.put(sheet, row, 0, each.label, book.bold)
+                page.text(row, 0, each.label)
                 book.put(sheet, row, 1, each.unit)
                 each.write(book, sheet, row, column, at(each.name))
             end = len(quantities)
@@ -125,16 +128,15 @@ class ConditionsSheet:
             (Sentence("viscosity"), self._viscosity_note()),
             (Sentence("gaps"), gaps),
             (Sentence("fluid"), f"{fluid_in_state(self.diagnosis, self.say)}; {self.say.name(fluid.source)}"),
-            (Sentence("profile"), profile_words(self.diagnosis.profile, self.say)),
         ]
         for at in self.conditions:
             notes.append(
                 (self.say("printed.condition"), f"{at.title}: {self.say.name(at.projection.condition.source)}")
             )
-        for row, (label, text) in enumerate(notes, start=end + 2):
-            book.put(sheet, row, 0, label, book.bold)
-            book.put(sheet, row, 1, text)
-        book.few_pages(sheet, end + len(notes) + 1, 2)
+        row = end + 1
+        for name, text in notes:
+            row = page.across(row, f"{book.words(name)}: {book.words(text)}")
+        book.few_pages(sheet, page.lines(row) - page.lines(1), page.lines(1))
 
     @property
     def labels(self) -> str:

@@ -40,6 +40,7 @@ from atleak.report.xlsx.live_sheet import (
     of_tips,
     share_of_pressure,
 )
+from atleak.report.xlsx.page import SheetPage
 
 CONSTANTS = Sentence("Constants")
 ORDERED_BELOW = 900_000.0  # share [%] that still tells two totals of a band apart
@@ -65,15 +66,14 @@ class ConstantCells:
     def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write a row for every constant and give its cell the name by which formulas ask for it."""
         headings = (Sentence("name"), Sentence("constant"), Sentence("value"), Sentence("unit"), Sentence("source"))
-        book.headings(sheet, 0, headings, lines=1)
+        page = SheetPage(book, sheet, (32, 70, 16, 12, 80))
+        page.headings(0, headings)
         for row, each in enumerate(self.lines, start=1):
             book.put(sheet, row, 0, each.name)
-            book.put(sheet, row, 1, each.label)
+            page.text(row, 1, each.label)
             each.write(book, sheet, row, 2, each.name)
             book.put(sheet, row, 3, each.unit, book.form(**AFTER_A_NUMBER))
-            book.put(sheet, row, 4, each.source)
-        for column, width in enumerate((32, 70, 16, 12, 80)):
-            sheet.set_column(column, column, width)
+            page.text(row, 4, each.source)
 
 
 def _constants(diagnosis: Diagnosis) -> Iterable[NamedQuantity]:

@@ -12,10 +12,10 @@ from atleak.analysis.repair.options import decimals
 from atleak.common.sentences import Sentence
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.measurements.job_card import Job
-from atleak.report.sheets.paging import LINE_OF_A_BOOK, row_height
 from atleak.report.tables.estimate import EstimateWords
 from atleak.report.xlsx.book import ReportBook, cell, cell_span, formula
 from atleak.report.xlsx.live_sheet import AFTER_A_NUMBER, CHANGEABLE, quote
+from atleak.report.xlsx.page import SheetPage
 
 ESTIMATE_SHEET = Sentence("Estimate")
 _LINES = {  # headings with the widths of their columns
@@ -50,10 +50,9 @@ class _EstimateCells:
 
     def write(self) -> None:
         book, sheet, words = self.book, self.sheet, self.words
-        book.headings(sheet, 0, _LINES)
-        for column, width in enumerate(_LINES.values()):
-            sheet.set_column(column, column, width)
-        self._lines()
+        page = SheetPage(book, sheet, _LINES.values())
+        page.headings(0, list(_LINES))
+        self._lines(page)
         terms = words.estimate.terms
         for row, (label, value) in enumerate(
             zip(_TERMS, (terms.labour_rate, terms.tax_percent), strict=True), start=self.terms
@@ -69,10 +68,9 @@ class _EstimateCells:
         notes = sums + len(words.sums) + 2
         book.put(sheet, notes, 0, Sentence("as issued"), book.bold)  # they do not follow a price that is changed
         for row, text in enumerate(texts, start=notes + 1):
-            sheet.merge_range(row, 0, row, _WITHOUT, "", book.wrapped)
-            book.put_text(sheet, row, 0, text, book.wrapped, sum(_LINES.values()))
+            page.across(row, text)
 
-    def _lines(self) -> None:
+    def _lines(self, page: SheetPage) -> None:
         words = self.words
         for row, line in enumerate(self.lines, start=1):
             texts = {
@@ -84,10 +82,7 @@ class _EstimateCells:
                 _WITHOUT: words.lacks(line),
             }
             for column, text in texts.items():
-                self.book.put(self.sheet, row, column, text, self.book.wrapped)
-            widths = list(_LINES.values())
-            cells = [(self.book.words(text), widths[column]) for column, text in texts.items()]
-            self.sheet.set_row(row, max(row_height(cells), LINE_OF_A_BOOK))
+                page.text(row, column, text)
             self.book.put(self.sheet, row, _CURRENCY, words.estimate.currency, self.book.form(**AFTER_A_NUMBER))
             self._input(row, _PRICE, line.part, self.money)
             self._input(row, _HOURS, line.hours, "General")

@@ -321,7 +321,7 @@ class LiveSheets:
 
     def write_lands(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write one row per land: D, d → c_r → c_re → q → share → verdict."""
-        self.sheet.write(book, sheet, lines=6)
+        self.sheet.write(book, sheet)
         for condition in self.conditions:
             share = self.sheet.place["share", condition.prefix]
             bar = {"type": "data_bar", "bar_color": DATA_BAR, "min_type": "num", "min_value": 0}

@@ -26,6 +26,7 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.land import LandDiagnosis
 from atleak.engine.projection import Projection
+from atleak.report.sheets.paging import LINE_OF_A_BOOK, row_height
 from atleak.report.xlsx.book import Number, ReportBook, cell, cell_span, column_name, formula
 
 RESERVED = frozenset({"const", "limit", "spool", "sleeve"})
@@ -224,26 +225,33 @@ class LiveSheet:
         self,
         book: ReportBook,
         sheet: Worksheet,
-        lines: int,
         cells: Callable[[int, Any], Mapping[Any, LiveCell]] | None = None,
         *,
         printed: bool = True,
     ) -> None:
-        """Write headings of so many lines and a row per item, verdicts in their colours.
+        """Write headings and a row per item, verdicts in their colours.
 
         ``cells`` gives those of a row, by its number and item; their columns do unless it is given.
         """
-        book.headings(sheet, 0, [column.heading for column in self.columns], lines=lines)
+        widths = [column.width for column in self.columns]
+        lines = book.headings(sheet, 0, [column.heading for column in self.columns], widths)
         for row, item in enumerate(self.items, start=1):
             here = self.row(row)
             of_row = cells(row, item) if cells else {each.key: each.cell(item, here) for each in self.columns}
             for key, content in of_row.items():
                 column = self.place[key]
                 write_cell(book, sheet, row, column, content, self.columns[column].of)
-        for number, each in enumerate(self.columns):
-            sheet.set_column(number, number, each.width)
+        for number, width in enumerate(widths):
+            sheet.set_column(number, number, width)
+        rows = float(len(self.items))
+        wrapped = [each for each in self.columns if each.look.get("text_wrap")]
+        for row, item in enumerate(self.items if wrapped else (), start=1):
+            texts = ((book.words(each.cell(item, {}).value), each.width) for each in wrapped)
+            height = max(row_height(texts), LINE_OF_A_BOOK)
+            sheet.set_row(row, height)
+            rows += height / LINE_OF_A_BOOK - 1.0
         if printed:
-            book.print_table(sheet, len(self.items), lines, [column.width for column in self.columns])
+            book.print_table(sheet, len(self.items), widths, rows, lines)
         else:
             book.for_screen(sheet, len(self.items) + 1, len(self.columns))
         sheet.autofilter(0, 0, max(len(self.items), 1), len(self.columns) - 1)

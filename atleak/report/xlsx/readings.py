@@ -219,7 +219,7 @@ class ReadingCells:
 
     def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write every reading as entered, sorted by land, and at the first of each place what its repeats give."""
-        self.sheet.write(book, sheet, 6, self._cells, printed=False)
+        self.sheet.write(book, sheet, self._cells, printed=False)
         last, counts = max(len(self.lines), 1), self._column["counts"]
         choice = {"validate": "list", "source": [self.say("estimate.yes"), self.say("estimate.no")]}
         sheet.data_validation(1, counts, last, counts, choice)

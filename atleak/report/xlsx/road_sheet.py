@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from xlsxwriter.worksheet import Worksheet
@@ -17,7 +17,7 @@ from atleak.diagnosis.road import RoadFindings
 from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.tables.answer import missing_table
 from atleak.report.tables.gauges import gauge_table, pattern_sentences
-from atleak.report.tables.road_test import instant_table, place_table, road_series
+from atleak.report.tables.road_test import RoadSeries, instant_table, place_table, road_series
 from atleak.report.tables.road_words import (
     check_sentences,
     log_sentences,
@@ -25,9 +25,9 @@ from atleak.report.tables.road_words import (
     test_sentences,
     warm_up_section,
 )
-from atleak.report.tables.table import Section, Table, Text
 from atleak.report.xlsx.book import ReportBook, cell_span
 from atleak.report.xlsx.live_sheet import FLOW
+from atleak.report.xlsx.page import SheetPage, widths_for
 
 ROAD_TEST, ROAD_EVENTS = Sentence("Road test"), Sentence("Road test events")
 ROAD_ROWS = 2000  # rows of the thinned road test
@@ -42,25 +42,19 @@ class RoadSheets:
 
     def write(self, sheet: Worksheet) -> None:
         """Write what the log says by itself, then the leakage over it with two charts and the thinned series."""
-        test, road = self.log.road_test, self.diagnosis.road
-        rows: list[tuple[str, Any]] = [
-            (Sentence("file"), test.file),
-            ("sha256", test.sha256),
-            (Sentence("rows"), test.rows),
-            (Sentence("duration [s]"), test.duration),
-        ]
-        row = self.book.pairs(sheet, 0, rows) + 1
+        road = self.diagnosis.road
+        series = None if road is None else road_series(road, ROAD_ROWS)
+        page = SheetPage(self.book, sheet, (40, *[15] * (len(series.columns) - 1 if series else 11)))
+        row = page.pairs(0, [(Sentence("file"), self.log.road_test.file)]) + 1
         for sentence, leads in self.findings():
-            row = self.book.put_text(sheet, row, 0, sentence, self.book.bold if leads else None) + 1
+            row = page.across(row, sentence, bold=leads)
         row += 1
         if self.log.permitted is not None:
-            row = self.book.table(sheet, row, place_table(self.log.permitted, self.book.say))
+            row = page.printed(row, place_table(self.log.permitted, self.book.say))
         section = warm_up_section(self.diagnosis, self.book.say)
-        row = write_sections(self.book, sheet, [section] if section else [], row + 1)
-        if road is not None:
-            self._leakage(sheet, row, road)
-        sheet.set_column(0, 0, 36)
-        sheet.set_column(1, 40, 15)
+        row = page.section(row + 1, section) if section else row + 1
+        if road is not None and series is not None:
+            self._leakage(page, row, road, series)
 
     def findings(self) -> Iterator[tuple[str, bool]]:
         """Give what the log says and what to check next, sentence by sentence, and whether it leads those below it."""
@@ -72,21 +66,19 @@ class RoadSheets:
             yield say("findings.check_next"), True
         yield from ((check, False) for check in checks)
 
-    def _leakage(self, sheet: Worksheet, row: int, road: RoadLeakage) -> None:
-        book, say = self.book, self.book.say
+    def _leakage(self, page: SheetPage, row: int, road: RoadLeakage, series: RoadSeries) -> None:
+        book, say, sheet = self.book, self.book.say, page.sheet
         if not self.diagnosis.judged:
-            self.book.put(sheet, row, 0, say("findings.unmeasured"), book.bold)
-            row += 1
+            row = page.across(row, say("findings.unmeasured"), bold=True)
         rows: list[tuple[str, Any]] = [(Sentence("gears"), ", ".join(map(gear_name, road.gears)))]
         rows += [
             (Sentence("of the volume leaked from {name}", name=Name(name)), say.percent(share))
             for name, share in road.section_shares.items()
             if share is not None
         ]
-        row = book.pairs(sheet, row, rows)
-        row = book.table(sheet, row + 1, instant_table(road, self.diagnosis.uncertainty, book.say)) + 1
-        self.book.put(sheet, row - 1, 0, say("texts.sustained", seconds=say.plain(road.extremes.window)))
-        series = road_series(road, ROAD_ROWS)
+        row = page.pairs(row, rows)
+        row = page.printed(row + 1, instant_table(road, self.diagnosis.uncertainty, book.say))
+        row = page.across(row, say("texts.sustained", seconds=say.plain(road.extremes.window)))
         kept = len(series.columns["time_s"])
         if series.thinned:
             text = Sentence(
@@ -94,11 +86,12 @@ class RoadSheets:
                 kept=kept,
                 samples=series.samples,
             )
-            self.book.put(sheet, row, 0, text)
-        row += 18  # the charts take so many rows
+            page.across(row, text)
+        row += 16  # the charts take so many rows
         names = list(series.columns)
-        sheet.print_area(0, 0, row - 1, len(names) - 1)  # the series is for the screen
-        book.headings(sheet, row, [_with_unit(label, kind) for label, kind in series.labels.values()])
+        sheet.print_area(0, 0, row - 1, page.last)  # the series is for the screen
+        book.few_pages(sheet, page.lines(row), 0)
+        page.headings(row, [_with_unit(label, kind) for label, kind in series.labels.values()])
         for column, (name, values) in enumerate(series.columns.items()):
             kind = series.labels[name][1]
             form = book.form(_FORMATS.get(kind, kind), kind or None)
@@ -110,10 +103,10 @@ class RoadSheets:
         first, last = row + 1, row + kept
         flows = [name for name in ("pump_capacity_dm3_min", "leakage_dm3_min") if name in names]
         drawn = [(name, series.labels[name][0], names.index(name)) for name in flows]
-        self._chart(sheet, row - 17, book.words(Sentence("Flow [{unit}]", unit=FLOW)), drawn, first, last)
+        self._chart(sheet, row - 15, book.words(Sentence("Flow [{unit}]", unit=FLOW)), drawn, first, last)
         if "share_percent" in names:
             share = ("share_percent", Sentence("share"), names.index("share_percent"))
-            self._chart(sheet, row - 17, book.words(Sentence("Share [%]")), [share], first, last, column=6)
+            self._chart(sheet, row - 15, book.words(Sentence("Share [%]")), [share], first, last, column=6)
 
     def _chart(
         self,
@@ -142,7 +135,7 @@ class RoadSheets:
         chart.set_title({"none": True})
         chart.set_legend({"position": "top"} if len(series) > 1 else {"none": True})
         chart.show_blanks_as("gap")
-        chart.set_size({"width": 770, "height": 320})
+        chart.set_size({"width": 770, "height": 280})
         sheet.insert_chart(
             row, column, chart, {"description": self.book.words(Sentence("{axis} over the road test", axis=axis))}
         )
@@ -160,30 +153,15 @@ def write_gauges(book: ReportBook, sheet: Worksheet, diagnosis: Diagnosis) -> No
     check, say = diagnosis.pressures, book.say
     if check is None:
         return
-    free = book.table(sheet, 0, gauge_table(check, book.say).without("lost_between"))
-    if diagnosis.missing_flagged:
-        free = book.table(sheet, free + 1, missing_table(diagnosis, book.say))
+    tables = [gauge_table(check, say).without("lost_between")]
+    tables += [missing_table(diagnosis, say)] if diagnosis.missing_flagged else []
+    page, row = SheetPage(book, sheet, widths_for(tables)), 0
+    for table in tables:
+        row = page.printed(row, table) + 1
     notes = [(Sentence("file"), check.table.file), (Sentence("sheet"), check.table.sheet or "")]
     notes += [(Sentence("permitted by"), text) for text in dict.fromkeys(_sources(diagnosis))]
     notes += [(Sentence("pattern"), each) for each in pattern_sentences(check, diagnosis.controller, say)]
-    for row, (name, text) in enumerate((note for note in notes if note[1]), start=free + 1):
-        book.put(sheet, row, 0, name, book.bold)
-        book.put(sheet, row, 1, text)
-
-
-def write_sections(book: ReportBook, sheet: Worksheet, sections: Iterable[Section], row: int = 0) -> int:
-    """Write sections below one another, their titles, tables and paragraphs; return the row below them."""
-    for section in sections:
-        book.put(sheet, row, 0, section.title, book.title)
-        row += 1
-        for part in section.parts:
-            if isinstance(part, Table):
-                row = book.table(sheet, row, part)
-            elif isinstance(part, Text):
-                book.put(sheet, row, 0, part.words)
-                row += 1
-        row += 1
-    return row
+    page.pairs(row, notes)
 
 
 def _sources(diagnosis: Diagnosis) -> list[str]:

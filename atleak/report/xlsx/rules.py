@@ -41,6 +41,7 @@ from atleak.report.xlsx.live_sheet import (
     verdict_of_rank,
     write_cell,
 )
+from atleak.report.xlsx.page import SheetPage
 
 if TYPE_CHECKING:
     from atleak.report.xlsx.lands import LiveSheets
@@ -135,10 +136,11 @@ class LimitCells:
     def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write every limit with its origin; what is blue is followed."""
         origin = 1 + len(self.levels)
-        book.headings(sheet, 0, [_LIMIT, *(book.say.level(level) for level in self.levels), _ORIGIN, _SOURCE])
+        page = SheetPage(book, sheet, (46, *[12] * len(self.levels), 24, 70))
+        page.headings(0, [_LIMIT, *(book.say.level(level) for level in self.levels), _ORIGIN, _SOURCE])
         for row, each in enumerate(self._rows, start=1):
             first = each.part == "limit"
-            book.put(sheet, row, 0, _LABELS[each.kind][each.part], book.form(bold=first, indent=0 if first else 1))
+            page.text(row, 0, _LABELS[each.kind][each.part], bold=first, indent=0 if first else 1)
             for level, value in each.values.items():
                 column = 1 + self.levels.index(level)
                 of = _quantity(each.kind, each.part)
@@ -147,19 +149,10 @@ class LimitCells:
                 book.define(self._names[each.kind, level, each.part], row, column, self._sheet)
             if first:
                 steps = self.limits.rules[each.kind]
-                book.put(sheet, row, origin, book.say.get("origins", steps.origin), book.wrapped)
-                book.put_text(sheet, row, origin + 1, Name(steps.source), book.wrapped, 64)
-        row = len(self._rows) + 2
-        book.put(sheet, row, 0, _NOTE)
-        book.pairs(
-            sheet,
-            row + 1,
-            [(Sentence("limit set"), Name(self.limits.name)), (Sentence("note"), Name(self.limits.note))],
-        )
-        sheet.set_column(0, 0, 46)
-        sheet.set_column(1, origin - 1, 12)
-        sheet.set_column(origin, origin, 24)
-        sheet.set_column(origin + 1, origin + 1, 70)
+                page.text(row, origin, book.say.get("origins", steps.origin), **AFTER_A_NUMBER)
+                page.text(row, origin + 1, Name(steps.source))
+        row = page.across(len(self._rows) + 2, _NOTE)
+        page.pairs(row, [(Sentence("limit set"), Name(self.limits.name)), (Sentence("note"), Name(self.limits.note))])
 
 
 def _quantity(kind: RuleKind, part: _Part) -> str | None:
@@ -238,7 +231,7 @@ class RuleCells:
             LiveColumn("component", Sentence("component"), width=width),
             LiveColumn("land", Sentence("land"), width=7),
             LiveColumn("rule", Sentence("rule"), width=54),
-            LiveColumn("unit", Sentence("unit"), width=7),
+            LiveColumn("unit", Sentence("unit"), width=9),
             LiveColumn("value", Sentence("value"), width=16),  # a demand says so behind its number
             LiveColumn("new", Sentence("when new"), width=12),
             *levels,
@@ -278,7 +271,7 @@ class RuleCells:
 
     def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write what each rule says."""
-        self.sheet.write(book, sheet, 2, self._cells)
+        self.sheet.write(book, sheet, self._cells)
 
     def _asked(self, line: _Line, row: int) -> _Asked:
         rule, held = line.rule, self.live.circuits.held

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -58,8 +59,9 @@ from atleak.report.xlsx.live_sheet import (
     component_width,
     verdict_of_rank,
 )
+from atleak.report.xlsx.page import SheetPage
 from atleak.report.xlsx.road_sheet import RoadSheets
-from atleak.report.xlsx.summary import OF_A_LAND, FlaggedLands, Headline, SummaryPage
+from atleak.report.xlsx.summary import OF_A_LAND, FlaggedLands, Headline, summary_page
 
 #: rows of the summary's totals: quantities of the sheet of conditions, and among them what follows no number
 _TOTALS = (
@@ -120,7 +122,7 @@ class Sheets:
         book, record, diagnosis = self.book, self.record, self.diagnosis
         plan = None if diagnosis.without_sheet else plan_repairs(diagnosis)
         flagged = FlaggedLands(book, diagnosis, self.live, self.headline)
-        page = SummaryPage(book, sheet, max(_LEAST, flagged.columns, *(self._columns(plan) if plan else ())))
+        page = summary_page(book, sheet, max(_LEAST, flagged.columns, *(self._columns(plan) if plan else ())))
         title = self.say("title.report")
         self.book.put(
             sheet, 0, 0, f"{self.job.workshop.name}: {title}" if self.job.workshop.name else title, book.title
@@ -132,7 +134,7 @@ class Sheets:
         vehicle, box = self.job.vehicle, self.job.transmission
         rows: list[tuple[str, Any]] = [
             (Sentence("job"), self.job.number),
-            (Sentence("date"), self.say.date(self.job.date) if self.job.date else None),
+            (Sentence("date"), self.job.date),
             (Sentence("customer"), self.job.customer.name),
             (Sentence("vehicle"), " ".join(filter(None, (vehicle.make, vehicle.model, vehicle.registration)))),
             (Sentence("VIN"), vehicle.vin),
@@ -185,7 +187,7 @@ class Sheets:
             *((f"{number}.", land) for number, land in enumerate(lands, start=1)),
         ]
 
-    def _verdict(self, page: SummaryPage, row: int) -> None:
+    def _verdict(self, page: SheetPage, row: int) -> None:
         """Write the verdict of the unit as it follows from the workbook's rules, and below it the one issued."""
         book, diagnosis = self.book, self.diagnosis
         page.text(row, 0, Sentence("verdict of the unit"), bold=True)
@@ -206,7 +208,7 @@ class Sheets:
         page.text(row + 2, 0, Sentence("as issued"), bold=True)
         page.text(row + 2, 1, " ".join([*marked, said, *caveats(diagnosis, self.say)]), page.last)
 
-    def _totals(self, page: SummaryPage, row: int) -> int:
+    def _totals(self, page: SheetPage, row: int) -> int:
         """Write each condition's total beside the same unit new, how sure its band is, and as the spools may lie.
 
         Every condition has a column, every quantity a row.
@@ -246,7 +248,7 @@ class Sheets:
         low, high = (end * DM3_MIN for end in total.leakage_interval)
         return {"decision": self.say.get("decisions", total.decision.decision), "low": low, "high": high}
 
-    def _repair(self, page: SummaryPage, row: int, plan: RepairPlan) -> int:
+    def _repair(self, page: SheetPage, row: int, plan: RepairPlan) -> int:
         order = Sentence("Order of repair as issued: each land is made as new after those before it")
         if plan.cost:
             order = Sentence(
@@ -325,56 +327,49 @@ class Sheets:
                                   value=lambda row: row.elsewhere or None))
         # fmt: on
         rows = condition_matrix(self.diagnosis, [at.projection for at in live.conditions])
-        LiveSheet(sheet.get_name(), columns, rows).write(self.book, sheet, lines=4)
+        LiveSheet(sheet.get_name(), columns, rows).write(self.book, sheet)
         self.book.colour_words(sheet, (1, 4), (len(rows), len(columns) - 2), VERDICTS)
 
     # --- job, messages, provenance
 
     def write_job(self, sheet: Worksheet) -> None:
         """Write the job record: only what was filled in."""
-        sheet.set_column(0, 0, 24)
-        sheet.set_column(1, 1, 90)
-        row, book = 0, self.book
+        row, page = 0, SheetPage(self.book, sheet, (24, 90))
         for name in type(self.job).model_fields:
             value = getattr(self.job, name)
             if value in (None, "", ()) or (isinstance(value, Record) and value.empty):
                 continue
             for item in value if isinstance(value, tuple) else (value,):
-                book.put(sheet, row, 0, self._field(name), book.heading)
                 if isinstance(item, Record):
-                    row = book.pairs(sheet, row + 1, self._pairs(item), 84) + 1
+                    page.headings(row, [self._field(name)])
+                    row = page.pairs(row + 1, self._pairs(item)) + 1
                 else:
-                    row = book.put_text(sheet, row, 1, str(item), book.wrapped, 84) + 2 - isinstance(value, tuple)
+                    row = page.pairs(row, [(self._field(name), self._plain(name, item))])
 
     def write_messages(self, sheet: Worksheet) -> None:
         """Write what is to be known about the result, warnings among it."""
-        book, say = self.book, self.say
-        for column, width in enumerate((10, 30, 110, 40)):
-            sheet.set_column(column, column, width)
         headings = [Sentence("level"), Sentence("code"), Sentence("text"), Sentence("place")]
-        book.headings(sheet, 0, headings, lines=1)
-        for line, message in enumerate(self.diagnosis.messages, start=1):
-            place = say.sentence(message.place.sentence) if message.place else ""
-            for column, value in ((0, _LEVELS[message.level]), (1, message.code), (3, place)):
-                book.put(sheet, line, column, value, book.wrapped)
-            book.put_text(sheet, line, 2, message.text, book.wrapped, 100)
+        rows = (
+            [_LEVELS[each.level], each.code, each.text, each.place.sentence if each.place else None]
+            for each in self.diagnosis.messages
+        )
+        SheetPage(self.book, sheet, (11, 34, 110, 40)).table(0, headings, rows)
 
     def write_provenance(self, sheet: Worksheet) -> None:
         """Write which program, options and files gave the result, with their SHA-256."""
         record = self.record
-        row = self.book.pairs(sheet, 0, [("atleak", record["atleak"]), (Sentence("format"), str(record["format"]))]) + 1
+        page = SheetPage(self.book, sheet, (24, 100))
+        row = page.pairs(0, [("atleak", record["atleak"]), (Sentence("format"), record["format"])]) + 1
         entries = {name: record[name] for name in ("profile", "controller", "fluid", "limits", "readings")}
         if self.diagnosis.log is not None:
             test = self.diagnosis.log.road_test
             entries["road_test"] = named_record(test, "file", "sha256", "rows", "duration_s")
         for name, entry in entries.items():
-            self.book.put(sheet, row, 0, self._field(name), self.book.heading)
+            page.headings(row, [self._field(name)])
             wanted = {key: value for key, value in entry.items() if isinstance(value, str | int | float | bool | list)}
             said = self._of_profile if name == "profile" else self._of_catalogue
             pairs = [(self._field(key), said(key, value)) for key, value in wanted.items()]
-            row = self.book.pairs(sheet, row + 1, pairs, 94) + 1
-        sheet.set_column(0, 0, 24)
-        sheet.set_column(1, 1, 100)
+            row = page.pairs(row + 1, pairs) + 1
 
     def _pairs(self, record: Record) -> list[tuple[str, Any]]:
         fields = ((name, getattr(record, name)) for name in type(record).model_fields)
@@ -403,7 +398,7 @@ class Sheets:
             return self.say.system[kind].stated(value)
         if name in ("grade", "decision") and isinstance(value, str):
             return self.say.get("grades" if name == "grade" else "job_decisions", value)
-        return value if value is None or isinstance(value, bool | int | float | str) else str(value)
+        return value if value is None or isinstance(value, bool | int | float | str | dt.date) else str(value)
 
 
 def write_what_was_read(book: ReportBook, sheet: Worksheet, sheets: Sequence[SheetCells]) -> None:
@@ -423,7 +418,8 @@ def write_what_was_read(book: ReportBook, sheet: Worksheet, sheets: Sequence[She
         line += 1
         if each.name is not None:
             book.put(sheet, line, 1, each.name, book.bold)
-        book.headings(sheet, line + 1, [Sentence("row"), WHAT_BECAME, *map(column_letter, columns)], lines=1)
+        headings = [Sentence("row"), WHAT_BECAME, *map(column_letter, columns)]
+        book.headings(sheet, line + 1, headings, [_NARROWEST, 2 * _WIDEST, *[_NARROWEST] * len(columns)])
         sheet.set_row(line + 2, 15.0 * max((1 + len(words) // _NARROWEST for words in said), default=1))
         for column, words in enumerate(said):
             book.put(sheet, line + 2, column + 2, words, book.wrapped)

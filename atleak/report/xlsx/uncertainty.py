@@ -42,6 +42,7 @@ from atleak.report.xlsx.live_sheet import (
     quote,
     write_cell,
 )
+from atleak.report.xlsx.page import SheetPage
 from atleak.report.xlsx.readings import ReadingCells
 
 if TYPE_CHECKING:
@@ -82,24 +83,22 @@ class InstrumentCells:
     def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write a column for each part, every cell a name that budgets ask for."""
         headings = (Sentence("quantity"), Sentence("unit"), *(PART_WORDS[part] for part in PARTS))
-        book.headings(sheet, 0, headings, lines=1)
+        page = SheetPage(book, sheet, (62, 12, *[22] * 6))
+        book.headings(sheet, 0, headings, page.widths[: len(headings)])
         instruments = self.uncertainty.instruments
-        book.put(sheet, 1, 0, Sentence("instrument"), book.bold)
+        book.put(sheet, 1, 0, Sentence("instrument"))
         columns = [list(self._rows(part)) for part in PARTS]
         for column, part in enumerate(PARTS, start=_FIRST):
-            book.put(sheet, 1, column, Name(instruments.of(part).name), book.wrapped)
+            page.text(1, column, Name(instruments.of(part).name), align="right")
         for row, rows in enumerate(zip(*columns, strict=True), start=2):
-            book.put(sheet, row, 0, rows[0].label, book.bold)
+            page.text(row, 0, rows[0].label)
             book.put(sheet, row, 1, rows[0].unit)
             for column, (part, each) in enumerate(zip(PARTS, rows, strict=True), start=_FIRST):
                 each.write(book, sheet, row, column, cells_of_part(part, each.name))
         last = 2 + len(columns[0])
         for row, note in enumerate((*(Name(each.source) for each in self._known()), *_NOTES), start=last + 1):
-            book.put(sheet, row, 0, note)
-        self._newton(book, sheet, last + 6)
-        sheet.set_column(0, 0, 62)
-        sheet.set_column(1, 1, 12)
-        sheet.set_column(2, 7, 24)
+            page.across(row, note)
+        self._newton(book, page, last + 6)
 
     def _known(self) -> list[Instrument]:
         both = (self.uncertainty.instruments.of(part) for part in PARTS)
@@ -168,15 +167,16 @@ class InstrumentCells:
 
     # --- Newton's steps
 
-    def _newton(self, book: ReportBook, sheet: Worksheet, row: int) -> None:
+    def _newton(self, book: ReportBook, page: SheetPage, row: int) -> None:
         """Write Newton's steps to the spread s₀ that gives the widened spread after rounding, for both parts."""
-        book.put(sheet, row, 0, Sentence("Newton's steps to the spread before rounding"), book.bold)
+        sheet = page.sheet
+        page.text(row, 0, Sentence("Newton's steps to the spread before rounding"), bold=True)
         titles = [
             Sentence("s [{unit}]", unit=CLEARANCE),
             Sentence("excess of the variance [{unit}]", unit=UnitOf("clearance_squared")),
             Sentence("slope [{unit}]", unit=CLEARANCE),
         ]
-        book.headings(sheet, row + 1, ["", Sentence("step, and term of the series"), *titles, *titles], lines=3)
+        page.headings(row + 1, ["", Sentence("step, and term of the series"), *titles, *titles])
         first = row + 2
         name = sheet.get_name()
         ends = cell(first, 1, name), cell(first + _STEPS - 1, 1)
@@ -297,8 +297,7 @@ class BudgetCells:
 
     def write(self, book: ReportBook, sheet: Worksheet) -> None:
         """Write a budget for every flagged land, the worst first."""
-        for column, width in enumerate(_WIDTHS):
-            sheet.set_column(column, column, width)
+        page = SheetPage(book, sheet, _WIDTHS)
         notes = [self.say("annex.model"), self.say("annex.about_budgets"), *_BUDGET_NOTES]
         shown = self.flagged[:MOST_BUDGETS]
         if not shown:
@@ -311,7 +310,7 @@ class BudgetCells:
             )
             notes.append(text)
         for row, note in enumerate(notes):
-            book.put(sheet, row, 0, note)
+            page.across(row, note)
         row = len(notes) + 1
         for land in shown:
             assert land.uncertainty is not None
@@ -348,7 +347,7 @@ class _Budget:
         book.headings(sheet, row + 1, [
             say("annex.source"), say("annex.distribution"), say("annex.degrees"), "u(x)", Sentence("unit"),
             Sentence("sensitivity c"), f"|c · u(x)| [{say.unit('clearance')}]", Sentence("part of the variance [%]"),
-        ])  # fmt: skip
+        ], _WIDTHS[:8])  # fmt: skip
         below = self._readings(row + 1)
         first, lines = row + 2, every_line(self.sources)
         last = first + len(lines) - 1

@@ -58,7 +58,7 @@ def test_a_gear_is_a_number_and_seconds_have_two_decimals(sample_diagnoses: dict
     first = {sheet.cell(gear.row, at).value: sheet.cell(gear.row + 1, at) for at in range(1, 10)}
     assert isinstance(first["Gear"].value, int | float)
     assert {key: cell.number_format for key, cell in first.items() if key.endswith("[s]")} == {
-        "Judged for [s]": "0.00",
-        "Below for [s]": "0.00",
-        "Above for [s]": "0.00",
+        "Judged for [s]": "#,##0.00",
+        "Below for [s]": "#,##0.00",
+        "Above for [s]": "#,##0.00",
     }

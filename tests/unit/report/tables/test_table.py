@@ -18,6 +18,7 @@ from atleak.report.tables.road_test import place_table
 from atleak.report.tables.table import Column, Judged, Table
 from atleak.report.terminal import print_table
 from atleak.report.xlsx.book import ReportBook
+from atleak.report.xlsx.page import SheetPage, widths_for
 
 COLUMNS = (
     Column("verdict", "verdict"),
@@ -116,13 +117,14 @@ def test_a_sheet_has_numbers_as_exact_as_they_are_in_the_readers_unit() -> None:
     target = io.BytesIO()
     with xlsxwriter.Workbook(target) as workbook:
         book = ReportBook(workbook, find_paper("a4"), wording("de"))
-        assert book.table(workbook.add_worksheet(), 0, table("de")) == 3
+        page = SheetPage(book, workbook.add_worksheet(), widths_for([table("de")]))
+        assert page.printed(0, table("de")) == 3
     sheet = openpyxl.load_workbook(target).active
     heads, first, second = ([cell.value for cell in row] for row in sheet.iter_rows(max_row=3))
     assert heads == ["Befund", "Paarung", "Spiel [µm]", "Anteil [%]"]
     assert first == ["■ ersetzen", "8/1 <b>", 25.46, 3.25]
     assert second == [None, "9/2", None, None]
-    assert sheet["C2"].number_format == "0.0"
+    assert sheet["C2"].number_format == "#,##0.0"
 
 
 def test_a_reverse_gear_stands_beside_numbers() -> None:
