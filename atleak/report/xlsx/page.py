@@ -166,7 +166,7 @@ def widths_for(tables: Iterable[Table]) -> list[int]:
         widths += [_LEAST] * (len(table.columns) - len(widths))
         for number, column in enumerate(table.columns):
             longest = max((len(column.text(item, table.say)) for item in table.rows), default=0)
-            widths[number] = max(widths[number], min(longest + 2, _MOST))
+            widths[number] = max(widths[number], min(longest + longest // 8 + 2, _MOST))
     return widths
 
 
