@@ -184,7 +184,7 @@ def running_median(values: np.ndarray, clock: np.ndarray, window: float) -> np.n
     medians: np.ndarray = median_filter(np.where(np.isfinite(values), values, 0.0), 2 * reach + 1)
     rest = np.flatnonzero(~even)
     first, last = (
-        np.searchsorted(ticks, ticks[rest] + step, side)
+        np.searchsorted(ticks, ticks[rest] + step, side)  # type: ignore[call-overload]
         for step, side in ((-(length // 2), "left"), (length // 2, "right"))
     )
     edges = np.zeros(len(values) + 1, int)

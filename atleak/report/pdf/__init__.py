@@ -120,8 +120,12 @@ def report_data(
         "customer": None
         if document in ("workshop", "annex")
         else page.data(behind=parts[0]["title"] if parts else "", pictures=pictures),
-        "facts": front.facts(),
-        "verdict": front.verdict() | ({"more": "", "complaint": None} if document == "annex" else {}),
+        "opening": {
+            "facts": front.facts(),
+            "verdict": front.verdict() | ({"more": "", "complaint": None} if document == "annex" else {}),
+        }
+        if parts
+        else None,
         "parts": parts,
         "note-at-end": note_at_end,
     }

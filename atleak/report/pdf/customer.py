@@ -28,7 +28,7 @@ from atleak.report.charts.drawing import shortened
 from atleak.report.pdf.blocks import Block, listed, signatures
 from atleak.report.pdf.customer_valves import CustomerValves
 from atleak.report.printed_names import PrintedNames, PrintedPart
-from atleak.report.tables.answer import answer_lines
+from atleak.report.tables.answer import how_sure
 from atleak.report.tables.complaint import explanations, most_lost
 from atleak.report.tables.first_sentence import impossible_part, may_parts, measured_sentence, shown_verdict, worn_pump
 from atleak.report.tables.repairs import repair_name
@@ -92,7 +92,7 @@ class CustomerPage(PrintedPart):
         wrong, found, do = (list(each) for each in (self._wrong(), self._found(), self._do()))
         answer = self.names.answer
         unjudged = answer.cause is not Cause.UNEXPLAINED and (answer.missing is None or answer.missing.doubted)
-        sure = "" if unjudged else answer_lines(answer, say, whole=False).sure
+        sure = "" if unjudged else how_sure(answer, say)
         return {
             "title": say("customer_screen.title"),
             "about": self._about(),

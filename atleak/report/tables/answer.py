@@ -44,6 +44,11 @@ def answer_lines(answer: Answer, say: Wording, *, whole: bool = True) -> AnswerL
     return AnswerLines(*(" ".join([*part][:last]) for part in (words.wrong(), words.do(), words.sure())))
 
 
+def how_sure(answer: Answer, say: Wording) -> str:
+    """Return the first sentence of the third line alone."""
+    return next(iter(_Words(answer, say).sure()), "")
+
+
 def answer_facts(diagnosis: Diagnosis, say: Wording, *, whole: bool = True) -> Facts:
     """Return the three lines with what each says before it."""
     lines = answer_lines(answer_of(diagnosis), say, whole=whole)._asdict()
