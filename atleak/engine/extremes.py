@@ -183,13 +183,9 @@ def running_median(values: np.ndarray, clock: np.ndarray, window: float) -> np.n
         return _rolling_median(values, ticks, length)
     medians: np.ndarray = median_filter(np.where(np.isfinite(values), values, 0.0), 2 * reach + 1)
     rest = np.flatnonzero(~even)
-    first, last = (
-        np.searchsorted(ticks, ticks[rest] + step, side)  # type: ignore[call-overload]
-        for step, side in ((-(length // 2), "left"), (length // 2, "right"))
-    )
     edges = np.zeros(len(values) + 1, int)
-    np.add.at(edges, first, 1)
-    np.add.at(edges, last, -1)
+    np.add.at(edges, np.searchsorted(ticks, ticks[rest] - length // 2, "left"), 1)
+    np.add.at(edges, np.searchsorted(ticks, ticks[rest] + length // 2, "right"), -1)
     near = np.cumsum(edges[:-1]) > 0  # all that the windows of the rest hold
     medians[rest] = _rolling_median(values[near], ticks[near], length)[~even[near]]
     return medians

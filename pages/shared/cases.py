@@ -8,7 +8,10 @@ session that has them, `LARGE_KEPT` of them, and go with it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import suppress
+from contextvars import ContextVar
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
@@ -200,13 +203,57 @@ def _understood(key: str, _log: SourceFile, _choices: dict[str, Any], _remembere
     return _read(_log, _choices, _remembered)
 
 
-@st.cache_resource(max_entries=LARGE_KEPT, scope="session", on_release=_released, show_spinner="…")
-def _understood_here(key: str, _log: SourceFile, _choices: dict[str, Any], _remembered: bool) -> Understood:
-    return _read(_log, _choices, _remembered)
+class LogReading:
+    """A large log that is read in a thread of its own: a page that begins anew meanwhile goes on waiting for it."""
+
+    def __init__(self, log: SourceFile, choices: dict[str, Any], remembered: bool) -> None:
+        self.log, self.rows, self.cancelled = log, 0, False
+        pool = ThreadPoolExecutor(1)
+        self.understood = pool.submit(_read, log, choices, remembered, self._count)
+        pool.shutdown(wait=False)
+
+    def _count(self, rows: int) -> None:
+        if self.cancelled:
+            raise CancelledError
+        self.rows = rows
 
 
-def _read(log: SourceFile, choices: dict[str, Any], remembered: bool) -> Understood:
-    return understand(log.content, name=log.name, remembered=default_path() if remembered else None, **choices)
+WHILE_READING: ContextVar[Callable[[LogReading], object]] = ContextVar("while reading", default=lambda _: None)
+"""What a page does until a large log is read."""
+
+
+def _large_logs() -> dict[str, LogReading]:
+    """Return the large logs that this session keeps, the last one last."""
+    kept: dict[str, LogReading] = st.session_state.setdefault("large-logs", {})
+    return kept
+
+
+def cancel_reading() -> None:
+    """End the reading of a large log; what was read of it goes."""
+    kept = _large_logs()
+    for key in [key for key, reading in kept.items() if not reading.understood.done()]:
+        kept.pop(key).cancelled = True
+
+
+def _understood_here(key: str, log: SourceFile, choices: dict[str, Any], remembered: bool) -> Understood:
+    kept = _large_logs()
+    if key not in kept:
+        cancel_reading()
+        while len(kept) >= LARGE_KEPT:
+            del kept[next(iter(kept))]
+            give_back_soon()
+        kept[key] = LogReading(log, choices, remembered)
+    reading = kept[key] = kept.pop(key)  # the latest
+    if not reading.understood.done():
+        WHILE_READING.get()(reading)
+    return reading.understood.result()
+
+
+def _read(
+    log: SourceFile, choices: dict[str, Any], remembered: bool, tell: Callable[[int], object] = lambda _: None
+) -> Understood:
+    memory = default_path() if remembered else None
+    return understand(log.content, name=log.name, remembered=memory, tell=tell, **choices)
 
 
 def understood(log: SourceFile, case: Case | None = None) -> Understood:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import wait
 from functools import partial
 from pathlib import Path
 
 import streamlit as st
+from streamlit.delta_generator import DeltaGenerator
 from streamlit.typing import UploadedFile
 
 from atleak.catalogue.written_numbers import ENGINE_SPEED, MILEAGE, TEMPERATURE
@@ -16,12 +18,24 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import SourceFile
 from atleak.job.result import Step, job_steps
+from atleak.report.tables.road_test import whole
 from pages.shared import book, choices, drop_zone, dropped, fields, places, reader, show
-from pages.shared.cases import PageCase, diagnosis_of, own_faults
-from pages.shared.state import FILES, choose, current_diagnosis, job, new_job, session, take_away, take_sample
+from pages.shared.cases import WHILE_READING, LogReading, PageCase, diagnosis_of, own_faults
+from pages.shared.state import (
+    FILES,
+    choose,
+    current_diagnosis,
+    give_up_log,
+    job,
+    new_job,
+    session,
+    take_away,
+    take_sample,
+)
 
 WHERE = {"readings": "Measure", **dict.fromkeys(("road_test", "pressures", "vacuum", "flows"), "In_the_car")}
 RPM = unit("rpm", "rotational_speed")
+_SOON = 0.2  # [s]
 LOOKS = Path(__file__).with_name("page.css")
 
 
@@ -30,6 +44,7 @@ def draw() -> Diagnosis:
     st.session_state["framed"] = True
     if wanted := st.session_state.pop("wanted", ""):
         st.switch_page(places.page(wanted), query_params=st.query_params.to_dict())
+    WHILE_READING.set(partial(_count_rows, st.empty()))
     book.follow_address()
     st.html(LOOKS)
     say = reader.say()
@@ -63,6 +78,20 @@ def draw() -> Diagnosis:
     with st.container():  # one element however many notices there are: the elements below keep their places
         _notices()
     return shown
+
+
+def _count_rows(place: DeltaGenerator, reading: LogReading) -> None:
+    """Count a large log's rows while it is read; what somebody does meanwhile on the page begins it anew, and waits."""
+    say = reader.say()
+    if wait([reading.understood], _SOON).done:
+        return
+    with place.container(horizontal=True, vertical_alignment="center"):
+        said = st.empty()
+        if reading.log is session().case.road_test:  # and not of a job that is opened
+            st.button(say("panel.cancel"), key=f"cancel-{id(reading)}", on_click=give_up_log)
+    while not wait([reading.understood], _SOON).done:
+        said.markdown(say("panel.reading", name=show.plain(reading.log.name), rows=whole(reading.rows, say)))
+    place.empty()
 
 
 def shown() -> tuple[PageCase, Diagnosis]:

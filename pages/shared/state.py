@@ -34,6 +34,7 @@ from atleak.report.json.diagnosis import diagnosis_record
 from pages.shared.cases import (
     FITTED,
     PageCase,
+    cancel_reading,
     catalogue_names,
     chosen_by_id,
     diagnosis_of,
@@ -143,6 +144,15 @@ def put_file(slot: str, file: SourceFile | None) -> None:
     now.refused.pop(slot, None)
     now.tried.setdefault(slot, next(iter(now.tried.values()), now.case))
     now.case = now.case.with_file(slot, file)
+
+
+def give_up_log() -> None:
+    """End the reading of a log, and leave the job as it was before that came in; for a callback."""
+    now, file = session(), session().case.road_test
+    cancel_reading()
+    if file is not None:
+        now.case = _without(now.case, "road_test", now.tried.pop("road_test", now.good))
+        now.notices = (lambda say: say("done.not_read", name=file.name),)
 
 
 def take_away(slot: str) -> None:

@@ -137,6 +137,7 @@ class Delimited(LogTable):
                     column.add(some[index], some.attrs["words"].get(index), kept)
                 places.append(some.attrs.get("lines", np.empty(0, int)))
                 lines, kept = lines + len(frame), kept + len(some)
+                self.source.tell(lines)
         if too_wide > 0.1 * (lines + too_wide):
             problem = Sentence("{count} of its rows have more numbers than it has columns", count=too_wide)
             expected = Sentence("as many cells in every row; is the decimal comma used as delimiter too?")

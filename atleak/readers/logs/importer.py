@@ -90,17 +90,19 @@ def understand(
     every: int = 1,
     remembered: Path | None = None,
     memory: int | None = None,
+    tell: Callable[[int], object] = lambda _: None,
 ) -> Understood:
     """Read a road-test log of any logger and return what is understood of it.
 
-    Parameters are those of `atleak.readers.logs.read_road_test`, and ``memory``: the bytes that this process may take,
-    None for as many as are free. A `RoadTestError` refuses what is no log at all: empty, a picture, damaged. A log that
+    Parameters are those of `atleak.readers.logs.read_road_test`; ``memory``: the bytes that this process may take, None
+    for as many as are free; and ``tell``: called again and again with how many rows are read so far; what
+    it raises ends the reading. A `RoadTestError` refuses what is no log at all: empty, a picture, damaged. A log that
     lacks an answer does not raise: ``problem`` says what is needed.
     """
     if every < 1:
         problem = Sentence("no number of rows of which one is read")
         raise RoadTestError(problem, value=every, expected=Sentence("a whole number above 0"))
-    opened = open_source(source, name)
+    opened = replace(open_source(source, name), tell=tell)
     room = free_memory() if memory is None else memory
     job = _Job(opened, dict(mapping or {}), dict(units or {}), dict(constants or {}), remembered, every, room)
     try:

@@ -11,6 +11,7 @@ import io
 import re
 import tempfile
 import zlib
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -160,6 +161,7 @@ class LogFile:
     content: bytes | None = field(default=None, repr=False)
     folder: tempfile.TemporaryDirectory[str] | None = field(default=None, repr=False)
     notes: tuple[Message, ...] = ()  # what is to be said of it
+    tell: Callable[[int], object] = lambda _: None  # told how many rows are read so far
 
     @cached_property
     def data(self) -> bytes:

@@ -205,6 +205,7 @@ def _read_channels(source: LogFile, channels: Sequence[_MdfChannel], every: int)
     )
     for _, part in parts if groups else ():
         common[part["group"]].add(np.frombuffer(part["stamps"]))
+        source.tell(every * len(common[part["group"]].numbers))
         for channel, read in zip(groups[part["group"]], part["channels"], strict=True):
             values[channel.heading.index].add(np.frombuffer(read["values"]))
             if channel.heading.index in own:

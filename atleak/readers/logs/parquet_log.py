@@ -54,6 +54,7 @@ class ParquetLog(LogTable):
                 else:
                     numbers.setdefault(index, Filled(self.rows, every, cells.dtype)).add(cells)
             done += len(cells)
+            self.source.tell(done)
         together: dict[int, Any] = {index: pd.concat(parts, ignore_index=True) for index, parts in texts.items()}
         joined = together | {index: room.numbers for index, room in numbers.items()}
         frame = pd.DataFrame({index: joined[index] for index in columns}, copy=False)

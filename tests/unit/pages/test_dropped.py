@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable
 from pathlib import Path
 
 import openpyxl
 import pytest
+import streamlit as st
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.entries import catalogue_files
 from atleak.common.wording import wording
+from atleak.readers.logs import understand
 from atleak.report.sheets.measuring_sheet import write_template
+from pages.shared import cases, panel
+from pages.shared.state import give_up_log
 from tests.unit.conftest import first_of
 from tests.unit.pages.conftest import ROOT, XLSX, choice, flagged, flagged_pairs, press, texts, uploader
 
@@ -242,3 +247,63 @@ def test_a_vacuum_test_and_flows_are_taken_shown_and_explained_where_they_are_wr
     uploader(app, "Measuring sheet").upload("worse.csv", flows.replace(b"1,5 l", b"1,5 x"), "text/csv").run()
     assert "worse.csv was not taken as flows caught in a jug" in texts(app)
     assert "**jug.csv** · 1 flow" in texts(app)
+
+
+LOG = "time [s],engine speed [rpm],p_g [kPa]\n" + "".join(f"{row / 10},800,{500 + row % 7}\n" for row in range(9000))
+
+
+@pytest.fixture
+def unhurried(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
+    """Lets a log be read only once what it returns was called; it counts two rows, and more again and again."""
+    hurry: list[bool] = []
+
+    def read(*log: object, tell: Callable[[int], object], **choices: object) -> object:
+        tell(2)
+        while not hurry:
+            tell(20)
+        return understand(*log, **choices)
+
+    monkeypatch.setattr(cases, "LARGE", 120_000)
+    monkeypatch.setattr(cases, "understand", read)
+    return lambda: hurry.append(True)
+
+
+@pytest.mark.page("1_Job")
+def test_the_rows_of_a_large_log_are_counted_until_it_is_read(
+    app: AppTest, unhurried: Callable[[], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = []
+
+    def seen(count: int, _: object) -> str:
+        said.append(count)
+        unhurried()
+        return str(count)
+
+    monkeypatch.setattr(panel, "whole", seen)
+    uploader(app).upload("drive.csv", LOG.encode(), "text/csv").run()
+    assert not app.exception
+    assert set(said) == {20}
+    assert "**drive.csv** · 9000 rows, 900 s" in texts(app)
+    assert "rows so far" not in texts(app)
+
+
+@pytest.mark.page("1_Job")
+def test_a_large_log_that_is_not_read_to_its_end_leaves_the_job_as_it_was(
+    app: AppTest, unhurried: Callable[[], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waited: list[cases.LogReading] = []
+
+    def cancel(_: object, reading: cases.LogReading) -> None:
+        """What *Cancel* does while it waits: it begins the page anew, with its callback."""
+        waited.append(reading)
+        give_up_log()
+        st.rerun()
+
+    monkeypatch.setattr(panel, "_count_rows", cancel)
+    before = app.session_state["atleak"].good, app.session_state["atleak"].case
+    uploader(app).upload("drive.csv", LOG.encode(), "text/csv").run()
+    assert not app.exception
+    assert "drive.csv was not read to its end, and is not in the job." in texts(app)
+    assert (app.session_state["atleak"].good, app.session_state["atleak"].case) == before
+    assert app.session_state["large-logs"] == {}
+    assert isinstance(waited[0].understood.exception(timeout=10.0), cases.CancelledError)

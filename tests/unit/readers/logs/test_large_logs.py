@@ -459,3 +459,30 @@ def test_a_frame_that_is_thinned_keeps_its_words_in_their_rows() -> None:
     assert delimited.every_nth(frame, 2, 3).attrs["lines"].tolist() == [4, 6]
     words = {index: cells.to_dict() for index, cells in thinned.attrs["words"].items()}
     assert words == {0: {1: "Lap 2"}, 1: {1: "x", 2: "y"}}
+
+
+@pytest.mark.parametrize("form", ["csv", "parquet"])
+def test_rows_are_counted_while_they_are_read_and_whoever_is_told_may_end_that(
+    form: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    in_blocks(monkeypatch)
+    table, target, counted = (
+        pa.table({"time [s]": np.arange(400) / 10.0, "p_g [kPa]": np.full(400, 500.0)}),
+        io.BytesIO(),
+        [],
+    )
+    (pq.write_table if form == "parquet" else pyarrow.csv.write_csv)(table, target)
+    understand(target.getvalue(), tell=counted.append)
+    assert counted == sorted(counted)
+    assert counted[-1] == 400
+    assert form == "parquet" or len(counted) == 5
+
+    def enough(rows: int) -> None:
+        raise InterruptedReading
+
+    with pytest.raises(InterruptedReading):
+        understand(target.getvalue(), tell=enough)
+
+
+class InterruptedReading(Exception):
+    """Raised by who is told."""
