@@ -235,21 +235,20 @@ class LiveSheet:
         """
         widths = [column.width for column in self.columns]
         lines = book.headings(sheet, 0, [column.heading for column in self.columns], widths)
+        rows = float(len(self.items))  # of one line
         for row, item in enumerate(self.items, start=1):
-            here = self.row(row)
+            here, height = self.row(row), LINE_OF_A_BOOK
             of_row = cells(row, item) if cells else {each.key: each.cell(item, here) for each in self.columns}
             for key, content in of_row.items():
                 column = self.place[key]
                 write_cell(book, sheet, row, column, content, self.columns[column].of)
+                if "text_wrap" in content.look:
+                    height = max(height, row_height([(book.words(content.value), widths[column])]))
+            if height > LINE_OF_A_BOOK:
+                sheet.set_row(row, height)
+                rows += height / LINE_OF_A_BOOK - 1.0
         for number, width in enumerate(widths):
             sheet.set_column(number, number, width)
-        rows = float(len(self.items))
-        wrapped = [each for each in self.columns if each.look.get("text_wrap")]
-        for row, item in enumerate(self.items if wrapped else (), start=1):
-            texts = ((book.words(each.cell(item, {}).value), each.width) for each in wrapped)
-            height = max(row_height(texts), LINE_OF_A_BOOK)
-            sheet.set_row(row, height)
-            rows += height / LINE_OF_A_BOOK - 1.0
         if printed:
             book.print_table(sheet, len(self.items), widths, rows, lines)
         else:

@@ -18,7 +18,7 @@ from atleak.report.tables.table import VERDICT, Column, Facts, Points, Section, 
 from atleak.report.xlsx.book import CELL_LIMIT, HIGHEST_ROW, ReportBook, formula
 from atleak.report.xlsx.live_sheet import LiveCell, write_cell
 
-_LEAST, _MOST = 13, 48  # [characters] width of a column
+_LEAST, _MOST, _ROOM = 13, 48, 205  # [characters] width of a column, and of all of them
 _ALONE = 120  # the same where no table stands on the page
 
 
@@ -160,14 +160,15 @@ class SheetPage:
 
 
 def widths_for(tables: Iterable[Table]) -> list[int]:
-    """Return the widths [characters] of columns in which tables stand below one another, each as wide as its words."""
-    widths: list[int] = []
+    """Return the widths [characters] of columns for tables below one another: as wide as words and page allow."""
+    longest: list[int] = []
     for table in tables:
-        widths += [_LEAST] * (len(table.columns) - len(widths))
+        longest += [_LEAST] * (len(table.columns) - len(longest))
         for number, column in enumerate(table.columns):
-            longest = max((len(column.text(item, table.say)) for item in table.rows), default=0)
-            widths[number] = max(widths[number], min(longest + longest // 8 + 2, _MOST))
-    return widths
+            letters = max((len(column.text(item, table.say)) for item in table.rows), default=0)
+            longest[number] = max(longest[number], letters + letters // 8 + 2)
+    tried = ([min(width, most) for width in longest] for most in range(_MOST, _LEAST, -1))
+    return next((widths for widths in tried if sum(widths) <= _ROOM), [_LEAST] * len(longest))
 
 
 def write_sections(book: ReportBook, sheet: Worksheet, sections: Sequence[Section]) -> None:

@@ -183,6 +183,7 @@ def _rows(kind: RuleKind, steps: Steps) -> Iterable[_Row]:
 
 
 RULES = Sentence("Rules")
+_RULE = 54  # [characters] of the column of rules
 _FORMATS = {RuleKind.RESERVE: "reserve", RuleKind.PAIR_SHARE: "share", RuleKind.TOTAL_SHARE: "share"}
 OF_THE_UNIT = Sentence("whole unit")  # in place of a component
 
@@ -230,7 +231,7 @@ class RuleCells:
         return (
             LiveColumn("component", Sentence("component"), width=width),
             LiveColumn("land", Sentence("land"), width=7),
-            LiveColumn("rule", Sentence("rule"), width=54),
+            LiveColumn("rule", Sentence("rule"), width=_RULE),
             LiveColumn("unit", Sentence("unit"), width=9),
             LiveColumn("value", Sentence("value"), width=16),  # a demand says so behind its number
             LiveColumn("new", Sentence("when new"), width=12),
@@ -317,6 +318,8 @@ class RuleCells:
             "unit": UnitOf(rule.kind.quantity) if rule.kind.quantity else rule.kind.unit,
         }
         cells = {key: LiveCell("plain", value, look={"align": "left"}) for key, value in given.items()}
+        if len(self.say.sentence(given["rule"])) > _RULE + _RULE // 8:  # letters are narrower than digits
+            cells["rule"] = LiveCell("plain", given["rule"], look={"align": "left", "text_wrap": True})
         cells["value"] = LiveCell(kind, rule.value * factor, asked.value, of=of)
         if asked.new is not None and rule.new is not None:
             cells["new"] = LiveCell(kind, rule.new * factor, asked.new, of=of)
