@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 from atleak.analysis.answer import Answer, answer_of
@@ -16,10 +16,11 @@ from atleak.diagnosis.uncertainty import Remedy
 from atleak.measurements.job_card import Job
 from atleak.report.tables.estimate import EstimateWords
 from atleak.report.tables.lands import MatrixRow, pair_table
-from atleak.report.tables.names import component_words, land_number
+from atleak.report.tables.names import component_words, has_number, land_number
 from atleak.report.tables.sentences import rule_name, rule_value
 from atleak.report.tables.table import Table
 
+_SINGLY = 3  # lands of which the same is advised, each in a sentence of its own
 _MOSTLY = 0.5  # fraction of an uncertainty's variance
 
 
@@ -64,6 +65,11 @@ class PrintedNames:
         circuits = {each.id: isolated(each.name) for each in self.diagnosis.controller.circuits}
         return self.say.name(circuits[name]) if name in circuits else self.say(f"pressures.{name}")
 
+    @cached_property
+    def numbered(self) -> bool:
+        """Tell whether every component has a number, so that lands are named in a few signs."""
+        return all(has_number(self.diagnosis.controller, land.key[0]) for land in self.diagnosis.lands)
+
     def land_number(self, land: LandDiagnosis) -> str:
         """Return component and land in short: ``8/2``."""
         return land_number(self.diagnosis.controller, land.key, self.say)
@@ -88,13 +94,23 @@ class PrintedNames:
         return " ".join(filter(None, self._advised(land)))
 
     def advice_by_group(self, lands: Iterable[LandDiagnosis]) -> list[str]:
-        """Return the same for several lands, with those together of which the same is advised."""
-        groups: dict[str, list[str]] = {}
+        """Return the same for several lands, with those together of which the same is advised; of many in short."""
+        groups: dict[str, list[LandDiagnosis]] = {}
         for land in lands:
-            doubt, way = self._advised(land)
-            if doubt:
-                groups.setdefault(way, []).append(f"{self.land_name(land)}: {doubt}")
-        return [" ".join([*doubts, way]) for way, doubts in groups.items()]
+            if self.advice(land):
+                groups.setdefault(self._advised(land)[1], []).append(land)
+        return [" ".join([*self._doubts(doubted), way]) for way, doubted in groups.items()]
+
+    def _doubts(self, lands: Sequence[LandDiagnosis]) -> Iterable[str]:
+        """Return what is open about lands of which the same is advised; about many in one sentence."""
+        if len(lands) <= _SINGLY:
+            return [f"{self.land_name(land)}: {self._advised(land)[0]}" for land in lands]
+        alike: dict[str, list[str]] = {}
+        for land in lands:
+            if land.deciding is not None:
+                alike.setdefault(self._reached(land.deciding), []).append(self.land_number(land))
+        named = (f"{', '.join(numbers)}: {reached}" for reached, numbers in alike.items())
+        return [self.say("advice.near", lands="; ".join(named))]
 
     def _advised(self, land: LandDiagnosis) -> tuple[str, str]:
         """Return what is open about a land, and what would settle it; empty texts where it is clear."""
@@ -148,7 +164,7 @@ class PrintedNames:
     # --- rules
 
     def reason(self, land: LandDiagnosis) -> str:
-        """Return the rule that gave the verdict with its limit's origin, and every other rule that reached a limit.
+        """Return the rule that gave the verdict with its limit, and every other rule that reached one.
 
         After them stands the condition at which the share is the largest.
         """
@@ -156,21 +172,16 @@ class PrintedNames:
         said = []
         if deciding is not None:
             others = [rule for rule in land.rules if rule.verdict.flagged and rule is not deciding]
-            also = "; ".join(self._reached("rules.reached_short", rule) for rule in others)
-            said = [self._reached("rules.reached", deciding), *([self.say("rules.also", others=also)] if also else [])]
-        if worst.drawn_from_pump > 0.0:
+            also = "; ".join(map(self._reached, others))
+            said = [self._reached(deciding), *([self.say("rules.also", others=also)] if also else [])]
+        named = [rule.condition for rule in land.rules if rule.verdict.flagged]
+        if worst.drawn_from_pump > 0.0 and worst.projection.condition not in named:
             said.append(self.say("rules.largest_at", condition=self.say.condition(worst.projection.condition)))
         return "; ".join(said)
 
-    def _reached(self, key: str, rule: Rule) -> str:
-        say = self.say
-        return say(
-            key,
-            rule=self.rule_name(rule),
-            value=self.rule_value(rule, rule.value),
-            limit=self.rule_value(rule, rule.limit),
-            origin=say.get("origins", rule.origin),
-        )
+    def _reached(self, rule: Rule) -> str:
+        value, limit = (self.rule_value(rule, each) for each in (rule.value, rule.limit))
+        return self.say("rules.reached_short", rule=self.rule_name(rule), value=value, limit=limit)
 
     def rule_value(self, rule: Rule, value: float) -> str:
         """Return a value or a limit of a rule, with its unit."""

@@ -21,7 +21,7 @@ from atleak.report.tables.road_test import RoadSeries
 
 _RIGHT = WIDTH - 14.0
 _BETWEEN = 10.0  # two fields
-_HIGH, _LOW, _PUMP = 82.0, 66.0, 104.0  # heights of fields
+_HIGH, _LOW, _PUMP = 82.0, 66.0, 76.0  # heights of fields
 _DASHES = ((5, 2), (2, 1.5), (1, 1.5), (8, 2, 1, 2), (5, 2, 1, 2, 1, 2))  # of curves that differ by temperature
 _LEGEND_ROW, _MARK_ROW = 13.0, 12.0  # of the legend, and of the words of engine speeds below it
 _FIELD = 50.0  # about where a field begins

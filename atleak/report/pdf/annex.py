@@ -6,7 +6,7 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 from atleak.catalogue.controller import REFERENCE_TEMPERATURE
@@ -26,7 +26,7 @@ from atleak.report.pdf.blocks import Block, bullets, listed, named_facts, text
 from atleak.report.pdf.conditions import leaking_elsewhere
 from atleak.report.printed_names import PrintedPart
 from atleak.report.tables.lands import land_at, leaking_worst_first, share_cell
-from atleak.report.tables.names import component_words, has_number, land_number
+from atleak.report.tables.names import component_words, land_number
 from atleak.report.tables.sentences import shares_add_up
 from atleak.report.tables.table import VERDICT, Column, Judged, Table
 
@@ -57,18 +57,13 @@ class _Row:
 class Annex(PrintedPart):
     """The parts of a report by which somebody else can judge its measurements."""
 
-    @cached_property
-    def _numbered(self) -> bool:
-        """Tell whether every component has a number, so that lands are named in a few signs."""
-        return all(has_number(self.diagnosis.controller, land.key[0]) for land in self.diagnosis.lands)
-
     def _by_valve(self, rows: Iterable[Any], columns: Sequence[Column], of: Callable[[Any], str]) -> Block:
         """Return a table of rows of one height: valves without numbers are named above their rows."""
 
         def valve(row: Any) -> str:
             return component_words(self.diagnosis.controller, of(row), self.say)
 
-        return listed(self.say, rows, *columns, group=None if self._numbered else valve)
+        return listed(self.say, rows, *columns, group=None if self.names.numbered else valve)
 
     # --- decisions
 
@@ -134,7 +129,7 @@ class Annex(PrintedPart):
         notes += [say("annex.rules", conditions=conditions), say("annex.columns"), say("texts.matrix")]
         rows = leaking_worst_first(diagnosis, diagnosis.presented)
         notes += [shares_add_up(diagnosis, say), *leaking_elsewhere(names, rows)] if rows else []
-        if self._numbered:
+        if self.names.numbered:
             valves = dict.fromkeys(land.key[0] for land in diagnosis.lands)
             notes.append(f"{joined((component_words(diagnosis.controller, each, say) for each in valves), '; ')}.")
         yield text(" ".join(notes), small=True)
@@ -168,7 +163,7 @@ class Annex(PrintedPart):
         sizes = of_lands.only("mounting", "effective").columns
         leakage = of_lands.only(*(["leakage"] if len(at) <= _WITH_LEAKAGE else [])).columns
         columns = (
-            Column("land", of=names.land_number) if self._numbered else land,
+            Column("land", of=names.land_number) if self.names.numbered else land,
             Column("", "clearance", words="c_r ± U", of=clearance.of),
             Column("", "percent", words="Z ± U", of=self._wear),
             *sizes,
@@ -296,7 +291,7 @@ class Annex(PrintedPart):
         return replace(column, of=of, times=None, words=words)
 
     def _land(self, row: _Row) -> str | None:
-        if self._numbered:
+        if self.names.numbered:
             controller = self.diagnosis.controller
             return row.component if row.land is None else land_number(controller, row.land.land.key, self.say)
         return None if row.land is None else str(row.land.land.key[1])

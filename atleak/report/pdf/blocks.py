@@ -20,8 +20,8 @@ _NOTE = 1500  # letters of a note that a page can hold together with the last ro
 
 
 def text(content: str, *, small: bool = False, leads: bool = False) -> Block:
-    """Return a paragraph; one that ``leads`` stays on the page of what follows it."""
-    return {"kind": "text", "text": content, "small": small, "leads": leads}
+    """Return a paragraph, an empty block without words; one that ``leads`` stays on the page of what follows it."""
+    return {"kind": "text", "text": content, "small": small, "leads": leads} if content else {}
 
 
 def passage(content: str, language: str, say: Wording) -> str | dict[str, str]:
@@ -120,11 +120,11 @@ def printed(content: Table, *, whole: bool = False) -> Block:
     return block
 
 
-def abreast(content: Table) -> Block:
-    """Return a table of many rows of few columns as two, beside one another; an empty block where there are no rows."""
-    half = (len(content.rows) + 1) // 2
-    halves = (printed(replace(content, rows=rows)) for rows in (content.rows[:half], content.rows[half:]))
-    tables = [each for each in halves if each]
+def abreast(content: Table, count: int = 2) -> Block:
+    """Return a table of many rows of few columns as several beside one another; an empty block without rows."""
+    rows = -(-len(content.rows) // count)
+    parts = (printed(replace(content, rows=content.rows[rows * part : rows * (part + 1)])) for part in range(count))
+    tables = [each for each in parts if each]
     return {"kind": "abreast", "tables": tables} if tables else {}
 
 
@@ -160,7 +160,7 @@ def _cell(column: Column, interval: tuple[Column, Column] | None, item: Any, say
     if type(value) is not str:  # nor one of the program's sentences, which are words of some language
         value = say.level(value) if isinstance(value, Verdict | Band) else column.said(value, say)
     low, high = (each.text(item, say) for each in interval) if interval else ("–", "–")
-    text = value if low == "–" else f"{value}\n({low}–{high})"
+    text = value if low == "–" or low == high == value else f"{value}\n({low}–{high})"
     return text if level is None else {"sign": level.verdict if isinstance(level, Band) else level, "text": text}
 
 

@@ -25,6 +25,7 @@ from atleak.common.wording import Wording, begun, isolated, joined
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.gauge_check import CheckedReading
 from atleak.diagnosis.land import LandDiagnosis
+from atleak.diagnosis.missing import Missing
 from atleak.engine.profile import UNKNOWN
 from atleak.measurements.job_card import RepairDecision, Scratch
 from atleak.report.charts.casting import casting_drawing
@@ -69,20 +70,40 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
     yield text(" ".join(words.chosen_by()), leads=True)
 
     def done(line: Line) -> str:
-        return "\n".join(filter(None, (words.work(line), line.decision.part_number, line.decision.reason)))
+        decision = line.decision
+        day = say.date(decision.date) if decision.date else ""
+        return "\n".join(filter(None, (words.work(line), decision.part_number, decision.reason, day)))
 
+    lacking = {line.key: words.lacking(line) for line in words.estimate.lines}
+    marks = dict(zip(dict.fromkeys(rule for rule, _ in lacking.values()), _MARKS, strict=False))
+
+    def lacks(line: Line) -> str:
+        rule, values = lacking[line.key]
+        return f"{values or '–'} {marks.get(rule, rule)}"
+
+    lines = words.estimate.lines
+    bare = [line for line in lines if not line.own and line.price is None and line.hours is None]
+    bare = bare if len(bare) > _FEW else []  # which need no columns of amounts
+    lack, agreed = Column("lacks", of=lacks), Column("agreed", of=words.agreed)
     yield listed(
         say,
-        words.estimate.lines,
-        Column("pair", width=250, of=words.pair),
-        Column("work", width=200, of=done),
+        [line for line in lines if line not in bare],
+        Column("pair", width=200, of=words.pair),
+        Column("work", width=100, of=done),
         Column("price", digits=2, of=lambda line: words.money(line.part)),
         Column("hours", digits=1, of=words.hours),
         Column("labour", digits=2, of=lambda line: words.money(line.work)),
         Column("amount", digits=2, of=words.amount),
-        Column("agreed", of=words.agreed),
-        remark=lambda line: f"{say('printed.lacks')}: {words.lacks(line)}",
+        lack,
+        agreed,
     )
+    if bare:
+        yield text(say("estimate.bare"), leads=True)
+        yield abreast(
+            Table("", (Column("pair", width=50, of=words.lands), lack, agreed), bare, say), 2 + names.numbered
+        )
+    about = joined((f"{mark} {rule}" for rule, mark in marks.items()), "; ")
+    yield text(f"{begun(say('printed.lacks'))}: {about}.", small=True)
     sums = ("parts", "labour", "net", "tax", "gross")
     yield listed(
         say,
@@ -90,7 +111,7 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
         Column("state", width=50, of=itemgetter(0)),
         *(Column(name, digits=2, of=itemgetter(place)) for place, name in enumerate(sums, start=1)),
     )
-    yield from map(text, (*words.missing(), *words.ends()))
+    yield from map(text, (*words.missing(bare), *words.ends()))
     yield text(words.rounding(), small=True)
 
 
@@ -111,17 +132,22 @@ def gauge_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
 
     yield printed(replace(table, columns=(verdict, Column("range", width=110, of=where), *others), group=tap))
     sources = dict.fromkeys(each.permissible.source for each in check.readings if each.permissible)
-    if sources:
-        yield text(say("texts.permissible_from", sources=joined(map(say.name, sources), "; ")), small=True)
+    said = [say("texts.permissible_from", sources=joined(map(say.name, sources), "; "))] if sources else []
     for reason in dict.fromkeys(each.unjudged for each in check.readings if each.unjudged is not None):
-        yield text(say("texts.gauges_unjudged", reason=say.sentence(reason)), small=True)
+        said.append(say("texts.gauges_unjudged", reason=say.sentence(reason)))
+    yield text(" ".join(said), small=True)
     items = pattern_sentences(check, diagnosis.controller, say)
     if items:
         yield text(say("texts.patterns"), leads=True)
         yield bullets(items)
     if diagnosis.missing_flagged:
         yield text(say("answer.split"), leads=True)
-        yield printed(missing_table(diagnosis, say))
+        condition, tap_, *amounts = missing_table(diagnosis, say).columns
+
+        def of(each: Missing) -> str:
+            return joined(column.text(each, say) for column in (condition, tap_))
+
+        yield listed(say, diagnosis.missing_flagged, *amounts, group=of)
 
 
 def before_opening_blocks(diagnosis: Diagnosis, say: Wording) -> Iterable[Block]:
@@ -157,10 +183,13 @@ DOCUMENTS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     }
 )
 """What one prints of a diagnosis, with the sections of each; the first is customer's and workshop's report together."""
+_WIDTHS = {"pair": 300, "consequence": 100, "decision": None}  # of the columns of flagged lands: a line each
 _ELSEWHERE = ("sleeve", "spool", "effective", "leakage", "interval")  # of lands: in the table of all of them
 _STUDY = "Dziubak & Szczepaniak, Energies 2023, 16, 7667"  # as the catalogue's files cite it
 CATALOGUE_LANGUAGE = "en"  # of the sources that the catalogue's files name
+_MARKS = "¹²³⁴⁵⁶⁷⁸⁹"  # of what is worse without a line of the estimate
 _BARS = 16  # largest number of bars in the chart of shares
+_FEW, _MANY = 12, 16  # flagged lands each with its reason; rows of a table from which on its letters are small
 
 
 def chosen_sections(
@@ -209,7 +238,7 @@ class Body(PrintedPart):
         super().__init__(names)
         self.series, self.pictures = series, pictures
 
-    def parts(self, wanted: Iterable[str], document: str) -> list[dict[str, Any]]:
+    def parts(self, wanted: Sequence[str], document: str) -> list[dict[str, Any]]:
         """Return workshop report and annex, each with title and sections, as far as they have any of those wanted.
 
         The first has facts and verdict at its head, and stands there for these alone where no section is wanted.
@@ -223,7 +252,7 @@ class Body(PrintedPart):
         ]
         return [part for part in parts if part["sections"]] or parts[:1]
 
-    def _sections(self, wanted: Iterable[str]) -> list[dict[str, Any]]:
+    def _sections(self, wanted: Sequence[str]) -> list[dict[str, Any]]:
         """Return title and blocks of every section that has any content."""
         names = self.names
         conditions, annex, road = Conditions(names), Annex(names), RoadTestSection(names, self.series)
@@ -237,6 +266,7 @@ class Body(PrintedPart):
             "road_test": road.blocks,
             "road_log": road.in_full,
             "estimate": partial(estimate_blocks, names),
+            "repair": partial(self._repair, listed="estimate" not in wanted or names.estimate is None),
             "decisions": annex.decisions,
             "readings": annex.readings,
             "budget": Budget(names).blocks,
@@ -245,7 +275,7 @@ class Body(PrintedPart):
         filled = []
         for name in wanted:
             build = elsewhere.get(name) or getattr(self, f"_{name}")
-            if blocks := [{**each, "dense": name in _ANNEX} for each in with_notes(build())]:
+            if blocks := [_dense(each, name) for each in with_notes(build())]:
                 filled.append({"name": name, "title": self.say(f"sections.{name}"), "blocks": blocks})
         return filled
 
@@ -289,11 +319,29 @@ class Body(PrintedPart):
             yield text(say("texts.none_flagged"))
             return
         table = self.names.lands.without(*_ELSEWHERE, "land", "share", "decided_by")
-        yield printed(replace(table, rows=flagged, remark=self.names.reason).filled)
+        columns = (replace(each, width=_WIDTHS.get(each.key, each.width)) for each in table.columns)
+        table = replace(table, columns=tuple(columns), rows=flagged)
+        (consequence,) = table.only("consequence").columns
+
+        def remark(land: LandDiagnosis) -> str:
+            return f"{consequence.text(land, say)}; {self.names.reason(land)}"
+
+        when: dict[str, list[str]] = {}
+        if len(flagged) <= _FEW:
+            yield printed(replace(table.without("consequence"), remark=remark).filled)
+        else:  # all else stands in the annex's table of all lands
+            shown = table.without("verdict", "mounting", "consequence", "decision").filled
+            yield abreast(replace(shown, group=lambda land: say.signed(land.verdict)))
+            for land in flagged:
+                when.setdefault(consequence.text(land, say), []).append(self.names.land_number(land))
+        words = (f"{said}: {', '.join(lands)}" if len(when) > 1 else said for said, lands in when.items())
+        consequences = [f"{consequence.title(say)}: {'; '.join(words)}."] if when else []
         decided = ("decision",) if any(land.decision for land in flagged) else ()
         radial = ["radial"] if say.units == "us" else []  # its readers have diametral ones from their manuals
         notes = [*radial, "both_rules", *decided, *(["uncertainty"] if self.diagnosis.uncertainty else [])]
-        yield text(" ".join(say(f"texts.{note}") for note in notes), small=True)
+        origins = dict.fromkeys(say.get("origins", land.deciding.origin) for land in flagged if land.deciding)
+        sources = say("findings.limits_from", source=joined(origins))
+        yield text(" ".join([*consequences, sources, *(say(f"texts.{note}") for note in notes)]), small=True)
 
     def _again(self) -> Iterable[Block]:
         """Name what to measure again where the readings leave open on which side of a limit a land lies."""
@@ -336,7 +384,8 @@ class Body(PrintedPart):
         layers = layers_of(map(bar, VERDICTS))
         return RowChart([shortened(self.names.land_name(land), _LABEL) for land in lands], layers, axis, said)
 
-    def _repair(self) -> Iterable[Block]:
+    def _repair(self, *, listed: bool) -> Iterable[Block]:
+        """Yield what was decided, where the estimate does not list it, and what is open."""
         say, controller = self.say, self.diagnosis.controller
 
         def pair(each: RepairDecision) -> str:
@@ -350,7 +399,7 @@ class Body(PrintedPart):
             Column("reason", width=300),
             Column("date", of=lambda each: each.date and say.date(each.date)),
         )
-        decisions = [each for each in self.job.repair_decisions if not each.empty]
+        decisions = [each for each in self.job.repair_decisions if listed and not each.empty]
         yield printed(Table("", columns, decisions, say).filled)
         for sentence in open_words(self.diagnosis, self.job, say, closing=True):
             yield text(sentence)
@@ -571,9 +620,14 @@ class Body(PrintedPart):
         )
 
 
+def _dense(block: Block, section: str) -> Block:
+    """Return a block of a section with its letters small if it is one of the annex or a table of many rows."""
+    return {**block, "dense": section in _ANNEX or len(block.get("rows", ())) > _MANY}
+
+
 def picture_look(valves: int) -> tuple[int, float]:
     """Return how many of so many valves are drawn beside one another, and how large their names: all are legible."""
-    return (6, 1.4) if valves <= 18 else (8, 1.35)
+    return (6, 1.4) if valves <= 18 else (8, 1.3)
 
 
 _CONDITIONAL = ("conditional_pass", "conditional_fail")

@@ -15,7 +15,7 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.charts.flows import FlowDiagram, flow_diagram, flow_svg, flow_words
 from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.charts.paper_curves import pump_chart, road_chart
-from atleak.report.pdf.blocks import Block, bullets, ends, named_facts, picture, printed, section_blocks, text
+from atleak.report.pdf.blocks import Block, abreast, bullets, ends, named_facts, picture, printed, section_blocks, text
 from atleak.report.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
 from atleak.report.tables.first_sentence import pump_sentence
@@ -36,6 +36,7 @@ from atleak.report.tables.sentences import circuit_sentence, shares_add_up
 from atleak.report.tables.table import Column, Table
 
 ABREAST, _BESIDE = 5, 3  # conditions beside one another in a table, and beside the steps of a plan
+_FEW = 12  # steps of a plan, with all that is said of each
 
 
 def leaking_elsewhere(names: PrintedNames, rows: Iterable[MatrixRow]) -> Iterable[str]:
@@ -107,8 +108,9 @@ class Conditions(PrintedPart):
             return plan.order[row[0] - 1] if row[0] else None
 
         def of_step(column: Column) -> Column:
-            unit = say("repair_plan.as_measured") if column.key == "pair" else None
-            return replace(column, of=lambda row: column.judged(found) if (found := step(row)) else unit)
+            pair = column.key == "pair"
+            unit, width = (say("repair_plan.as_measured"), 200) if pair else (None, column.width)
+            return replace(column, width=width, of=lambda row: column.judged(found) if (found := step(row)) else unit)
 
         def about(row: Any) -> str:
             """Return what a new pump brings beside the total, and why a step lowers none."""
@@ -119,9 +121,24 @@ class Conditions(PrintedPart):
         about_steps = map(of_step, order.only("pair", "verdict", "consequence", "replace_at").filled.columns)
         number = Column("", digits=0, words=say("repair_plan.number"), of=lambda row: str(row[0] or "–"))
         _, *conditions = totals.columns
-        beside = conditions if len(conditions) <= _BESIDE else []
-        yield printed(replace(totals, columns=(number, *about_steps, *beside), remark=about))
+        beside = [replace(each, width=150) for each in conditions] if len(conditions) <= _BESIDE else []
+        if len(plan.order) <= _FEW:
+            yield printed(replace(totals, columns=(number, *about_steps, *beside), remark=about))
+        else:  # verdict, consequence and name stand with the flagged lands
+            pair = Column("pair", of=lambda row: self._step(step(row)))
+            lowering = [row for row in totals.rows if not about(row)]
+            yield abreast(replace(totals, columns=(number, pair, *beside), rows=lowering))
+            said: dict[str, list[str]] = {}
+            for row in totals.rows:
+                said.setdefault(about(row), []).append(self._step(step(row)))
+            yield bullets(f"{joined(steps)}: {what}" for what, steps in said.items() if what)
         yield from self._abreast(replace(totals, columns=(number, *([] if beside else conditions))))
+
+    def _step(self, step: PumpStep | RepairStep | None) -> str:
+        """Return the number of the land that a step repairs, or its name."""
+        if isinstance(step, RepairStep):
+            return self.names.land_number(step.land)
+        return self.say("repair_plan.as_measured") if step is None else self.say("pump.name")
 
     def _options(self) -> Iterator[Block]:
         """Return the repairs that the valve body's file names for the plan's lands."""
@@ -218,19 +235,26 @@ class Pressures(PrintedPart):
         """Yield what the line and every circuit hold at each condition, and which circuits are not applied there."""
         below = {"lands_that_cost", "permissible"} if self.diagnosis.controller.circuits else {"lands_that_cost"}
         held = held_table(self.diagnosis, conditions, self.say).without(*below).filled
+        if held.group and not self.diagnosis.controller.circuits:  # of which each condition has one row, of the line
+            at = Column("condition", width=150, words=begun(self.say("printed.condition")), of=held.group)
+            held = replace(held, columns=(at, *held.without("circuit").columns), group=None)
         yield printed(replace(held, remark=self._remark))
-        for at in conditions:
-            vented = joined(self.names.section(each.id) for each in at.circuits if each.vented)
-            if vented:
-                said = self.say("texts.vented", circuits=vented)
-                yield text(f"{begun(self._condition(at))}: {said}", small=True)
+        vented = (
+            f"{begun(self._condition(at))}: {self.say('texts.vented', circuits=joined(map(self.names.section, idle)))}"
+            for at in conditions
+            if (idle := [each.id for each in at.circuits if each.vented])
+        )
+        yield text(" ".join(vented), small=True)
 
     def _pump(self, conditions: Sequence[PressuresAt]) -> Block:
-        table = replace(condition_table(conditions, self.say), group=self._condition)
-        flows = table.only("pump_supply", "leakage", "slip", "consumers", "starved", "reserve")
+        table = condition_table(conditions, self.say)
+        flows = table.only("condition", "pump_supply", "leakage", "slip", "consumers", "starved", "reserve")
+        taken = {each.key: [*map(each.judged, table.rows)] for each in flows.only("consumers", "starved").columns}
+        flows = flows.without(*(key for key, found in taken.items() if not any(each.value for each in found)))
         below = ends(lambda at: at.reserve_interval, flows.columns[-1])
-        more = table.only("reserve_new", "reserve_repaired", "reserve_is", "reserve_decision").filled
-        return printed(replace(table, columns=(*flows.columns, *below, *more.columns)))
+        *more, decision = table.only("reserve_new", "reserve_repaired", "reserve_is", "reserve_decision").columns
+        columns = (*flows.columns, *below, *more, replace(decision, width=150))
+        return printed(replace(table, columns=columns).filled)
 
     def _remark(self, each: HeldPressure) -> str:
         """Return what is permissible, where the table has no room for it, and the lands that cost it most."""
@@ -265,12 +289,12 @@ class RoadTestSection(PrintedPart):
         if log is None:
             return
         test = log.road_test
-        duration, samples = f"{say.number(test.duration, 1)} s", say.number(test.rows, 0)
-        yield named_facts("facts", say, road_test=test.file, duration=duration, samples=samples)
-        yield from map(text, pressure_sentences(log, say))
+        samples = f"{say.number(test.rows, 0)} {say('facts.samples')}"
+        yield named_facts("facts", say, road_test=joined((test.file, f"{say.number(test.duration, 1)} s", samples)))
+        yield text(" ".join(pressure_sentences(log, say)))
         if log.permitted is not None:
             yield printed(place_table(log.permitted, say).without("place_source"))
-        yield from map(text, (*test_sentences(log, say), *log_sentences(log, say)))
+        yield text(" ".join((*test_sentences(log, say), *log_sentences(log, say))))
         section = warm_up_section(self.diagnosis, say)
         if section is not None:
             yield from section_blocks(section, lambda _: "", say)["blocks"]

@@ -10,7 +10,7 @@ from atleak.analysis.pressures import lowest_first, pressures_at
 from atleak.catalogue.workbook.cells import gear_shown
 from atleak.common.units import DM3_MIN, KPA, PERCENT, RPM
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import joined
+from atleak.common.wording import begun, joined
 from atleak.engine.projection import Projection
 from atleak.report.pdf.blocks import Block, ends, listed, named_facts
 from atleak.report.pdf.conditions import Conditions
@@ -131,7 +131,9 @@ class Front(PrintedPart):
 
     def _totals(self) -> Block:
         share = Column("share", "percent", 1, times=PERCENT)
+        condition = Column("condition", width=150, words=begun(self.say("printed.condition")), of=self._condition)
         columns = (
+            condition,
             *([] if all(map(self._names_temperature, self.shown)) else [self._temperature]),
             self._speed("speed", lambda at: at.condition.engine_speed),
             Column("gear", digits=0, of=lambda at: gear_shown(at.condition.gear)),
@@ -145,7 +147,10 @@ class Front(PrintedPart):
             Column("reserve", digits=2),
             self._speed("holds", "minimum_speed"),
         )
-        return listed(self.say, self.shown, *columns, group=lambda at: self.say.condition(at.condition))
+        return {**listed(self.say, self.shown, *columns), "dense": True}
+
+    def _condition(self, at: Projection) -> str:
+        return self.say.condition(at.condition)
 
     def _speed(self, key: str, of: str | Callable[[Projection], float]) -> Column:
         """Return a column of engine speeds; the sentences of a report have the same unit."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal
 
@@ -37,14 +37,20 @@ class EstimateWords:
         controller, decision = self.estimate.diagnosis.controller, line.decision
         if len(components := components_of(decision, controller)) > 1:
             return components_words(controller, components, self.say)
+        lands = self.lands(line)
+        if lands == component_words(controller, decision.component, self.say):
+            return lands
+        name = isolated(self.say.name(controller.components.get(decision.component, "")))
+        return f"{lands} {name}".strip() if has_number(controller, decision.component) else lands
+
+    def lands(self, line: Line) -> str:
+        """Name the lands that a line is about in short, ``8/1, 8/2``; the component where it is about none."""
+        controller, decision = self.estimate.diagnosis.controller, line.decision
         keys = [land.key for land in line.lands]
         if not keys and decision.land:
             keys = [(decision.component, decision.land)]
         lands = ", ".join(land_number(controller, key, self.say) for key in keys)
-        if not lands:
-            return component_words(controller, decision.component, self.say)
-        name = isolated(self.say.name(controller.components.get(decision.component, "")))
-        return f"{lands} {name}".strip() if has_number(controller, decision.component) else lands
+        return lands or component_words(controller, decision.component, self.say)
 
     def work(self, line: Line) -> str:
         """Say what is done."""
@@ -91,11 +97,15 @@ class EstimateWords:
 
     def lacks(self, line: Line) -> str:
         """Say what is worse most without the line."""
+        return " ".join(filter(None, self.lacking(line)))
+
+    def lacking(self, line: Line) -> tuple[str, str]:
+        """Return what is worse most without the line, and its values without and with it; none where nothing is."""
         gain = self.estimate.gain_of(line)
         if gain is None:
-            return self.say("estimate.lacks_nothing")
+            return self.say("estimate.lacks_nothing"), ""
         within, without = (self._value(rule) for rule in (gain.within, gain.without))
-        return self.say("estimate.lacks", rule=self.rule(gain.without), within=within, without=without)
+        return self.rule(gain.without), self.say("estimate.lacks", within=within, without=without)
 
     def rule(self, rule: Rule) -> str:
         """Name what a rule limits, of which circuit and at which condition."""
@@ -138,17 +148,21 @@ class EstimateWords:
             lands = _numbers_of(estimate.lands_past, estimate.diagnosis.controller, say)
             yield say("estimate.lands_past", lands=lands)
 
-    def missing(self) -> Iterator[str]:
-        """Say what is in no sum, and why."""
+    def missing(self, aside: Collection[Line] = ()) -> Iterator[str]:
+        """Say what is in no sum, and why, of all lines but those ``aside``."""
         due = self.estimate.total
-        if due.without_price:
-            yield self.say("estimate.without_price", lines="; ".join(map(self._unpriced, due.without_price)))
-        if due.without_work:
-            yield self.say("estimate.without_work", lines="; ".join(map(self.pair, due.without_work)))
+        price, work = ([line for line in lines if line not in aside] for lines in (due.without_price, due.without_work))
+        if price and price == work:
+            yield self.say("estimate.without_both", lines="; ".join(map(self._unpriced, price)))
+            return
+        if price:
+            yield self.say("estimate.without_price", lines="; ".join(map(self._unpriced, price)))
+        if work:
+            yield self.say("estimate.without_work", lines="; ".join(map(self.lands, work)))
 
     def _unpriced(self, line: Line) -> str:
-        other = line.other_currency
-        return self.say("estimate.other_currency", line=self.pair(line), currency=other) if other else self.pair(line)
+        other, lands = line.other_currency, self.lands(line)
+        return self.say("estimate.other_currency", line=lands, currency=other) if other else lands
 
     def rounding(self) -> str:
         """Say the currency, and how amounts are rounded."""
