@@ -103,7 +103,8 @@ class PrintedNames:
 
     def _doubts(self, lands: Sequence[LandDiagnosis]) -> Iterable[str]:
         """Return what is open about lands of which the same is advised; about many in one sentence."""
-        if len(lands) <= _SINGLY:
+        near = all(each and each.measurable and not each.by_range for each in map(_remedy, lands))
+        if len(lands) <= _SINGLY or not near:
             return [f"{self.land_name(land)}: {self._advised(land)[0]}" for land in lands]
         alike: dict[str, list[str]] = {}
         for land in lands:
@@ -116,7 +117,7 @@ class PrintedNames:
         """Return what is open about a land, and what would settle it; empty texts where it is clear."""
         uncertainty, rule = land.uncertainty, land.deciding
         decided = uncertainty.deciding if uncertainty else None
-        remedy = uncertainty.remedy(decided) if uncertainty and decided else None
+        remedy = _remedy(land)
         if uncertainty is None or decided is None or remedy is None or rule is None:
             return "", ""
         say = self.say
@@ -190,6 +191,12 @@ class PrintedNames:
     def rule_name(self, rule: Rule) -> str:
         """Return what a rule is about, with its condition and its circuit."""
         return rule_name(rule, self.say, brief=True)
+
+
+def _remedy(land: LandDiagnosis) -> Remedy | None:
+    """Return what would decide an open verdict of a land; None where it is clear."""
+    its = land.uncertainty
+    return its.remedy(its.deciding) if its and its.deciding else None
 
 
 class PrintedPart:

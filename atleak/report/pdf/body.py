@@ -74,12 +74,16 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
         day = say.date(decision.date) if decision.date else ""
         return "\n".join(filter(None, (words.work(line), decision.part_number, decision.reason, day)))
 
-    lacking = {line.key: words.lacking(line) for line in words.estimate.lines}
-    marks = dict(zip(dict.fromkeys(rule for rule, _ in lacking.values()), _MARKS, strict=False))
+    worse: dict[str, tuple[str, str]] = {}
+    for line in words.estimate.lines:
+        rule, within, without = words.lacking(line)
+        worse[line.key] = (say("estimate.with_it", rule=rule, within=within) if within else rule, without or "–")
+    rules = dict.fromkeys(rule for rule, _ in worse.values())
+    marks = {rule: str(number).translate(_RAISED) for number, rule in enumerate(rules, start=1)}
 
     def lacks(line: Line) -> str:
-        rule, values = lacking[line.key]
-        return f"{values or '–'} {marks.get(rule, rule)}"
+        rule, without = worse[line.key]
+        return f"{without} {marks[rule]}"
 
     lines = words.estimate.lines
     bare = [line for line in lines if not line.own and line.price is None and line.hours is None]
@@ -88,8 +92,8 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
     yield listed(
         say,
         [line for line in lines if line not in bare],
-        Column("pair", width=200, of=words.pair),
-        Column("work", width=100, of=done),
+        Column("pair", width=150, of=words.pair),
+        Column("work", width=150, of=done),
         Column("price", digits=2, of=lambda line: words.money(line.part)),
         Column("hours", digits=1, of=words.hours),
         Column("labour", digits=2, of=lambda line: words.money(line.work)),
@@ -187,7 +191,7 @@ _WIDTHS = {"pair": 300, "consequence": 100, "decision": None}  # of the columns 
 _ELSEWHERE = ("sleeve", "spool", "effective", "leakage", "interval")  # of lands: in the table of all of them
 _STUDY = "Dziubak & Szczepaniak, Energies 2023, 16, 7667"  # as the catalogue's files cite it
 CATALOGUE_LANGUAGE = "en"  # of the sources that the catalogue's files name
-_MARKS = "¹²³⁴⁵⁶⁷⁸⁹"  # of what is worse without a line of the estimate
+_RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")  # of what is worse without a line of the estimate
 _BARS = 16  # largest number of bars in the chart of shares
 _FEW, _MANY = 12, 16  # flagged lands each with its reason; rows of a table from which on its letters are small
 

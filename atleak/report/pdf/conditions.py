@@ -32,7 +32,7 @@ from atleak.report.tables.road_words import (
     test_sentences,
     warm_up_section,
 )
-from atleak.report.tables.sentences import circuit_sentence, shares_add_up
+from atleak.report.tables.sentences import circuit_sentence, replace_at, shares_add_up
 from atleak.report.tables.table import Column, Table
 
 ABREAST, _BESIDE = 5, 3  # conditions beside one another in a table, and beside the steps of a plan
@@ -95,8 +95,10 @@ class Conditions(PrintedPart):
             yield text(f"{how} {say('texts.totals_after')}", leads=True)
             yield from self._steps()
             yield from self._options()
-            if any(step.land.replace_mileage for step in plan.steps):
-                yield text(f"{say('printed.replace_at')}: {say('texts.replace_at')}.", small=True)
+            foreseen = [(self._step(step), at) for step in plan.steps if (at := replace_at(step.land, say))]
+            if foreseen:
+                beside = "" if len(plan.order) <= _FEW else f" {joined(map(' '.join, foreseen), '; ')}."
+                yield text(f"{say('printed.replace_at')}: {say('texts.replace_at')}.{beside}", small=True)
         yield from map(text, plan_ends(plan, say))
 
     def _steps(self) -> Iterator[Block]:
@@ -124,15 +126,18 @@ class Conditions(PrintedPart):
         beside = [replace(each, width=150) for each in conditions] if len(conditions) <= _BESIDE else []
         if len(plan.order) <= _FEW:
             yield printed(replace(totals, columns=(number, *about_steps, *beside), remark=about))
-        else:  # verdict, consequence and name stand with the flagged lands
-            pair = Column("pair", of=lambda row: self._step(step(row)))
-            lowering = [row for row in totals.rows if not about(row)]
-            yield abreast(replace(totals, columns=(number, pair, *beside), rows=lowering))
-            said: dict[str, list[str]] = {}
-            for row in totals.rows:
-                said.setdefault(about(row), []).append(self._step(step(row)))
-            yield bullets(f"{joined(steps)}: {what}" for what, steps in said.items() if what)
-        yield from self._abreast(replace(totals, columns=(number, *([] if beside else conditions))))
+            yield from self._abreast(replace(totals, columns=(number, *([] if beside else conditions))))
+            return
+        # verdict, consequence and name stand with the flagged lands
+        width = None if self.names.numbered else 200
+        pair = Column("pair", width=width, of=lambda row: f"{row[0] or '–'} {self._step(step(row))}")
+        rows = [row for row in totals.rows if (found := step(row)) is None or found.helps]
+        many = replace(totals, columns=(pair, *(beside or conditions)), rows=rows)
+        yield from [abreast(many)] if beside else self._abreast(many)
+        said: dict[str, list[str]] = {}
+        for row in totals.rows:
+            said.setdefault(about(row), []).append(self._step(step(row)))
+        yield bullets(f"{joined(steps)}: {what}" for what, steps in said.items() if what)
 
     def _step(self, step: PumpStep | RepairStep | None) -> str:
         """Return the number of the land that a step repairs, or its name."""

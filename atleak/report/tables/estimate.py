@@ -97,15 +97,15 @@ class EstimateWords:
 
     def lacks(self, line: Line) -> str:
         """Say what is worse most without the line."""
-        return " ".join(filter(None, self.lacking(line)))
+        rule, within, without = self.lacking(line)
+        return self.say("estimate.lacks", rule=rule, within=within, without=without) if without else rule
 
-    def lacking(self, line: Line) -> tuple[str, str]:
-        """Return what is worse most without the line, and its values without and with it; none where nothing is."""
+    def lacking(self, line: Line) -> tuple[str, str, str]:
+        """Return what is worse most without the line, its value with and without it; no values where nothing is."""
         gain = self.estimate.gain_of(line)
         if gain is None:
-            return self.say("estimate.lacks_nothing"), ""
-        within, without = (self._value(rule) for rule in (gain.within, gain.without))
-        return self.rule(gain.without), self.say("estimate.lacks", within=within, without=without)
+            return self.say("estimate.lacks_nothing"), "", ""
+        return self.rule(gain.without), self._value(gain.within), self._value(gain.without)
 
     def rule(self, rule: Rule) -> str:
         """Name what a rule limits, of which circuit and at which condition."""

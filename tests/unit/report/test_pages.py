@@ -23,10 +23,10 @@ from atleak.common.translations import languages
 from atleak.common.wording import wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
+from atleak.job.case import Case, SourceFile
 from atleak.measurements.job_card import Job
 from atleak.measurements.readings import Reading, Readings
 from atleak.report.pdf import write_pdf
-from tests.unit.report.read_back import pages_of
 
 LONG = "Hydraulischer Hauptdruck-Regelventilkolben mit Verstärkungshülse und Rückstellfeder"
 SHORT = "Valve"
@@ -226,13 +226,80 @@ def test_in_us_units_nothing_is_cut_or_covered_and_small_uncertainties_have_digi
     assert not re.search(r"\d\s(µm|K)\b|/K\b", budgets)
 
 
-def test_the_sample_s_workshop_report_has_four_pages_and_its_annex_eight_at_most(
-    four_speed, hipol, limits, sample_readings, sample_log
-) -> None:
-    readings, road = atleak.read_readings(sample_readings, four_speed), atleak.read_road_test(sample_log)
-    found = diagnose(four_speed, hipol, limits, readings=readings, road_test=road)
+READERS = [
+    {"language": "en"},
+    *(
+        pytest.param(each, marks=pytest.mark.slow)
+        for each in (
+            {"language": "de", "units": "metric_bar"},
+            {"language": "pl"},
+            {"language": "en", "units": "us", "paper": "letter"},
+        )
+    ),
+]
+
+
+@pytest.fixture(scope="module", params=["sample", "wreck"])
+def full(request, four_speed, hipol, limits, sample_readings, sample_log) -> tuple[Diagnosis, Job]:
+    """All that a job of 47 lands can hold: the sample's sheet, or one of which every land is worn."""
+    sheet = atleak.read_readings(sample_readings, four_speed)
+    if request.param == "wreck":
+        wider = {land.key: (2.0 + number % 4) * land.mounting_high for number, land in enumerate(four_speed.lands)}
+        readings = [
+            Reading(key[0], part, four_speed.land(*key).planes[0], direction, repeat, diameter + repeat * 0.4e-6)
+            for key, wide in wider.items()
+            for part, more in (("spool", 0.0), ("sleeve", wide))
+            for diameter in (four_speed.land(*key).nominal_diameter + more,)
+            for direction in (0.0, 90.0)
+            for repeat in (1, 2)
+        ]
+        sheet = replace(sheet, readings=tuple(readings))
+    ranges = [("P", 640), ("R", 980), ("N", 640), ("D", 600), ("3", 610)]
+    gauges = "\n".join(("range;state;pressure [kPa]", *(f"{name};slow idle;{shown}" for name, shown in ranges)))
+    case = Case(
+        road_test=SourceFile.at(sample_log), pressures=SourceFile("gauges.csv", gauges.encode()), complaint="slips_hot"
+    )
+    found = diagnose(
+        four_speed,
+        hipol,
+        limits,
+        readings=sheet,
+        road_test=atleak.read_road_test(sample_log),
+        pressures=case.diagnose().pressures.table,
+        complaint=four_speed.complaint("slips_hot"),
+        mileage_km=106_315.0,
+    )
     assert len(found.lands) == 47
-    assert found.log is not None
-    pages = {name: len(pages_of(write_pdf(found, document=name))) for name in ("workshop", "annex")}
-    assert pages["workshop"] <= 4
-    assert pages["annex"] <= 8
+    picture = io.BytesIO()
+    Image.new("RGB", (400, 300), "#336699").save(picture, "PNG")
+    proposed = (("25", "ream and fit oversize spool", 180.0, 2.0), ("26", "new sleeve", 90.0, 1.0))
+    job = Job(
+        number="2026-0417",
+        date="2026-03-14",
+        technician="B. Nowak",
+        complaint="Shifts late from first to second when hot, and a jerk at the lights.",
+        workshop={"name": "Łódź Automaty", "address": "ul. Długa 12\n00-001 Łódź", "phone": "+48 42 555 01 01"},
+        customer={"name": "Ana Lima"},
+        vehicle={"make": "Volvo", "model": "S60", "registration": "PO 1234"},
+        estimate={"currency": "EUR", "labour_rate": 80.0, "tax_percent": 23.0},
+        repair_decisions=[
+            {"component": component, "work": work, "price": price, "hours": hours, "decision": "proposed"}
+            for component, work, price, hours in proposed
+        ],
+        photos=[{"file": "bore.png", "component": "25", "caption": "scored bore"}],
+    ).with_pictures({"bore.png": picture.getvalue()})
+    return found, job
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_of_47_lands_a_workshop_report_has_four_pages_and_the_annex_eight_at_most(
+    full: tuple[Diagnosis, Job], reader: dict[str, str]
+) -> None:
+    found, job = full
+    pages = {name: Pages(write_pdf(found, job, document=name, **reader)) for name in ("workshop", "annex")}
+    assert len(pages["workshop"].texts) <= 4
+    assert len(pages["annex"].texts) <= 8
+    for each in pages.values():
+        assert each.outside() == []
+        assert each.covered == []
+        assert each.left_alone() == []

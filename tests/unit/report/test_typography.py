@@ -34,10 +34,14 @@ def sizes(content: bytes) -> Iterator[tuple[int, float, str]]:
                     yield number, pdfium.FPDFText_GetFontSize(written, place), letter
 
 
-def test_tables_and_sentences_are_no_smaller_than_9_points_and_tables_of_the_annex_than_8(worn):
-    content = write_pdf(worn, Job(number="1", customer={"name": "A. Customer"}), sections=["flagged", "gauges"])
-    small = [(page, size, letter) for page, size, letter in sizes(content) if page > 1 and size < LEAST]
-    assert small == []
+def test_sentences_are_no_smaller_than_9_points_and_tables_of_many_rows_and_the_annex_than_8(worn):
+    decisions = [{"component": "25", "land": 1, "work": "ream", "decision": "done"}]
+    job = Job(number="1", customer={"name": "A. Customer"}, repair_decisions=decisions)
+    content = write_pdf(worn, job, document="workshop", sections=["again", "road_test", "repair"])
+    small = [(page, size, letter) for page, size, letter in sizes(content) if size < LEAST]
+    assert {page for page, *_ in small} <= {1}, "none but those of the totals"
+    workshop = write_pdf(worn, job, document="workshop", sections=["flagged", "repair_order", "estimate"])
+    assert min(size for _, size, _ in sizes(workshop)) > DENSE
     annex = write_pdf(worn, document="annex", sections=["all", "limits", "assumptions", "readings", "provenance"])
     assert min(size for _, size, _ in sizes(annex)) > DENSE
 
