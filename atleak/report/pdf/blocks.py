@@ -16,6 +16,7 @@ from atleak.report.tables.table import VERDICT, Column, Facts, Picture, Points, 
 Block = dict[str, Any]
 
 _PLAIN = re.compile(r"[−\d\s]+([.,]\d+)?(?:–[−\d\s]+[.,]?\d*)?(?:\n.*)?$")  # a number or two, an interval below
+FEW = 12  # items of a table, each with all that is said of it; more stand in short
 _NOTE = 1500  # letters of a note that a page can hold together with the last rows of its table
 
 

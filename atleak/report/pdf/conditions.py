@@ -15,7 +15,18 @@ from atleak.engine.road_leakage import RoadLeakage
 from atleak.report.charts.flows import FlowDiagram, flow_diagram, flow_svg, flow_words
 from atleak.report.charts.paper import drawn_on_paper
 from atleak.report.charts.paper_curves import pump_chart, road_chart
-from atleak.report.pdf.blocks import Block, abreast, bullets, ends, named_facts, picture, printed, section_blocks, text
+from atleak.report.pdf.blocks import (
+    FEW,
+    Block,
+    abreast,
+    bullets,
+    ends,
+    named_facts,
+    picture,
+    printed,
+    section_blocks,
+    text,
+)
 from atleak.report.printed_names import PrintedNames, PrintedPart
 from atleak.report.tables.complaint import MEASURE_FIRST, finding, measure_first, reason
 from atleak.report.tables.first_sentence import pump_sentence
@@ -36,7 +47,6 @@ from atleak.report.tables.sentences import circuit_sentence, replace_at, shares_
 from atleak.report.tables.table import Column, Table
 
 ABREAST, _BESIDE = 5, 3  # conditions beside one another in a table, and beside the steps of a plan
-_FEW = 12  # steps of a plan, with all that is said of each
 
 
 def leaking_elsewhere(names: PrintedNames, rows: Iterable[MatrixRow]) -> Iterable[str]:
@@ -97,7 +107,7 @@ class Conditions(PrintedPart):
             yield from self._options()
             foreseen = [(self._step(step), at) for step in plan.steps if (at := replace_at(step.land, say))]
             if foreseen:
-                beside = "" if len(plan.order) <= _FEW else f" {joined(map(' '.join, foreseen), '; ')}."
+                beside = "" if len(plan.order) <= FEW else f" {joined(map(' '.join, foreseen), '; ')}."
                 yield text(f"{say('printed.replace_at')}: {say('texts.replace_at')}.{beside}", small=True)
         yield from map(text, plan_ends(plan, say))
 
@@ -124,7 +134,7 @@ class Conditions(PrintedPart):
         number = Column("", digits=0, words=say("repair_plan.number"), of=lambda row: str(row[0] or "–"))
         _, *conditions = totals.columns
         beside = [replace(each, width=150) for each in conditions] if len(conditions) <= _BESIDE else []
-        if len(plan.order) <= _FEW:
+        if len(plan.order) <= FEW:
             yield printed(replace(totals, columns=(number, *about_steps, *beside), remark=about))
             yield from self._abreast(replace(totals, columns=(number, *([] if beside else conditions))))
             return
