@@ -7,7 +7,6 @@ may it show the dashboard in a frame of its own, where a click meant for that pa
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable
 from urllib.parse import urlsplit
 
@@ -38,36 +37,18 @@ class OwnPagesAlone:
 
 
 class NoForeignFrames:
-    """Let pages of the dashboard alone show it in a frame, and no page outside send it messages."""
+    """Let pages of the dashboard alone show it in a frame; ``client.allowedOrigins`` lets none send it messages."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        told = scope["type"] == "http" and scope["path"].endswith("/_stcore/host-config")
-        if told:  # read here, so not to be compressed before
-            scope = {**scope, "headers": [each for each in scope["headers"] if each[0].lower() != b"accept-encoding"]}
-        start: Message = {}
-        body = b""
-
         async def guarded(message: Message) -> None:
-            nonlocal start, body
             if message["type"] == "http.response.start":
-                headers = MutableHeaders(raw=list(message["headers"]))
+                headers = MutableHeaders(scope=message)
                 headers["Content-Security-Policy"] = "frame-ancestors 'self'"
                 headers["X-Frame-Options"] = "SAMEORIGIN"
-                start = {**message, "headers": headers.raw}
-                if not told:
-                    await send(start)
-            elif told and message["type"] == "http.response.body":
-                body += message.get("body", b"")
-                if not message.get("more_body"):
-                    content = _without_origins(body) if start["status"] == 200 else body
-                    MutableHeaders(raw=start["headers"])["Content-Length"] = str(len(content))
-                    await send(start)
-                    await send({"type": "http.response.body", "body": content})
-            else:
-                await send(message)
+            await send(message)
 
         await self.app(scope, receive, guarded)
 
@@ -113,12 +94,3 @@ def _place(origin: str) -> str | None:
 def _without_usual_port(host: str, origin: str) -> str:
     """Return a host without the port that its scheme has anyway: browsers leave it out, some proxies do not."""
     return host.removesuffix({"https": ":443", "http": ":80"}.get(origin.partition(":")[0], ""))
-
-
-def _without_origins(config: bytes) -> bytes:
-    """Return what Streamlit tells a page about messages to it, with nobody who may send any."""
-    try:
-        said = json.loads(config)
-    except ValueError:
-        said = {}
-    return json.dumps({**(said if isinstance(said, dict) else {}), "allowedOrigins": []}).encode()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import http.client
+import json
+import urllib.request
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -46,6 +48,11 @@ def test_the_server_refuses_foreign_names_and_pages_of_other_origins(server: str
         assert answer(server, path, Host="evil.example", Origin="http://evil.example", **headers) == 400
     assert answer(server, stream, Host=own, Origin="http://evil.example", **UPGRADE) == 403
     assert answer(server, stream, Host=own, Origin="http://127.0.0.1:1", **UPGRADE) == 403
+
+
+def test_no_page_outside_may_send_the_dashboard_messages(server: str) -> None:
+    with urllib.request.urlopen(f"{server}/_stcore/host-config", timeout=60) as told:
+        assert json.load(told)["allowedOrigins"] == []
 
 
 @dataclass

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import pytest
@@ -117,11 +116,3 @@ def test_no_foreign_page_shows_the_dashboard_in_a_frame(path: str) -> None:
     headers, body = told(path, b"a page in pieces")
     assert (headers["content-security-policy"], headers["x-frame-options"]) == ("frame-ancestors 'self'", "SAMEORIGIN")
     assert body == b"a page in pieces"
-
-
-def test_no_foreign_page_may_send_messages_to_the_dashboard() -> None:
-    config = {"allowedOrigins": ["https://*.streamlit.app"], "useExternalAuthToken": False}
-    headers, body = told("/_stcore/host-config", json.dumps(config).encode())
-    assert json.loads(body) == {**config, "allowedOrigins": []}
-    assert headers["content-length"] == str(len(body))
-    assert told("/_stcore/host-config", b"\x1f\x8b packed")[1] == b'{"allowedOrigins": []}'
