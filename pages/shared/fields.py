@@ -17,16 +17,8 @@ from pages.shared import address, reader, show
 
 
 def kept(key: str, start: Any) -> dict[str, Any]:
-    """Return what makes a field keep what was typed: its value, key and callback.
-
-    The callback runs before any page does, so what is typed last is kept even where the next click leaves the page.
-    """
-    typed = st.session_state.setdefault("typed", {})
-    return {"value": typed.get(key, start), "key": key, "on_change": _keep, "args": (key,)}
-
-
-def _keep(key: str) -> None:
-    st.session_state["typed"][key] = st.session_state[key]
+    """Return what makes a field keep what was typed, over other pages too."""
+    return {"value": start, "key": key, "persist_state": "session"}
 
 
 @overload

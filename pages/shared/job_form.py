@@ -118,14 +118,10 @@ def _as_found(record: Job) -> dict[str, Any]:
     found = complaint(record) | scan_and_fluid(record)
     grades = ["", *get_args(Grade)]
     columns = st.columns(3)
-    chosen = fields.kept(key("grade"), dirt.grade or "")
     grade = columns[0].selectbox(
-        say("facts.contamination"),
-        grades,
-        grades.index(chosen.pop("value")),
-        format_func=lambda each: say.get("grades", each),
-        **chosen,
-    )
+        say("facts.contamination"), grades, grades.index(dirt.grade or ""), lambda each: say.get("grades", each),
+        key=key("grade"), persist_state="session",
+    )  # fmt: skip
     contamination = {
         "grade": grade or None,
         "particles": _text(columns[1], "particles", "particles", dirt.particles),

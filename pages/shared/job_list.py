@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -22,6 +23,7 @@ from atleak.report.tables.table import Column, Table
 from pages.shared import reader, show
 from pages.shared.book import job_id, open_from_book, open_picked
 from pages.shared.fields import kept
+from pages.shared.job_form import key
 from pages.shared.state import session
 from pages.shared.undo import Steps
 
@@ -30,6 +32,7 @@ _TABLE = "job-list"
 _SAID = "job-list-said"  # what was done by the last click
 _ERASING = "job-list-erasing"  # ids of jobs whose customer is to be erased
 _PAIRS = "job-list-pairs"  # units that may be one, as they were when somebody looked
+_OF_RECORD = re.compile(r"job\d+-")  # the keys of what is typed in a job's record
 _MERGED = "job-list-merged"  # unit that was merged last
 _COLUMNS = (
     Column("verdict", "verdict", width=92),
@@ -215,8 +218,11 @@ def _erase(book: Book, ids: Sequence[str]) -> str:
     done = erase(book, ids)
     session().steps = session().steps.without_jobs(ids)
     if job_id() in ids:
-        st.session_state["typed"] = {}
         open_from_book(str(job_id()), Steps())  # what this session shows is what the book holds now
+    for typed in [
+        each for each in st.session_state if _OF_RECORD.match(str(each)) and not str(each).startswith(key(""))
+    ]:
+        del st.session_state[typed]
     lost = sum(bool(each.lost) for each in done)
     left = sorted({name for each in done for name in each.left_in})
     say = reader.say()

@@ -252,14 +252,10 @@ def _line(words: EstimateWords, line: Line, record: Job) -> Job:
             )
         with places[1]:
             hours = fields.number(say("estimate_page.work"), HOURS, line.hours, key=f"{own}-hours", optional=True)
-        start = fields.kept(f"{own}-state", shown["decision"] or "")
         state = places[2].selectbox(
-            say("estimate_page.state"),
-            _STATES,
-            _STATES.index(start.pop("value")),
-            format_func=lambda each: say.get("job_decisions", each),
-            **start,
-        )
+            say("estimate_page.state"), _STATES, _STATES.index(shown["decision"] or ""),
+            lambda each: say.get("job_decisions", each), key=f"{own}-state", persist_state="session",
+        )  # fmt: skip
         reason = places[3].text_input(say("estimate_page.reason"), **fields.kept(f"{own}-reason", shown["reason"]))
         typed = {"price": price, "hours": hours, "decision": state or None, "reason": clean_text(reason).strip()}
         asked = st.container()
@@ -291,7 +287,7 @@ def _carried_out(diagnosis: Diagnosis, line: Line, own: str) -> dict[str, Any]:
         # the fields beside it stay, with what is typed in them just now
         _seen()[now.key] = (_generation(now), changed.repair_decisions[-1 if now.place is None else now.place])
         st.session_state[RECORD] = changed
-        st.session_state[f"{own}-state"] = st.session_state["typed"][f"{own}-state"] = state or ""
+        st.session_state[f"{own}-state"] = state or ""
 
     return {"key": switch, "on_change": turn}
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any, get_args
 
 import numpy as np
 import streamlit as st
+from streamlit.delta_generator import DeltaGenerator
 
 from atleak.analysis.what_if import Axis, Map, WhatIf, map_over, temperatures_to_try, tried, wears_to_try
 from atleak.catalogue.fluid import FluidState
@@ -30,6 +31,7 @@ _AS_IN_JOB: dict[str, Any] = {
     "point": None, "temperature": None, "speed": None, "gear": None, "wear": 1.0, "growth": 0, "fluid": None,
     "state": None, "position": None,
 }  # fmt: skip
+_RESETS = "what-if-resets"  # how often what is tried was reset
 _ADDRESS = "tried"  # what is tried, in the address: ``wear:2.0;gear:3``
 _LABELS = {"temperature": "temperature", "speed": "engine_speed"}
 _NUMBERS: dict[str, tuple[type[float] | type[int], tuple[float, float]]] = {  # of an address, each with its range
@@ -118,23 +120,6 @@ def _pressure(diagnosis: Diagnosis, over: Map, job: MapPlace, now: MapPlace) -> 
 # --- what is tried
 
 
-@dataclass
-class _Kept:
-    """What is tried; temperature [°C] and speed [1/min] only where they are not those of the operating point."""
-
-    owner: tuple[int, str]  # the job that it departs from
-    turn: int  # part of every widget's key: a reset gives fresh ones
-    chosen: dict[str, Any]
-
-
-def _start(diagnosis: Diagnosis) -> None:
-    """Keep what this session tries, after a reload what the address has; another job starts anew."""
-    owner, kept = (session().generation, diagnosis.controller.sha256), st.session_state.get("what-if")
-    if kept is None or kept.owner != owner:
-        turn = 0 if kept is None else kept.turn + 1
-        st.session_state["what-if"] = _Kept(owner, turn, _AS_IN_JOB | read_tried(address.kept(_ADDRESS)))
-
-
 def read_tried(written: str) -> dict[str, Any]:
     """Return what an address says is tried; what cannot be read, or is out of range, is as in the job."""
     tried: dict[str, Any] = {}
@@ -150,49 +135,75 @@ def read_tried(written: str) -> dict[str, Any]:
     return tried
 
 
-def _write() -> None:
+def _tried() -> dict[str, Any]:
+    """Return what is tried; temperature [°C] and speed [1/min] only where they are not those of the operating point."""
+    return _AS_IN_JOB | read_tried(address.kept(_ADDRESS))
+
+
+def _keep(chosen: Mapping[str, Any]) -> None:
     """Keep in the address what differs from the job."""
-    chosen = st.session_state["what-if"].chosen
     differing = (f"{name}:{chosen[name]}" for name, own in _AS_IN_JOB.items() if chosen[name] != own)
     address.keep(_ADDRESS, ";".join(differing))
 
 
 def _reset() -> None:
-    kept = st.session_state["what-if"]
-    kept.turn, kept.chosen = kept.turn + 1, dict(_AS_IN_JOB)
-    _write()
+    st.session_state[_RESETS] = st.session_state.get(_RESETS, 0) + 1
+    _keep(_AS_IN_JOB)
 
 
 def _settings(case: PageCase, diagnosis: Diagnosis) -> WhatIf:
     """Show the controls and return what is tried."""
-    say = reader.say()
-    _start(diagnosis)
+    say, chosen = reader.say(), _tried()
     first, second, third = st.columns(4), st.columns(2), st.columns(3)
+
+    def number(place: DeltaGenerator, name: str, asked: AskedNumber, own: float) -> float | None:
+        """Ask for a number; None where it is ``own``, that of the operating point."""
+        start = own if chosen[name] is None else chosen[name]
+        with place:
+            value = fields.number(
+                say(f"what_if.{_LABELS[name]}"), asked, start, key=f"{_key('at', diagnosis)}-{point}-{name}"
+            )
+        chosen[name] = None if value == own else value
+        return None if value == own else value
+
+    def select(place: DeltaGenerator, name: str, labels: dict[Any, str], otherwise: Any = None) -> Any:
+        """Ask for a choice; ``otherwise`` is what the job has."""
+        options, key = list(labels), f"{_key(name, diagnosis)}-{otherwise}"
+        if chosen[name] not in options:  # of an address that was written for another unit, or by hand
+            chosen[name] = _AS_IN_JOB[name]
+        return place.selectbox(
+            say(f"what_if.{name}"), options, options.index(otherwise if chosen[name] is None else chosen[name]),
+            labels.__getitem__, key, say.table("what_if").get(f"{name}_help"), on_change=_taken, args=(name, key),
+        )  # fmt: skip
+
+    def slide(place: DeltaGenerator, name: str, high: Any, step: Any) -> Any:
+        key = _key(name, diagnosis)
+        return place.slider(
+            say(f"what_if.{name}"), type(high)(0), high, chosen[name], step, "localized",
+            key=key, help=say(f"what_if.{name}_help"), on_change=_taken, args=(name, key),
+        )  # fmt: skip
+
     points = {each.condition.name: each.condition for each in diagnosis.presented}
     stated = diagnosis.projection.condition
     labels = {name: say.condition(point) for name, point in points.items()}
     labels[stated.name] = say("what_if.stated", label=labels[stated.name])
-    point = _select(first[0], "point", labels, stated.name)
+    point = select(first[0], "point", labels, stated.name)
     base = points[point]
-    owner = f"{_key('at')}-{point}"
-    with first[1]:
-        temperature = _number("temperature", TEMPERATURE, base.temperature, f"{owner}-t")
-    with first[2]:
-        rpm = round(base.engine_speed * RPM, 6)
-        typed = _number("speed", ENGINE_SPEED, rpm, f"{owner}-n")
+    temperature = number(first[1], "temperature", TEMPERATURE, base.temperature)
+    speed = number(first[2], "speed", ENGINE_SPEED, round(base.engine_speed * RPM, 6))
     gears = dict.fromkeys([*diagnosis.controller.gears, base.gear])
-    gear = _select(first[3], "gear", {each: gear_name(each) for each in gears}, base.gear)
-    wear = _slide(second[0], "wear", 0.0, _MOST_WEAR, 0.05)
-    growth = _slide(second[1], "growth", 0, _MOST_GROWTH, 5)
-    fluid = _select(third[0], "fluid", _fluids(diagnosis), None)
-    state = _select(third[1], "state", _states(diagnosis), None)
-    position = _select(third[2], "position", _positions(diagnosis), None)
+    gear = select(first[3], "gear", {each: gear_name(each) for each in gears}, base.gear)
+    wear = slide(second[0], "wear", _MOST_WEAR, 0.05)
+    growth = slide(second[1], "growth", _MOST_GROWTH, 5)
+    fluid = select(third[0], "fluid", _fluids(diagnosis))
+    state = select(third[1], "state", _states(diagnosis))
+    position = select(third[2], "position", _positions(diagnosis))
     st.button(say("what_if.reset"), on_click=_reset, key="what-if-reset")
-    _write()
+    _keep(chosen)
     return WhatIf(
         point=point,
-        temperature_c=temperature,
-        engine_speed_rpm=None if typed == rpm else typed,
+        temperature_c=base.temperature if temperature is None else temperature,
+        engine_speed_rpm=speed,
         gear=gear,
         wear=wear,
         growth=growth / PERCENT,
@@ -202,50 +213,17 @@ def _settings(case: PageCase, diagnosis: Diagnosis) -> WhatIf:
     )
 
 
-def _key(name: str) -> str:
-    return f"what-if-{name}-{st.session_state['what-if'].turn}"
+def _key(name: str, diagnosis: Diagnosis) -> str:
+    """Return a widget's key: another job and a reset give fresh ones."""
+    of = diagnosis.controller.sha256[:12]
+    return f"what-if-{name}-{session().generation}-{of}-{st.session_state.get(_RESETS, 0)}"
 
 
-def _keep(name: str, key: str) -> None:
-    chosen = st.session_state["what-if"].chosen
-    chosen[name] = st.session_state[key]
+def _taken(name: str, key: str) -> None:
+    chosen = _tried() | {name: st.session_state[key]}
     if name == "point":
         chosen |= {"temperature": None, "speed": None, "gear": None}  # begin with those of the point
-
-
-def _number(name: str, asked: AskedNumber, own: float, key: str) -> float:
-    """Show a number's field; ``own`` is that of the operating point."""
-    chosen = st.session_state["what-if"].chosen
-    start = own if chosen[name] is None else chosen[name]
-    value = fields.number(reader.say()(f"what_if.{_LABELS[name]}"), asked, start, key=key)
-    chosen[name] = None if value == own else value
-    return value
-
-
-def _select(place: Any, name: str, labels: dict[Any, str], otherwise: Any) -> Any:
-    """Show a choice; ``otherwise`` is what the job has."""
-    say, options, key = reader.say(), list(labels), f"{_key(name)}-{otherwise}"
-    chosen = st.session_state["what-if"].chosen
-    if chosen[name] not in options:  # of an address that was written for another unit, or by hand
-        chosen[name] = _AS_IN_JOB[name]
-    return place.selectbox(
-        say(f"what_if.{name}"),
-        options,
-        options.index(otherwise if chosen[name] is None else chosen[name]),
-        key=key,
-        format_func=labels.__getitem__,
-        help=say.table("what_if").get(f"{name}_help"),
-        on_change=_keep,
-        args=(name, key),
-    )
-
-
-def _slide(place: Any, name: str, low: Any, high: Any, step: Any) -> Any:
-    say, key = reader.say(), _key(name)
-    return place.slider(
-        say(f"what_if.{name}"), low, high, st.session_state["what-if"].chosen[name], step, "localized",
-        key=key, help=say(f"what_if.{name}_help"), on_change=_keep, args=(name, key),
-    )  # fmt: skip
+    _keep(chosen)
 
 
 def _fluids(diagnosis: Diagnosis) -> dict[str | None, str]:

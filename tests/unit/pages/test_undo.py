@@ -126,6 +126,7 @@ def test_nobody_who_was_erased_comes_back(app: AppTest, shown: bool) -> None:
     assert not app.exception
     assert offered(app) == []
     assert not open_book().load(id).file.job.number
+    assert "A-1" not in repr(app.session_state)
 
 
 def test_nobody_comes_back_who_was_erased_in_a_conflict(app: AppTest) -> None:
