@@ -77,7 +77,7 @@ def follow_address() -> None:
 
 
 def open_from_book(id: str, steps: Steps | None = None) -> bool:
-    """Open a job of the book in this session, with fresh widgets; return whether that was possible.
+    """Open a job of the book in this session, with fresh widgets; return whether that was possible, else say why.
 
     Parameters
     ----------
@@ -105,11 +105,6 @@ def open_from_book(id: str, steps: Steps | None = None) -> bool:
     show_job(case, stored.file.job, in_book, steps)
     in_book.state = state_of_job()
     return True
-
-
-def open_picked(id: str) -> None:
-    """Open a job of the book; where that is impossible the head of the page says why; for a callback."""
-    open_from_book(id)
 
 
 def undo() -> None:
@@ -234,7 +229,7 @@ def keep_sample() -> None:
 def show_theirs() -> None:
     """Open what somebody else saved meanwhile; for a callback."""
     if (id := job_id()) is not None:
-        open_picked(id)
+        open_from_book(id)
 
 
 # --- units of a fleet: the address names one as long as nothing of it is in the book

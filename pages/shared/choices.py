@@ -6,7 +6,7 @@ Each choice is taken as soon as it is made, before anything is drawn: the result
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import Any, get_args, get_type_hints
 
@@ -51,7 +51,9 @@ def catalogue_entry(name: str) -> None:
             return say("settings.own_file", name=option.name)
         return shown_name(known[option], say) if option in known else option
 
-    _select(say(f"slots.{name}"), name, options, current, words, lambda picked: choose(**{name: picked}))
+    fields.choice(
+        say(f"slots.{name}"), options, current, lambda picked: choose(**{name: picked}), words, key=_key(name)
+    )
     with st.container():
         for doubt in () if current is None else entry_doubts(name, current):
             st.warning(show.plain(doubt.text))
@@ -115,10 +117,11 @@ def complaint(place: str) -> None:
     if now.case.complaint not in labels:
         choose(complaint=None)
     current = now.case.complaint or ""
-    _select(
-        say("facts.complaint"), f"complaint-{place}-{chosen.sha256[:12]}-{current}", ["", *labels], current,
+    fields.choice(
+        say("facts.complaint"), ["", *labels], current, lambda name: choose(complaint=name or None),
         lambda name: say.name(labels[name]) if name else say("panel.none_chosen"),
-        lambda name: choose(complaint=name or None), say("panel.complaint_help" if labels else "panel.no_complaints"),
+        key=_key(f"complaint-{place}-{chosen.sha256[:12]}-{current}"),
+        help=say("panel.complaint_help" if labels else "panel.no_complaints"),
     )  # fmt: skip
 
 
@@ -141,11 +144,9 @@ def fluid_state() -> None:
 def engine() -> None:
     """Ask for the profile, and for every option in which the job may differ from it."""
     say, case, hints = reader.say(), session().case, get_type_hints(Profile)
-    profiles = list(PROFILES)
-    named_so = partial(say.get, "profile_names")
-    _select(
-        say("facts.profile"), "profile", profiles, case.profile, named_so,
-        lambda name: choose(profile=name, options=()),
+    fields.choice(
+        say("facts.profile"), list(PROFILES), case.profile, lambda name: choose(profile=name, options=()),
+        partial(say.get, "profile_names"), key=_key("profile"),
     )  # fmt: skip
     base = PROFILES[case.profile].options
     chosen = base | dict(case.options)
@@ -156,13 +157,12 @@ def engine() -> None:
         differing = ((name, each) for name, each in values.items() if each != PROFILES[now.profile].options[name])
         choose(options=tuple(differing))
 
-    def named(value: str) -> str:
-        return say.get("option_values", value)
-
+    named = partial(say.get, "option_values")
     for option in OPTIONS:
         values = list(get_args(hints[option]))
         tip = "; ".join(f"{named(value)}: `{option}={value}`" for value in values)
-        _select(say(f"options.{option}"), option, values, chosen[option], named, partial(take, option), tip)
+        label, key = say(f"options.{option}"), _key(option)
+        fields.choice(label, values, chosen[option], partial(take, option), named, key=key, help=tip)
     _eccentricity(chosen["eccentricity"], partial(take, "eccentricity"))
     st.caption(say("settings.profiles"))
 
@@ -184,28 +184,6 @@ def _eccentricity(current: float | str, take: Callable[[float | str], None]) -> 
     )
     label = say("settings.eccentricity")
     st.slider(label, 0.0, 1.0, fixed, 0.05, "localized", key=ratio, disabled=current == UNKNOWN, on_change=changed)
-
-
-def _select(
-    label: str,
-    name: str,
-    options: Sequence[Any],
-    current: Any,
-    shown: Callable[[Any], str],
-    take: Callable[[Any], None],
-    tip: str | None = None,
-) -> None:
-    key = _key(name)
-    st.selectbox(
-        label,
-        options,
-        options.index(current),
-        key=key,
-        format_func=shown,
-        help=tip,
-        on_change=lambda: take(st.session_state[key]),
-        disabled=len(options) == 1,
-    )
 
 
 def _key(name: str) -> str:

@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import streamlit as st
 
 from atleak.analysis.pressures import lowest_first, pressures_at
-from atleak.analysis.repair.plan import RepairPlan, plan_repairs
+from atleak.analysis.repair.plan import plan_repairs
 from atleak.analysis.repair.totals import Total
 from atleak.common.units import DM3_MIN, KPA, RPM
-from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.report.charts.condition_figures import pump_speed_chart
@@ -19,6 +18,7 @@ from atleak.report.tables.answer import missing_table
 from atleak.report.tables.before_opening import before_opening
 from atleak.report.tables.complaint import finding, measure_first, reason
 from atleak.report.tables.estimate import open_words
+from atleak.report.tables.gauges import gauge_table
 from atleak.report.tables.lands import leaking_worst_first, matrix_table
 from atleak.report.tables.pressures import conditions_section, held_section, pump_over_speed
 from atleak.report.tables.repairs import option_table, order_table, plan_ends, totals_table
@@ -57,7 +57,7 @@ def pressures(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     say = reader.say()
     if diagnosis.pressures is not None:
         st.header(say("diagnosis.gauges"))
-        show.gauges(diagnosis.pressures)
+        show.table(gauge_table(diagnosis.pressures, say))
     if diagnosis.missing_flagged:
         st.header(say("answer.split"))
         show.table(missing_table(diagnosis, say))
@@ -69,10 +69,7 @@ def pressures(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     st.header(say("diagnosis.pressures"))
     every = [pressures_at(diagnosis, each, repaired) for each in diagnosis.presented]
     show.section(conditions_section(diagnosis, every, say), "pressures")
-    fold = fields.fold(say("circuits.in_full"), key=f"pressures-in-full-{session().generation}")
-    if fold.open:
-        with fold:
-            _in_full(diagnosis, repaired)
+    fields.unfold(say("circuits.in_full"), f"pressures-in-full-{session().generation}", _in_full, diagnosis, repaired)
 
 
 @st.fragment
@@ -141,14 +138,11 @@ def matrix(diagnosis: Diagnosis) -> None:
 
 def order_of_repair(diagnosis: Diagnosis) -> None:
     """Show in a fold the order of repair with what each step brings, and where it ends."""
-    say = reader.say()
-    order = fields.fold(say("repair_plan.order"), key=f"order-of-repair-{session().generation}")
-    if order.open:
-        with order:
-            _order(diagnosis, plan_repairs(diagnosis), say)
+    fields.unfold(reader.say()("repair_plan.order"), f"order-of-repair-{session().generation}", _order, diagnosis)
 
 
-def _order(diagnosis: Diagnosis, plan: RepairPlan, say: Wording) -> None:
+def _order(diagnosis: Diagnosis) -> None:
+    say, plan = reader.say(), plan_repairs(diagnosis)
     if plan.order:
         show.table(order_table(diagnosis, plan, say))
         st.caption(say(f"repair_plan.order_caption_{'cost' if plan.cost else 'new'}"))

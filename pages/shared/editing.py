@@ -16,7 +16,7 @@ from atleak.catalogue.workbook.draft import Checked, Draft, Subject, checked, co
 from atleak.common.errors import OutputError
 from atleak.common.files import draft_text, drafts, forget_draft, keep_draft, new_token
 from atleak.common.wording import Wording
-from pages.shared import entrance, reader, show
+from pages.shared import entrance, fields, reader, show
 
 _SHOWN = 15  # faults in one list
 _UNITS = {"length": LENGTHS, "clearance": CLEARANCES, "pressure": PRESSURES}  # by attribute of `Units`
@@ -183,16 +183,14 @@ def _checked(key: str, _draft: Draft) -> Checked:
 
 def ask_unit(editing: Editing, attribute: str, label: str, place: Any) -> None:
     """Ask in which unit numbers are typed; another one converts them."""
-    values: Any = _UNITS[attribute]
-    key, first = editing.key(attribute), values.index(getattr(editing.draft.units, attribute))
-    said = partial(reader.say().get, "typed_units")
-    place.selectbox(label, values, first, said, key=key, on_change=_convert, args=(editing, attribute, key))
 
+    def convert(unit: str) -> None:
+        units: dict[str, Any] = vars(editing.draft.units) | {attribute: unit}
+        editing.put(editing.draft.in_units(Units(**units)))
+        editing.anew()
 
-def _convert(editing: Editing, attribute: str, key: str) -> None:
-    units: dict[str, Any] = vars(editing.draft.units) | {attribute: st.session_state[key]}
-    editing.put(editing.draft.in_units(Units(**units)))
-    editing.anew()
+    current, said = getattr(editing.draft.units, attribute), partial(reader.say().get, "typed_units")
+    fields.choice(label, _UNITS[attribute], current, convert, said, key=editing.key(attribute), place=place)
 
 
 def draw_faults(editing: Editing, found: Checked, say: Wording) -> None:

@@ -5,7 +5,7 @@ Which element is which never depends on what is being typed: the place of a doub
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, overload
 
 import streamlit as st
@@ -94,6 +94,33 @@ def fold(label: str, *, key: str, opened: bool = False) -> Any:
     place = st.expander(label, key=key, on_change="rerun")
     left[key] = place.open
     return place
+
+
+def unfold(label: str, key: str, draw: Callable[..., object], *given: Any) -> None:
+    """Show a fold, and draw what stands in it only while it is open."""
+    with fold(label, key=key) as place:
+        if place.open:
+            draw(*given)
+
+
+def choice(
+    label: str,
+    options: Sequence[Any],
+    current: Any,
+    take: Callable[[Any], object],
+    shown: Callable[[Any], str] = str,
+    *,
+    key: str,
+    place: Any = st,
+    **more: Any,
+) -> Any:
+    """Show a choice; what is picked is taken before anything is drawn."""
+
+    def picked() -> None:
+        take(st.session_state[key])
+
+    start = options.index(current)
+    return place.selectbox(label, options, start, shown, key=key, on_change=picked, disabled=len(options) < 2, **more)
 
 
 def part(page: str, names: Mapping[str, str], *, closable: bool = False) -> str:

@@ -5,9 +5,10 @@ Which results, which valve body and by what its groups are told stays in the add
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import streamlit as st
 
@@ -22,7 +23,7 @@ from atleak.fleet.summary_tables import by_trouble
 from atleak.fleet.summary_words import FleetWords
 from atleak.fleet.summary_workbook import write_summary_workbook
 from atleak.fleet.sums import GROUP, FleetSummary, ValveBody
-from pages.shared import address, font_form, reader, show
+from pages.shared import address, fields, font_form, reader, show
 from pages.shared.state import job
 
 FOLDER, BODY, BY = "fleet", "body", "by"  # parameters of the address
@@ -58,40 +59,27 @@ def choose() -> KnownFolder | None:
     if there:
         if asked and asked not in there:
             st.warning(say("fleet.not_here"))
-        id = _pick(say("fleet.which"), list(there), asked, FOLDER, lambda each: _name(there[each], say))
+        id = _pick(
+            say("fleet.which"), list(there), asked, FOLDER,
+            lambda id: f"{there[id].path.name} · {there[id].path.parent}",
+        )  # fmt: skip
         chosen = there[id]
-    _draw_gone([each for each in known if each.id not in there], say)
-    return chosen
-
-
-def _name(folder: KnownFolder, say: Wording) -> str:
-    return f"{folder.path.name} · {folder.path.parent}"
-
-
-def _draw_gone(gone: Sequence[KnownFolder], say: Wording) -> None:
-    """Say which folders hold no results any more, and offer to forget them."""
     with st.container():
         show.refused(FOLDER)
-        for each in gone:
+        for each in (each for each in known if each.id not in there):
             text, button = st.columns([5, 1], vertical_alignment="center")
             text.warning(say("fleet.gone", folder=show.plain(each.path)))
-            button.button(say("remembered.forget"), key=f"fleet-forget-{each.id}", on_click=_forget, args=(each,))
-
-
-def _forget(folder: KnownFolder) -> None:
-    with show.refusing(FOLDER):
-        forget(folder)
+            act: Any = partial(show.tried, FOLDER, forget, each)
+            button.button(say("remembered.forget"), key=f"fleet-forget-{each.id}", on_click=act)
+    return chosen
 
 
 def _pick(label: str, options: list[str], asked: str, name: str, words: Callable[[str], str]) -> str:
     """Let one of some options be picked: the one that the address names, else the first; the address keeps it."""
     start = asked if asked in options else options[0]
-    key = f"fleet-{name}-{start}-{reader.say().language}"
-
-    def picked() -> None:
-        address.keep(name, str(st.session_state[key]), of_job=False)
-
-    return st.selectbox(label, options, options.index(start), words, key=key, on_change=picked)
+    take = partial(address.keep, name, of_job=False)
+    chosen: str = fields.choice(label, options, start, take, words, key=f"fleet-{name}-{start}-{reader.say().language}")
+    return chosen
 
 
 # --- what they are summed up to
@@ -197,17 +185,15 @@ def choose_body(words: FleetWords) -> ValveBody:
     bodies = {body.controller: body for body in summary.bodies}
     first, second = st.columns(2)
     with first:
-        asked = address.kept(BODY, of_job=False)
-        chosen = _pick(say("columns.controller"), list(bodies), asked, BODY, lambda each: _of_body(bodies[each], words))
+        chosen = _pick(
+            say("columns.controller"), list(bodies), address.kept(BODY, of_job=False), BODY,
+            lambda each: f"{words.body(each)} · {say('fleet.units', count=bodies[each].counts.units)}",
+        )  # fmt: skip
     with second:
         headings = ["", *summary.headings]
         if len(headings) > 1:
             _pick(say("fleet.by"), headings, summary.by or "", BY, lambda each: heading_words(each, say))
     return bodies[chosen]
-
-
-def _of_body(body: ValveBody, words: FleetWords) -> str:
-    return f"{words.body(body.controller)} · {words.say('fleet.units', count=body.counts.units)}"
 
 
 def heading_words(heading: str, say: Wording) -> str:

@@ -12,7 +12,7 @@ from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.report.tables.before_opening import before_opening
 from atleak.report.tables.evidence import evidence_sections
-from atleak.report.tables.gauges import card_notes, card_table, pattern_text
+from atleak.report.tables.gauges import card_notes, card_table, gauge_table, pattern_text
 from pages.shared import address, fields, reader, show
 from pages.shared.cases import diagnosis_of
 from pages.shared.state import job, session
@@ -68,7 +68,9 @@ def _open_next(names: tuple[str, ...]) -> None:
 def _results() -> Mapping[str, str]:
     """Return in short what came of each step that is done."""
     diagnosis, say = diagnosis_of(session().good), reader.say()
-    results = {"complaint": _of_complaint(diagnosis, say), "fluid": _of_fluid(diagnosis, say)}
+    label = [] if diagnosis.complaint is None else [say.name(diagnosis.complaint.label)]
+    complaint = [*label, *job().complaint.splitlines()[:1]]
+    results = {"complaint": _in_a_line(complaint), "fluid": _in_a_line(_of_fluid(diagnosis, say))}
     if (check := diagnosis.pressures) is not None:
         count = say("panel.gauge_readings", count=len(check.readings))
         results["gauges"] = f"{_signed(check.verdict, say)} · {count}"
@@ -88,18 +90,16 @@ def _signed(verdict: Verdict | None, say: Wording) -> str:
     return f"**{say.signed(verdict or Verdict.NOT_MEASURED)}**"
 
 
-def _of_complaint(diagnosis: Diagnosis, say: Wording) -> str:
-    chosen = [] if diagnosis.complaint is None else [say.name(diagnosis.complaint.label)]
-    said = [*chosen, *job().complaint.splitlines()[:1]]
+def _in_a_line(said: list[str]) -> str:
     return " · ".join(f"**{show.plain(each)}**" for each in said)
 
 
-def _of_fluid(diagnosis: Diagnosis, say: Wording) -> str:
+def _of_fluid(diagnosis: Diagnosis, say: Wording) -> list[str]:
     record, case = job(), session().good
     found = [diagnosis.fluid.name] if case.fluid is not None else []
     found += [*record.fault_codes, *filter(None, vars(record.fluid_condition).values())]
     used = [] if case.fluid_state is None else [say(f"settings.fluid_{case.fluid_state}")]
-    return " · ".join(f"**{show.plain(each)}**" for each in [*found, *used])
+    return [*found, *used]
 
 
 # --- what came of a step
@@ -108,9 +108,8 @@ def _of_fluid(diagnosis: Diagnosis, say: Wording) -> str:
 def card(diagnosis: Diagnosis) -> None:
     """Show in a fold what the gauges should show."""
     say = reader.say()
-    place = fields.fold(say("gauge_card.on_page"), key=f"gauge-card-{session().generation}")
-    if place.open:
-        with place:
+    with fields.fold(say("gauge_card.on_page"), key=f"gauge-card-{session().generation}") as place:
+        if place.open:
             show.table(card_table(diagnosis, say))
             for note in card_notes(diagnosis, say):
                 st.caption(show.plain(note))
@@ -122,7 +121,7 @@ def gauges(diagnosis: Diagnosis) -> None:
     if check is None:
         return
     show.gauge_banner(check)
-    show.gauges(check)
+    show.table(gauge_table(check, say))
     st.caption(say("gauge_page.beside_help"))
     if check.patterns:
         st.markdown(f"**{say('gauge_page.hints')}**")

@@ -20,9 +20,7 @@ from atleak.common.pictures import printable_picture
 from atleak.measurements.job_card import PICTURE_SUFFIXES, Grade, Job, Record, RepairState
 from atleak.report.tables.names import component_words
 from pages.shared import drop_zone, fields, reader, show
-from pages.shared.state import RECORD, choose, job, job_generation, put_job, remember, session
-
-__all__ = ["draw", "job", "key", "put_job"]
+from pages.shared.state import RECORD, choose, job, job_generation, remember, session
 
 _TABLES = ("workshop", "customer", "vehicle", "transmission")
 _LINES = ("number", "technician", "revision", "replaces", "approved_by")

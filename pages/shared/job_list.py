@@ -21,7 +21,7 @@ from atleak.job_book.merges import duplicates, merge, merged_rows, part
 from atleak.job_book.search import Query, controllers_held
 from atleak.report.tables.table import Column, Table
 from pages.shared import reader, show
-from pages.shared.book import job_id, open_from_book, open_picked
+from pages.shared.book import job_id, open_from_book
 from pages.shared.fields import kept
 from pages.shared.job_form import key
 from pages.shared.state import session
@@ -138,7 +138,7 @@ def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] 
         return st.button(say(f"job_book.{said or name}"), disabled=not fits, key=f"job-{name}", **settings)
 
     with st.container(horizontal=True):
-        opened = button("open", len(ids) == 1, on_click=open_picked, args=tuple(ids[:1]), type="primary")
+        opened = button("open", len(ids) == 1, on_click=open_from_book, args=tuple(ids[:1]), type="primary")
         unit = button("unit", len(ids) == 1, help=say("job_book.unit_help"))
         both = button("compare", len(ids) == 2, help=say("job_book.compare_help"))
         act = partial(_archived, book, ids, back=back)
@@ -219,10 +219,9 @@ def _erase(book: Book, ids: Sequence[str]) -> str:
     session().steps = session().steps.without_jobs(ids)
     if job_id() in ids:
         open_from_book(str(job_id()), Steps())  # what this session shows is what the book holds now
-    for typed in [
-        each for each in st.session_state if _OF_RECORD.match(str(each)) and not str(each).startswith(key(""))
-    ]:
-        del st.session_state[typed]
+    for own in [*filter(_OF_RECORD.match, map(str, st.session_state))]:
+        if not own.startswith(key("")):
+            del st.session_state[own]
     lost = sum(bool(each.lost) for each in done)
     left = sorted({name for each in done for name in each.left_in})
     say = reader.say()

@@ -150,21 +150,13 @@ def _choices(typed: Typed, diagnosis: Diagnosis) -> None:
     say, controller, plan = reader.say(), diagnosis.controller, typed.plan
     owner = f"plan{session().generation}-{controller.sha256[:12]}"
 
-    def chosen(name: str) -> None:
-        now, picked = _typed(session().case), st.session_state[f"{owner}-{name}"]
-        plan = replace(now.plan, lands=tuple(picked)) if name == "lands" else replace(now.plan, **{name: picked})
-        _choose(replace(now, plan=plan))
+    def take(name: str, picked: Any) -> None:
+        now = _typed(session().case)
+        _choose(replace(now, plan=replace(now.plan, **{name: picked})))
 
     def ask(place: Any, name: str, options: list[Any], shown: Any = str) -> None:
-        place.selectbox(
-            say(f"measuring.{name}"),
-            options,
-            options.index(getattr(plan, name)),
-            shown,
-            key=f"{owner}-{name}",
-            on_change=chosen,
-            args=(name,),
-        )
+        label, current = say(f"measuring.{name}"), getattr(plan, name)
+        fields.choice(label, options, current, partial(take, name), shown, key=f"{owner}-{name}", place=place)
 
     with fields.fold(say("measuring.choices"), key=f"{owner}-fold"):
         places = st.columns(4)
@@ -173,13 +165,10 @@ def _choices(typed: Typed, diagnosis: Diagnosis) -> None:
         ask(places[1], "directions", list(range(1, MOST_DIRECTIONS + 1)))
         ask(places[2], "repeats", list(range(1, MOST_REPEATS + 1)))
         units = [name for name in unit_names("length") if name in _TYPED_UNITS]
-        places[3].selectbox(
-            say("measuring.unit"),
-            units,
-            units.index(typed.unit),
-            key=f"{owner}-unit",
-            on_change=lambda: _choose(_typed(session().case).in_unit(st.session_state[f"{owner}-unit"])),
-        )
+        fields.choice(
+            say("measuring.unit"), units, typed.unit, lambda unit: _choose(_typed(session().case).in_unit(unit)),
+            key=f"{owner}-unit", place=places[3],
+        )  # fmt: skip
         most = max(len(land.planes) for land in controller.lands)
         if most > 1:
             ask(
@@ -194,8 +183,7 @@ def _choices(typed: Typed, diagnosis: Diagnosis) -> None:
             [*plan.lands],
             lambda key: land_words(controller, key, say),
             key=f"{owner}-lands",
-            on_change=chosen,
-            args=("lands",),
+            on_change=lambda: take("lands", tuple(st.session_state[f"{owner}-lands"])),
             placeholder=say("measuring.all"),
         )
 

@@ -108,18 +108,16 @@ def lands(diagnosis: Diagnosis) -> None:
     if lines := advice(diagnosis, advised(diagnosis, say), say):
         with st.expander(say("show.open_verdicts", count=len(lines))):
             st.markdown("\n".join(lines))
-    every = fields.fold(say("diagnosis.all_lands", count=len(diagnosis.lands)), key=f"all-lands-{session().generation}")
-    if every.open:
-        with every:
+    label, key = say("diagnosis.all_lands", count=len(diagnosis.lands)), f"all-lands-{session().generation}"
+    with fields.fold(label, key=key) as every:
+        if every.open:
             show.chart(figures.leakage_ranking(diagnosis, say), "ranking")
             table(pair_table(diagnosis, diagnosis.ranked, say, at=()).without(*ON_PAPER), "all", pressable=True)
             st.header(say("diagnosis.matrix"))
             conditions.matrix(diagnosis)
     if diagnosis.uncertainty is not None:
-        sure = fields.fold(say("uncertainty.title"), key=f"how-sure-{session().generation}")
-        if sure.open:
-            with sure:
-                _how_sure(diagnosis, diagnosis.uncertainty, say)
+        key = f"how-sure-{session().generation}"
+        fields.unfold(say("uncertainty.title"), key, _how_sure, diagnosis, diagnosis.uncertainty, say)
 
 
 def _how_sure(diagnosis: Diagnosis, unit: UnitUncertainty, say: Wording) -> None:
@@ -169,10 +167,8 @@ def opened_pair(diagnosis: Diagnosis, say: Wording) -> None:
             f'{heading}<div class="drawing" tabindex="0">{drawing}</div><div class="lands">{lands}</div>',
             key="opened",
         )
-        made_of = fields.fold(say("uncertainty.made_of"), key=f"made-of-{session().generation}")
-        if made_of.open:
-            with made_of:
-                _made_of(diagnosis, name, say)
+        key = f"made-of-{session().generation}"
+        fields.unfold(say("uncertainty.made_of"), key, _made_of, diagnosis, name, say)
 
 
 def _made_of(diagnosis: Diagnosis, component: str, say: Wording) -> None:

@@ -118,10 +118,8 @@ def draw(diagnosis: Diagnosis) -> Estimate:
         st.rerun()  # what stands above a changed line was made without it
     others = [each for each in repairs.all if not each.called_for]
     if others:
-        fold = fields.fold(say("repair_plan.of_limits", count=len(others)), key=f"within-limits-{session().generation}")
-        if fold.open:
-            with fold:
-                _switches(repairs, others, say, {})
+        label, own = say("repair_plan.of_limits", count=len(others)), f"within-limits-{session().generation}"
+        fields.unfold(label, own, _switches, repairs, others, say, {})
     st.header(say("estimate_page.sums"))
     _sums(words)
     st.header(say("estimate_page.leaves"))

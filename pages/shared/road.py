@@ -60,28 +60,24 @@ def _sentences(log: RoadFindings, say: Wording) -> list[str]:
 
 
 def section(diagnosis: Diagnosis) -> None:
-    """Show what the log says, and the leakage over it."""
+    """Show what the log says, and the leakage over it, or why there is none; of a unit not measured as when new."""
+    say = reader.say()
     if diagnosis.log is None:
-        st.write(reader.say()("diagnosis.no_log"))
+        st.write(say("diagnosis.no_log"))
         return
     if diagnosis.without_sheet:  # its findings are all there is
-        st.header(reader.say()("road_test.alone"))
+        st.header(say("road_test.alone"))
     findings(diagnosis, said_above=diagnosis.without_sheet)
     if diagnosis.without_sheet and diagnosis.road is not None:
-        st.header(reader.say()("road_test.alone_over"))
-    leakage(diagnosis)
-
-
-def leakage(diagnosis: Diagnosis) -> None:
-    """Show the leakage over the log, or why there is none; of a unit that was not measured as that of a new one."""
+        st.header(say("road_test.alone_over"))
     if diagnosis.road is not None:
         as_new(diagnosis)
         leakage_chart(diagnosis.road, diagnosis)
         extremes(diagnosis.road, diagnosis.uncertainty)
         if diagnosis.road.circuit_ranges:
-            show.table(circuit_table(diagnosis.road, reader.say()))
-            st.caption(reader.say()("road_test.circuits_help"))
-    show.messages(show.remarks(diagnosis)["log"], reader.say()("about.log"))
+            show.table(circuit_table(diagnosis.road, say))
+            st.caption(say("road_test.circuits_help"))
+    show.messages(show.remarks(diagnosis)["log"], say("about.log"))
 
 
 def leakage_chart(road: RoadLeakage, diagnosis: Diagnosis) -> None:

@@ -35,7 +35,6 @@ from atleak.report.charts.drawing import on_dark
 from atleak.report.charts.figure import Figure
 from atleak.report.charts.screen import drawn
 from atleak.report.tables.assumed import assumed_section
-from atleak.report.tables.gauges import gauge_table
 from atleak.report.tables.sentences import caveats, fluid_in_state, profile_words, rule_name
 from atleak.report.tables.table import VERDICT, Column, Facts, Picture, Points, Section, Table, Text, with_sign
 from pages.shared import reader
@@ -114,6 +113,14 @@ def faults() -> Iterator[None]:
             raise
         traceback.print_exc()
         st.error(plain(error if isinstance(error, AtleakError) else unexpected(error)))
+
+
+def tried(what: str, act: Callable[..., object], *given: object) -> bool:
+    """Do something in a callback, and return whether it could be done; why it could not, `refused` says."""
+    with refusing(what):
+        act(*given)
+        return True
+    return False
 
 
 @contextmanager
@@ -267,11 +274,6 @@ def _sorted_verdict(level: Verdict | Band, say: Wording) -> str:
     return HAIR_SPACE * rank + say.signed(level)
 
 
-def gauges(check: PressureCheck) -> None:
-    """Show gauge readings with their verdicts; one that nothing judges has none."""
-    table(gauge_table(check, reader.say()))
-
-
 def gauge_banner(check: PressureCheck) -> None:
     """Show the worst verdict on any gauge reading in a box of its colour, and what gave it."""
     say, verdict, deciding = reader.say(), check.verdict, check.deciding
@@ -388,10 +390,8 @@ def chart(
         if "colorbar" in trace:
             title = {**trace["colorbar"]["title"], "font": {"color": ink}}
             trace["colorbar"] = {**trace["colorbar"], "title": title, "tickfont": {"color": ink}}
-    if on_span is None:
-        st.plotly_chart(_Ready(in_chart(spec)), key=key)
-        return
-    st.plotly_chart(_Ready(in_chart(spec)), key=key, on_select=partial(_spanned, key, on_span), selection_mode="box")
+    marked: Any = "ignore" if on_span is None else partial(_spanned, key, on_span)
+    st.plotly_chart(_Ready(in_chart(spec)), key=key, on_select=marked, selection_mode="box")
 
 
 def _points(trace: dict[str, Any]) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import get_args
+from typing import Any, get_args
 
 import streamlit as st
 
@@ -34,7 +34,7 @@ from atleak.report.tables.history import soonest_first, total_table, wear_table
 from atleak.report.tables.names import components_words, land_number, land_words
 from atleak.report.tables.table import VERDICT, Column, Table
 from pages.shared import reader, show
-from pages.shared.book import job_id, open_picked
+from pages.shared.book import job_id, open_from_book
 from pages.shared.cases import Kept, diagnosis_of, opened_case
 
 UNIT = "unit"  # the parameter of the address that names a unit
@@ -132,7 +132,8 @@ def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
         id = st.selectbox(
             say("unit.visit"), list(reversed(jobs)), format_func=lambda id: jobs[id].visit.label, key="unit-visit"
         )
-        opened = st.button(say("unit.open"), on_click=open_picked, args=(id,))
+        show_it: Any = partial(open_from_book, id)
+        opened = st.button(say("unit.open"), on_click=show_it)
         place = list(jobs).index(id)
         compared = st.button(say("unit.compare"), disabled=place == 0)
     if compared:

@@ -184,7 +184,7 @@ def _delete(desk: Desk, name: str) -> None:
     """Take an own file away; a job that uses it goes on with what it holds."""
     file = SourceFile.at(own_files(desk.subject.kind)[name])
     content = file.content
-    if _tried(remove_own, desk.subject.kind, name):
+    if show.tried(_DONE, remove_own, desk.subject.kind, name):
         for slot in _used_by(desk, name):
             pick(slot.name, SourceFile(file.name, content))
         st.session_state[_DONE] = Done(desk.subject.kind, name)
@@ -199,36 +199,28 @@ def _renamed(desk: Desk, old: str, name: str) -> None:
     used = _used_by(desk, old)
     if desk.subject.kind == "controllers" and (casting := sound_casting(old)):
         keep_casting(name, casting)
-    if _tried(remove_own, desk.subject.kind, old):
+    if show.tried(_DONE, remove_own, desk.subject.kind, old):
         for slot in used:
             pick(slot.name, name)
         st.session_state[_DONE] = Done(desk.subject.kind, old, name)
 
 
 def _restore(kind: str, name: str) -> None:
-    if _tried(restore_own, kind, name):
+    if show.tried(_DONE, restore_own, kind, name):
         st.session_state.pop(_DONE, None)
 
 
 def _undo(desk: Desk, done: Done) -> None:
     """Bring the file back; where it was renamed, the one of the new name goes."""
     used = _used_by(desk, done.now) if done.now else []
-    if not _tried(restore_own, done.kind, done.gone):
+    if not show.tried(_DONE, restore_own, done.kind, done.gone):
         return
     st.session_state.pop(_DONE, None)
     for slot in used:
         pick(slot.name, done.gone)
     if done.now:
-        _tried(remove_own, done.kind, done.now)
+        show.tried(_DONE, remove_own, done.kind, done.now)
         desk.close()
-
-
-def _tried(act: Callable[[str, str], None], kind: str, name: str) -> bool:
-    """Do something with an own file; where that fails, keep why."""
-    with show.refusing(_DONE):
-        act(kind, name)
-        return True
-    return False
 
 
 def draw_undo(desk: Desk, say: Wording) -> None:
