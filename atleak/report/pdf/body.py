@@ -404,9 +404,9 @@ class Body(PrintedPart):
             say,
             limits.rules.items(),
             Column("rule", width=200, of=lambda rule: say(f"rules.{rule[0]}")),
-            Column("limit", width=250, of=lambda rule: self._levels(*rule)),
+            Column("limit", width=350, of=lambda rule: self._levels(*rule)),
             Column("origin", width=150, of=lambda rule: say.get("origins", rule[1].origin)),
-            Column("source", width=800, of=lambda rule: source(rule[1])),
+            Column("source", width=700, of=lambda rule: source(rule[1])),
         )
         yield text(f"{isolated(say.name(limits.name))}. {say('texts.limit_note')}", small=True)
 

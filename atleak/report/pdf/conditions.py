@@ -268,7 +268,8 @@ class Pressures(PrintedPart):
         flows = flows.without(*(key for key, found in taken.items() if not any(each.value for each in found)))
         below = ends(lambda at: at.reserve_interval, flows.columns[-1])
         *more, decision = table.only("reserve_new", "reserve_repaired", "reserve_is", "reserve_decision").columns
-        columns = (*flows.columns, *below, *more, replace(decision, width=150))
+        condition, *others = flows.columns
+        columns = (replace(condition, width=250), *others, *below, *more, replace(decision, width=150))
         return printed(replace(table, columns=columns).filled)
 
     def _remark(self, each: HeldPressure) -> str:
