@@ -269,7 +269,7 @@ class Pressures(PrintedPart):
         below = ends(lambda at: at.reserve_interval, flows.columns[-1])
         *more, decision = table.only("reserve_new", "reserve_repaired", "reserve_is", "reserve_decision").columns
         condition, *others = flows.columns
-        columns = (replace(condition, width=250), *others, *below, *more, replace(decision, width=150))
+        columns = (replace(condition, width=150), *others, *below, *more, replace(decision, width=150))
         return printed(replace(table, columns=columns).filled)
 
     def _remark(self, each: HeldPressure) -> str:
