@@ -9,16 +9,21 @@ case, diagnosis = panel.shown()
 say = reader.say()
 answer.draw_head(diagnosis)
 if diagnosis.without_sheet:
-    answer.draw(diagnosis)
+    said = st.container()
 else:
     with st.container(horizontal=True, gap="medium"):
-        with st.container(key="said"):
-            answer.draw(diagnosis)
-            plan.draw_switches(diagnosis)
-        with st.container(key="drawn"):
-            pairs.draw(diagnosis)
-            show.chart(total_share(diagnosis, say, repaired=plan.ends(diagnosis)), "share")
-answer.draw_reason(diagnosis)
+        said, drawn = st.container(key="said"), st.container(key="drawn")
+with said:
+    answer.draw_verdict(diagnosis)
+answer.draw_reason(diagnosis)  # seen before all that takes longer
+with said:
+    answer.draw(diagnosis)
+if not diagnosis.without_sheet:
+    with said:
+        plan.draw_switches(diagnosis)
+    with drawn:
+        pairs.draw(diagnosis)
+        show.chart(total_share(diagnosis, say, repaired=plan.ends(diagnosis)), "share")
 
 parts = {
     "pressures": lambda: conditions.pressures(diagnosis, plan.ends(diagnosis)),

@@ -194,15 +194,16 @@ def diagnosed_road(
 def leakage_over(model: LeakageModel, road_test: RoadTest, condition: OperatingPoint) -> RoadLeakage:
     """Compute the leakage over a log, or take it from the last time, where nothing has changed on which it rests.
 
-    The condition counts only where it stands for what the log does not hold, or sets the pressure of circuits.
+    Of the condition counts only what stands for what the log does not hold, and what sets the pressure of circuits.
 
     Raises
     ------
     RoadTestError
         a road test without usable main pressure.
     """
-    logged = all(name in road_test.channels for name in _LOGGED) and not model.controller.circuits
-    rests_on = (model, None if logged else condition)
+    logged = all(name in road_test.channels for name in _LOGGED)
+    sets = (condition.name, condition.like, condition.solenoid_current, condition.lockup_duty)
+    rests_on = (model, (sets if model.controller.circuits else None) if logged else condition)
 
     def made() -> dict[str, Any]:
         road = vars(evaluate_road_test(model, road_test, condition))

@@ -35,8 +35,8 @@ def draw_head(diagnosis: Diagnosis) -> None:
             st.page_link(places.page("Report"), label=say("pages.Report"), width="content")
 
 
-def draw(diagnosis: Diagnosis) -> None:
-    """Show the verdict and the answer in three lines."""
+def draw_verdict(diagnosis: Diagnosis) -> None:
+    """Show the verdict in a word, with what is in doubt of it."""
     say, level = reader.say(), shown_verdict(diagnosis)
     good_in_the_car = level == Verdict.OK and diagnosis.without_sheet  # which says little of the valve body
     level = Verdict.NOT_MEASURED if good_in_the_car else level
@@ -44,6 +44,11 @@ def draw(diagnosis: Diagnosis) -> None:
     word = f"{look_of(level).sign} {say('diagnosis.open')}" if open_ones else say.signed(level)
     marks = "".join(f" · {mark}" for mark in caveat_marks(diagnosis, say))
     st.title(f":{_COLOURS[look_of(level).box]}[{show.plain(word)}]{show.plain(marks)}", anchor=False)
+
+
+def draw(diagnosis: Diagnosis) -> None:
+    """Show the answer in three lines."""
+    say = reader.say()
     with st.container(key="answer", gap="xsmall"):
         for name, said in answer_facts(diagnosis, say).rows:
             st.markdown(f"**{show.plain(name)}:** {show.plain(said)}")

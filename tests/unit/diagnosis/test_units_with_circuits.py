@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from atleak.catalogue.controller import Controller, Land
@@ -16,12 +18,15 @@ from atleak.catalogue.limits import Limits, RuleKind
 from atleak.catalogue.operating_point import OperatingPoint
 from atleak.common.verdicts import Verdict
 from atleak.diagnosis.examination import diagnose
+from atleak.diagnosis.road import leakage_over
 from atleak.diagnosis.rules import Rule, UnitRules, unit_rules
 from atleak.engine.leakage import LeakageModel
 from atleak.engine.profile import PROFILES
 from atleak.engine.projection import Projection, project, project_unworn
+from atleak.engine.road_leakage import evaluate_road_test
 from atleak.measurements.clearances import clearances
 from atleak.measurements.readings import Readings
+from atleak.measurements.road_test import RoadTest
 from atleak.readers.sheets.measuring_sheet import read_readings
 
 Build = Callable[..., Readings]
@@ -406,3 +411,23 @@ def test_each_of_them_can_be_judged_in_reverse_at_idle_and_under_load(unit: str)
     assert {gap.key for gap in controller.gaps} == {land.key for land in controller.lands}
     named = set(chain.from_iterable(complaint.conditions for complaint in controller.complaints))
     assert {"hot_idle", "reverse_idle"} <= named
+
+
+def test_leakage_over_a_log_rests_on_nothing_of_the_condition_that_the_log_holds(
+    five_speed: Controller, log_of: Callable[..., RoadTest]
+) -> None:
+    held = {"main_pressure": 900e3, "converter_pressure": 400e3, "atf_temperature": 80.0, "gear": 2.0}
+    log = log_of(np.arange(0.0, 5.0, 0.1), **held, engine_speed=20.0)
+    model = LeakageModel(
+        five_speed, clearances(None, five_speed), load_fluid(five_speed.usual_fluid), PROFILES["workshop"]
+    )
+    point, *others = five_speed.operating_points
+    first = leakage_over(model, log, point)
+    warmer = replace(point, temperature=point.temperature + 20.0, engine_speed=50.0)
+    again = leakage_over(model, log, warmer)
+    assert again.leakage is first.leakage
+    assert again.assumed is warmer
+    anew = evaluate_road_test(model, log, warmer)
+    np.testing.assert_array_equal(again.leakage, anew.leakage)
+    assert again.messages == anew.messages
+    assert leakage_over(model, log, others[0]).leakage is not first.leakage

@@ -7,6 +7,7 @@ import json
 import re
 
 import pytest
+import streamlit as st
 from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.controller import Controller
@@ -35,6 +36,16 @@ def parts_sum(app: AppTest) -> dict[str, str]:
 
 def drawings(app: AppTest) -> str:
     return " ".join(json.loads(each.proto.json).get("html", "") for each in app.get("bidi_component"))
+
+
+def test_the_verdict_and_what_decides_are_seen_before_what_takes_longer(
+    app: AppTest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pages.shared.answer.answer_facts", lambda *_: st.stop())
+    app.run()
+    assert "replace" in app.title[0].value
+    assert "25/1 main pressure valve decides" in texts(app)
+    assert not switches(app)
 
 
 def test_a_switch_changes_decisions_star_and_sums_and_undo_takes_it_back(app: AppTest) -> None:
