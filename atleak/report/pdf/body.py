@@ -523,7 +523,7 @@ def _dense(block: Block, section: str) -> Block:
 
 def picture_look(valves: int) -> tuple[int, float]:
     """Return how many of so many valves are drawn beside one another, and how large their names: all are legible."""
-    return (6, 1.4) if valves <= 18 else (8, 1.3)
+    return (6, 1.4) if valves <= 18 else (8, 1.35)
 
 
 _CONDITIONAL = ("conditional_pass", "conditional_fail")
