@@ -2,7 +2,7 @@
 
 import streamlit as st
 
-from atleak.common.memory import collect_soon
+from atleak.common.memory import collect_soon, imports
 from pages.shared import entrance, places, reader
 
 st.set_page_config("atleak", page_icon=places.PAGES / "shared" / "icon.svg", layout="wide")
@@ -17,7 +17,8 @@ heading = st.empty()
 if "framed" not in st.session_state:  # seen while all else is imported, read and computed
     heading.title(page.title)
 
-from pages.shared import book, customer, panel, show  # noqa: E402
+with imports():
+    from pages.shared import book, customer, panel, show
 
 diagnosis = panel.draw()
 entrance.draw_sign_out()

@@ -9,8 +9,8 @@ import ctypes
 import gc
 import sys
 import threading
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 from weakref import finalize
@@ -66,6 +66,21 @@ def set_imports_aside() -> None:
     """
     if len(sys.modules) > _aside:
         _set_aside()
+
+
+@contextmanager
+def imports() -> Iterator[None]:
+    """Import without a collection, and let later ones pass over what there is then, where anything was imported."""
+    global _aside
+    before = len(sys.modules)
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+        if len(sys.modules) > before:
+            _aside = len(sys.modules)
+            gc.freeze()
 
 
 def _set_aside() -> None:

@@ -13,7 +13,6 @@ from atleak.common.units import DM3_MIN, KPA, RPM
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.engine.projection import Projection
 from atleak.report.charts.condition_figures import pump_speed_chart
-from atleak.report.charts.flows import flow_diagram, flow_svg, flow_table
 from atleak.report.tables.answer import missing_table
 from atleak.report.tables.before_opening import before_opening
 from atleak.report.tables.complaint import finding, measure_first, reason
@@ -76,6 +75,8 @@ def pressures(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
 @show.faults()
 def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
     """Show one condition in full; another one is chosen without computing the rest of the page again."""
+    from atleak.report.charts.flows import flow_diagram, flow_svg, flow_table  # with the fonts, dear to import
+
     say = reader.say()
     conditions = {each.condition.name: each for each in lowest_first(diagnosis)}
     chosen = st.selectbox(

@@ -19,7 +19,7 @@ from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.job.case import SourceFile
 from atleak.job.result import Step, job_steps
 from atleak.report.tables.road_test import whole
-from pages.shared import book, choices, drop_zone, dropped, fields, places, reader, show
+from pages.shared import book, choices, drop_zone, fields, places, reader, show
 from pages.shared.cases import WHILE_READING, LogReading, PageCase, diagnosis_of, own_faults
 from pages.shared.state import (
     FILES,
@@ -112,6 +112,8 @@ def drop(place: str, label: str, help: str | None = None) -> None:
     """Offer a place for files of the job; whatever is dropped there finds where it belongs by its content."""
 
     def take(files: Sequence[UploadedFile]) -> None:
+        from pages.shared import dropped  # dear to import, and no first page needs it
+
         dropped.take([SourceFile(each.name, each.getvalue()) for each in files])
 
     drop_zone.draw(f"{place}-{session().in_book.place}", label, take, several=True, help=help)

@@ -205,8 +205,10 @@ def filled_down(table: HeadedTable, asked: bool) -> HeadedTable:
     ``asked`` is whether the user says that empty cells go on with the one above. Without it only the program's own form
     saved as text is filled, whose blocks are known. A label that changes ends what stands to the right of it.
     """
-    own = any(said_by_form(MEASUREMENTS, table.heading(index)) == "nominal" for index in table.span)
-    if not asked and not (table.sheet.is_text and own):
+    own = table.sheet.is_text and any(
+        said_by_form(MEASUREMENTS, table.heading(index)) == "nominal" for index in table.span
+    )
+    if not (asked or own):
         return table
     sheet = table.sheet
     keys = sorted({column.index for column in table.columns if column.role in _FILLED} - {*sheet.derived})
