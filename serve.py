@@ -1,6 +1,7 @@
 """Serve the dashboard: ``atleak app`` starts it by ``streamlit run``."""
 
 import asyncio
+import gc
 import logging
 import os
 import threading
@@ -44,6 +45,7 @@ async def served(_: st.App) -> AsyncIterator[None]:
     logging.disable(logging.WARNING)  # else it says twice that no page is drawn by this
     st.navigation([Path(app.script_path)])  # else the first request for a page's address imports all of it unseen
     logging.disable(logging.NOTSET)
+    gc.freeze()  # no later collection looks through Streamlit's own modules
     if not st.get_option("server.headless"):
         address = f"http://{bracketed(st.get_option('server.address'))}:{st.get_option('server.port')}"
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()

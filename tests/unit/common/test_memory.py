@@ -13,7 +13,7 @@ import psutil
 import pytest
 
 from atleak.common import memory
-from atleak.common.memory import collect_soon, free_memory, give_back, set_imports_aside
+from atleak.common.memory import collect_soon, free_memory, give_back, imports, set_imports_aside
 
 SCRIPT = """
 import psutil
@@ -51,6 +51,20 @@ def test_what_was_imported_is_set_aside_once_and_again_after_further_imports(
     monkeypatch.setitem(sys.modules, "a page's own library", ModuleType("library"))
     set_imports_aside()
     assert calls == ["collect", "freeze"] * 2
+
+
+def test_what_a_page_imports_is_set_aside_without_a_collection(
+    calls: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with imports():
+        assert not gc.isenabled()
+        monkeypatch.setitem(sys.modules, "a page's own library", ModuleType("library"))
+    assert gc.isenabled()
+    assert calls == ["freeze"]
+    with imports():
+        pass  # nothing is imported a second time
+    set_imports_aside()
+    assert calls == ["freeze"]
 
 
 def test_memory_is_given_back_of_all_that_was_set_aside_too(calls: list[str]) -> None:
