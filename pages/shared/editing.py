@@ -35,7 +35,6 @@ class Editing:
     over: str = ""  # SHA-256 of the own file that it was read from or saved as
     own: str = ""  # id of that file
     generation: int = 0
-    step: str = ""  # the tables that are shown
     base: dict[str, list[dict[str, str]]] = field(default_factory=dict)  # rows that an editor began with, by its key
     spare: dict[str, int] = field(default_factory=dict)  # empty rows asked for, by table
     unkept: str = ""  # why the draft could not be kept
@@ -74,10 +73,6 @@ class Editing:
     def key(self, name: str) -> str:
         """Return the key of a widget."""
         return f"{self.state}-{self.widgets}-{self.generation}-{name}"
-
-    def translated(self, text: str, say: Wording) -> str:
-        """Return a heading or help as the reader reads it."""
-        return say.name(text, "form")
 
 
 @dataclass(frozen=True)
@@ -158,17 +153,10 @@ class Desk:
 
 def ask_step(editing: Editing, steps: Sequence[str], said: Callable[[str], str], say: Wording) -> str:
     """Ask which tables to show; they stay chosen over other pages."""
-    editing.step = editing.step or steps[0]
-    picked = st.segmented_control(
-        say("typed_entries.tables"),
-        steps,
-        format_func=said,
-        default=editing.step,
-        key=editing.key("step"),
-        label_visibility="collapsed",
-    )
-    editing.step = picked or editing.step
-    return editing.step
+    return st.segmented_control(
+        say("typed_entries.tables"), steps, format_func=said, default=steps[0], required=True,
+        key=f"{editing.state}-{editing.widgets}-step", persist_state="session", label_visibility="collapsed",
+    )  # fmt: skip
 
 
 def checked_now(editing: Editing) -> Checked:
@@ -216,5 +204,5 @@ def draw_faults(editing: Editing, found: Checked, say: Wording) -> None:
 def _line(editing: Editing, sign: str, fault: Any, say: Wording) -> str:
     table, number, heading = fault.spot
     row = "" if number is None else f", {say('typed_entries.in_row', number=number)}"
-    column = "" if heading is None else f", {editing.translated(heading, say)}"
-    return f"{sign} **{editing.translated(table, say)}**{show.plain(row + column)}: {show.plain(fault.text)}"
+    column = "" if heading is None else f", {say.name(heading, 'form')}"
+    return f"{sign} **{say.name(table, 'form')}**{show.plain(row + column)}: {show.plain(fault.text)}"

@@ -6,7 +6,7 @@ wrong in it change.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
@@ -34,13 +34,13 @@ _WIDEST = 40  # letters of a column
 _NONE = ""
 
 
-def draw(editing: Editing, names: Iterable[str], found: Checked, aside: Collection[str] = ()) -> None:
+def draw(editing: Editing, names: Iterable[str], found: Checked, aside: frozenset[str] = frozenset()) -> None:
     """Draw some tables and fields of what is being typed; those of the keys ``aside`` of a form in a fold."""
     say = reader.say()
     for name in names:
         sheet = editing.draft.subject.sheet(name)
-        st.header(editing.translated(name, say))
-        st.caption(f"{editing.translated(sheet.about, say)}. {say('typed_entries.star')}")
+        st.header(say.name(name, "form"))
+        st.caption(f"{say.name(sheet.about, 'form')}. {say('typed_entries.star')}")
         if sheet.is_form:
             _form(editing, sheet, found, aside, say)
         else:
@@ -50,23 +50,19 @@ def draw(editing: Editing, names: Iterable[str], found: Checked, aside: Collecti
 # --- fields -------------------------------------------------------------------------------------------------------
 
 
-def _form(editing: Editing, sheet: WorkbookSheet, found: Checked, aside: Collection[str], say: Wording) -> None:
+def _form(editing: Editing, sheet: WorkbookSheet, found: Checked, aside: frozenset[str], say: Wording) -> None:
     """Draw a field for each line of a form, with what is wrong or in doubt beneath it."""
     signs = {doubt.spot.heading: f":orange[? {show.plain(doubt.text)}]" for doubt in found.doubted_in(sheet.name)}
     signs |= {fault.spot.heading: f":red[✗ {show.plain(fault.text)}]" for fault in found.of(sheet.name)}
     groups = _together(sheet.columns)
-    _fields(editing, sheet, [group for group in groups if not _is_aside(group, aside)], signs, say)
-    others = [group for group in groups if _is_aside(group, aside)]
+    _fields(editing, sheet, [group for group in groups if aside.isdisjoint(group[0].keys)], signs, say)
+    others = [group for group in groups if not aside.isdisjoint(group[0].keys)]
     if others:
         with fields.fold(say("typed_entries.other_pumps"), key=editing.key(f"fold-{sheet.name}")):
             _fields(editing, sheet, others, signs, say)
     with st.container():
         if None in signs:
             st.markdown(signs[None])
-
-
-def _is_aside(group: tuple[SheetColumn, ...], aside: Collection[str]) -> bool:
-    return any(key in aside for key in group[0].keys)
 
 
 def _together(columns: Sequence[SheetColumn]) -> list[tuple[SheetColumn, ...]]:
@@ -105,7 +101,7 @@ def _field(editing: Editing, sheet: WorkbookSheet, column: SheetColumn, label: s
     key = editing.key(f"{sheet.name}-{column.heading}")
     typed = editing.draft.cell(sheet.name, column.heading)
     options = _options(column, editing.draft, typed)
-    help = editing.translated(column.help, say) or None
+    help = say.name(column.help, "form") or None
     shared: dict[str, Any] = {"key": key, "help": help, "on_change": _put_field}
     shared["args"] = (editing, sheet.name, column.heading, key)
     if options is None:
@@ -113,7 +109,7 @@ def _field(editing: Editing, sheet: WorkbookSheet, column: SheetColumn, label: s
         st.text_input(label, typed, placeholder=made, **shared)
     else:
         choices = [_NONE, *options]
-        said = _choice_text(column, editing, say)
+        said = _choice_text(column, say)
         st.selectbox(label, choices, choices.index(typed), said, **shared)
 
 
@@ -127,10 +123,11 @@ def _put_field(editing: Editing, sheet: str, heading: str, key: str) -> None:
 def _table(editing: Editing, sheet: WorkbookSheet, found: Checked, say: Wording) -> None:
     """Draw a table to edit, with the number of each row and what is wrong in it."""
     key = editing.key(f"{sheet.name}-{editing.spare.get(sheet.name, 0)}")
-    if key not in st.session_state or key not in editing.base:
-        _begin(editing, sheet, key)
+    if key not in st.session_state or key not in editing.base:  # it begins with the draft's rows, and some to fill in
+        rows = [dict(row) for row in editing.draft.rows(sheet.name)]
+        editing.base[key] = [*rows, *({} for _ in range(_SPARE + editing.spare.get(sheet.name, 0)))]
     base, columns = editing.base[key], sheet.columns_for(found.data)
-    wrong, doubted = (_by_row(faults, editing, say) for faults in (found.of(sheet.name), found.doubted_in(sheet.name)))
+    wrong, doubted = (_by_row(faults, say) for faults in (found.of(sheet.name), found.doubted_in(sheet.name)))
     said = {number: [*wrong.get(number, ()), *doubted.get(number, ())] for number in {*wrong, *doubted}}
     with st.container():
         for colour, texts in (("red", wrong.get(0, ())), ("orange", doubted.get(0, ()))):
@@ -166,20 +163,14 @@ def _table(editing: Editing, sheet: WorkbookSheet, found: Checked, say: Wording)
     st.button(say("typed_entries.more"), key=f"{key}-more", on_click=_more, args=(editing, sheet.name))
 
 
-def _by_row(faults: Iterable[SheetFault], editing: Editing, say: Wording) -> dict[int, list[str]]:
+def _by_row(faults: Iterable[SheetFault], say: Wording) -> dict[int, list[str]]:
     """Return what is said of each row, under 0 what is of the whole table."""
     said: dict[int, list[str]] = {}
     for fault in faults:
         text = say.sentence(fault.text)
-        heading = f"{editing.translated(fault.spot.heading, say)}: " if fault.spot.heading else ""
+        heading = f"{say.name(fault.spot.heading, 'form')}: " if fault.spot.heading else ""
         said.setdefault(fault.spot.row or 0, []).append(f"{heading}{text}")
     return said
-
-
-def _begin(editing: Editing, sheet: WorkbookSheet, key: str) -> None:
-    """Let an editor begin with the rows of the draft, and with some to fill in."""
-    rows = [dict(row) for row in editing.draft.rows(sheet.name)]
-    editing.base[key] = [*rows, *({} for _ in range(_SPARE + editing.spare.get(sheet.name, 0)))]
 
 
 def _take(editing: Editing, name: str, key: str) -> None:
@@ -213,7 +204,7 @@ def _cells(column: SheetColumn, rows: list[dict[str, str]]) -> Any:
 def _config(
     column: SheetColumn, editing: Editing, sheet: WorkbookSheet, base: list[dict[str, str]], say: Wording
 ) -> Any:
-    label, tip = _label(column, editing, say), editing.translated(column.help, say) or None
+    label, tip = _label(column, editing, say), say.name(column.help, "form") or None
     longest = max((len(row.get(column.heading, "")) for row in base), default=0)
     width = max(min(max(column.width, longest + 2), _WIDEST) * _LETTER, len(label) * _LETTER + _SIGN)
     if isinstance(column.kind, Mark):
@@ -222,19 +213,19 @@ def _config(
     options = _options(column, editing.draft, *typed)
     if options is None:
         return st.column_config.TextColumn(label, width=width, help=tip)
-    said = _choice_text(column, editing, say)
+    said = _choice_text(column, say)
     return st.column_config.SelectboxColumn(label, width=width, help=tip, options=options, format_func=said)
 
 
 def _label(column: SheetColumn, editing: Editing, say: Wording) -> str:
     unit = say.get("typed_units", column.kind.label(editing.draft.units))
-    return f"{editing.translated(column.heading, say)}{f' [{unit}]' if unit else ''}{' *' if column.required else ''}"
+    return f"{say.name(column.heading, 'form')}{f' [{unit}]' if unit else ''}{' *' if column.required else ''}"
 
 
-def _choice_text(column: SheetColumn, editing: Editing, say: Wording) -> Callable[[Any], str]:
+def _choice_text(column: SheetColumn, say: Wording) -> Callable[[Any], str]:
     """Return what says a choice in the reader's language; what somebody named stands as it is."""
     words = isinstance(column.kind, ChoiceCell | YesNo)
-    return lambda typed: editing.translated(typed, say) if words and typed else str(typed)
+    return lambda typed: say.name(typed, "form") if words and typed else str(typed)
 
 
 def _options(column: SheetColumn, draft: Draft, *typed: str) -> list[str] | None:

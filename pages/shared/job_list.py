@@ -6,7 +6,6 @@ import datetime as dt
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import streamlit as st
@@ -54,16 +53,11 @@ def asked(book: Book) -> Query:
     with book.reading() as connection:
         controllers = controllers_held(connection)
 
-    def choice(place: Any, name: str, options: Sequence[str], shown: Callable[[Any], str]) -> str:
-        label = say(f"columns.{name}")
-        return str(
-            place.selectbox(
-                label,
-                ["", *options],
-                key=f"job-list-{name}",
-                format_func=lambda each: shown(each) if each else say("job_book.any"),
-            )
-        )
+    def choice(place: Any, name: str, options: Sequence[str], shown: Callable[[Any], str]) -> Any:
+        return place.selectbox(
+            say(f"columns.{name}"), ["", *options], key=f"job-list-{name}",
+            format_func=lambda each: shown(each) if each else say("job_book.any"),
+        )  # fmt: skip
 
     with st.expander(say("job_book.narrow")):
         places = st.columns(4)
@@ -141,15 +135,10 @@ def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] 
         opened = button("open", len(ids) == 1, on_click=open_from_book, args=tuple(ids[:1]), type="primary")
         unit = button("unit", len(ids) == 1, help=say("job_book.unit_help"))
         both = button("compare", len(ids) == 2, help=say("job_book.compare_help"))
-        act = partial(_archived, book, ids, back=back)
         button(
-            "archive",
-            bool(ids),
-            "bring_back" if back else "archive",
-            on_click=_done,
-            args=(act,),
-            help=say("job_book.archive_help"),
-        )
+            "archive", bool(ids), "bring_back" if back else "archive", on_click=_done,
+            args=(_archived, book, ids, back), help=say("job_book.archive_help"),
+        )  # fmt: skip
         st.download_button(
             say("job_book.export"),
             lambda: export_zip(book, ids),
@@ -170,13 +159,13 @@ def actions(book: Book, picked: Sequence[JobRow]) -> tuple[str, dict[str, str]] 
     return None
 
 
-def _done(act: Callable[[], str]) -> None:
+def _done(act: Callable[..., str], *given: Any) -> None:
     """Carry something out in a callback, and keep what is to be said of it."""
     with show.refusing(_TABLE):
-        st.session_state[_SAID] = act()
+        st.session_state[_SAID] = act(*given)
 
 
-def _archived(book: Book, ids: Sequence[str], *, back: bool) -> str:
+def _archived(book: Book, ids: Sequence[str], back: bool) -> str:
     for id in ids:
         book.archive(id, back=back)
     return reader.say()("job_book.brought_back" if back else "job_book.done_archived", count=len(ids))
@@ -208,8 +197,8 @@ def erasing(book: Book) -> None:
         for row in same_vehicle(book, ids):
             st.caption(say("job_book.not_erased", job=show.plain(row.in_words)))
         with st.container(horizontal=True):
-            act = partial(_erase, book, ids)
-            st.button(say("job_book.erase"), type="primary", on_click=_done, args=(act,), key="job-erase-now")
+            act = (_erase, book, ids)
+            st.button(say("job_book.erase"), type="primary", on_click=_done, args=act, key="job-erase-now")
             st.button(say("job_book.keep"), on_click=_begin, args=([],), key="job-erase-not")
 
 
@@ -269,15 +258,11 @@ def suggestions(book: Book, picked: Sequence[JobRow]) -> None:
     say, merged = reader.say(), st.session_state.get(_MERGED)
     with st.expander(say("job_book.may_be_one")):
         if merged is not None:
-            act = partial(_parted, book, merged)
-            st.button(say("job_book.undo_merge"), on_click=_done, args=(act,), key="job-part")
+            st.button(say("job_book.undo_merge"), on_click=_done, args=(_parted, book, merged), key="job-part")
         for row in merged_rows(book, picked[0].unit) if len(picked) == 1 else []:
-            act = partial(_parted, book, row.id)
-            st.button(say("job_book.part", unit=row.told_by), on_click=_done, args=(act,))
+            st.button(say("job_book.part", unit=row.told_by), on_click=_done, args=(_parted, book, row.id))
         st.caption(say("job_book.merge_help"))
-        st.button(
-            say("job_book.look_for_them"), on_click=_done, args=(partial(_look_for_pairs, book),), key="job-duplicates"
-        )
+        st.button(say("job_book.look_for_them"), on_click=_done, args=(_look_for_pairs, book), key="job-duplicates")
         pairs = st.session_state.get(_PAIRS)
         if pairs == []:
             st.write(say("job_book.none_alike"))
@@ -285,10 +270,8 @@ def suggestions(book: Book, picked: Sequence[JobRow]) -> None:
             words, button = st.columns([4, 1], vertical_alignment="center")
             one, other, why = map(show.plain, (pair.one.in_words, pair.other.in_words, pair.why))
             words.markdown(f"{one}  \n{other}  \n*{why}*")
-            act = partial(_merged, book, pair.one.id, pair.other.id)
-            button.button(
-                say("job_book.merge"), on_click=_done, args=(act,), key=f"job-merge-{pair.one.id}-{pair.other.id}"
-            )
+            act, key = (_merged, book, pair.one.id, pair.other.id), f"job-merge-{pair.one.id}-{pair.other.id}"
+            button.button(say("job_book.merge"), on_click=_done, args=act, key=key)
 
 
 def _look_for_pairs(book: Book) -> str:

@@ -20,6 +20,7 @@ from atleak.catalogue.workbook.draft import Checked, Draft, draft_of
 from atleak.catalogue.workbook.subjects import CONTROLLER, sketch
 from atleak.common.errors import AtleakError
 from atleak.common.units import unit_names
+from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.readers.controller_workbook import read_controller_workbook
@@ -73,62 +74,52 @@ def draw(diagnosis: Diagnosis) -> None:
         workshop_data.choose_start(DESK, say)
         return
     checked = checked_now(editing)
-    draw_head(editing, checked)
+    workshop_data.draw_head(DESK, editing, checked, say, _how_known(checked, say))
     step = ask_step(editing, list(STEPS), lambda name: say(f"transmission.step_{name}"), say)
     draw_faults(editing, checked, say)
-    draw_spools(step, checked)
-    draw_tables(editing, step, checked)
-    draw_learning(editing, step, checked)
-    draw_flow(step, checked, diagnosis)
+    if step == COMPONENTS:
+        draw_spools(checked)
+    aside = other_dimensions(checked.data.get("pump", {}).get("kind")) if step == PUMP else ()
+    entry_tables.draw(editing, STEPS[step], checked, frozenset(aside))
+    if step == NEW_PARTS:
+        draw_learning(editing, checked)
+    elif step != COMPONENTS:
+        draw_flow(checked, diagnosis)
     st.header(say("transmission.keep"))
     draw_saving(editing, checked)
 
 
-def draw_head(editing: Editing, found: Checked) -> None:
-    """Show what is described and how its values are known, and ask in which units its numbers are typed."""
-    say, told = reader.say(), ""
-    if found.entry is not None:
-        counts = evidence_counts(found.entry)
-        known = ", ".join(
-            say("transmission.count", count=count, known=say(f"evidence.{name}"))
-            for name, count in counts.items()
-            if count
-        )
-        lacking = "; ".join(open_values(found.entry, say)) or say("transmission.nothing")
-        told = say("transmission.counts", known=known, lacking=lacking)
-    workshop_data.draw_head(DESK, editing, found, say, told)
+def _how_known(found: Checked, say: Wording) -> str:
+    if found.entry is None:
+        return ""
+    known = ", ".join(
+        say("transmission.count", count=count, known=say(f"evidence.{name}"))
+        for name, count in evidence_counts(found.entry).items()
+        if count
+    )
+    lacking = "; ".join(open_values(found.entry, say)) or say("transmission.nothing")
+    return say("transmission.counts", known=known, lacking=lacking)
 
 
-def draw_tables(editing: Editing, step: str, found: Checked) -> None:
-    """Draw the tables and fields of a step; a pump's dimensions of other kinds in a fold."""
-    kind = found.data.get("pump", {}).get("kind")
-    entry_tables.draw(editing, STEPS[step], found, frozenset(other_dimensions(kind)) if step == PUMP else ())
-
-
-def draw_spools(step: str, found: Checked) -> None:
+def draw_spools(found: Checked) -> None:
     """Draw every component with the lands that are typed so far, beside the tables in which they are typed."""
     say = reader.say()
-    if step == COMPONENTS:
-        with st.expander(say("transmission.meant")):
-            st.image(SPOOL_PICTURE, width=_MEANT)
+    with st.expander(say("transmission.meant")):
+        st.image(SPOOL_PICTURE, width=_MEANT)
     with st.container():
-        if step != COMPONENTS:
-            return
         controller = found.entry or sketch(found.data)
         if controller is None:
             st.caption(say("transmission.no_picture"))
-        else:
-            rows = -(-len({land.component for land in controller.lands}) // _BESIDE)
-            with st.container(height=min(rows * _ROW, _HIGHEST), border=False):
-                title, note = say("transmission.lands_described"), say("casting.schematic")
-                drawing = controller_svg(controller, columns=_BESIDE, title=title, note=note)
-                show.svg(drawing, say("transmission.every_spool"))
+            return
+        rows = -(-len({land.component for land in controller.lands}) // _BESIDE)
+        with st.container(height=min(rows * _ROW, _HIGHEST), border=False):
+            title, note = say("transmission.lands_described"), say("casting.schematic")
+            drawing = controller_svg(controller, columns=_BESIDE, title=title, note=note)
+            show.svg(drawing, say("transmission.every_spool"))
 
 
-def draw_flow(step: str, found: Checked, job: Diagnosis) -> None:
+def draw_flow(found: Checked, job: Diagnosis) -> None:
     """Draw where the flow of the unit as new goes at one of its operating points, with the fluid of the job."""
-    if step in (COMPONENTS, NEW_PARTS):
-        return
     say = reader.say()
     st.header(say("transmission.flow"))
     with st.container():
@@ -163,10 +154,8 @@ def _flow(key: tuple[str, ...], point: str, _controller: Controller, _job: Diagn
     return flow_svg(diagram, title, say), diagram.columns
 
 
-def draw_learning(editing: Editing, step: str, found: Checked) -> None:
+def draw_learning(editing: Editing, found: Checked) -> None:
     """Learn mounting clearances from measuring sheets of new units, into the tables of lands."""
-    if step != NEW_PARTS:
-        return
     say = reader.say()
     st.header(say("transmission.learning"))
     if found.entry is None:

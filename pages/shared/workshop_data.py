@@ -255,7 +255,7 @@ def _choose_step(editing: Editing, found: Checked, say: Wording) -> str:
     """Ask which form or table to show, each with a sign where something is wrong or in doubt in it."""
     signs = {doubt.spot.sheet: " ?" for doubt in found.doubts} | {fault.spot.sheet: " ✗" for fault in found.faults}
     steps = [sheet.name for sheet in editing.draft.subject.sheets]
-    return ask_step(editing, steps, lambda step: editing.translated(step, say) + signs.get(step, ""), say)
+    return ask_step(editing, steps, lambda step: say.name(step, "form") + signs.get(step, ""), say)
 
 
 def _draw_curve(found: Checked, say: Wording) -> None:
