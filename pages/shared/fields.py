@@ -114,13 +114,16 @@ def choice(
     place: Any = st,
     **more: Any,
 ) -> Any:
-    """Show a choice; what is picked is taken before anything is drawn."""
+    """Show the choice that holds, whoever made it; what is picked is taken before anything is drawn."""
 
     def picked() -> None:
         take(st.session_state[key])
 
-    start = options.index(current)
-    return place.selectbox(label, options, start, shown, key=key, on_change=picked, disabled=len(options) < 2, **more)
+    if key not in st.session_state or st.session_state[key] != current:
+        st.session_state[key] = current
+    return place.selectbox(
+        label, options, format_func=shown, key=key, on_change=picked, disabled=len(options) < 2, **more
+    )
 
 
 def part(page: str, names: Mapping[str, str], *, closable: bool = False) -> str:

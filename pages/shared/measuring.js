@@ -60,8 +60,9 @@ class Grid {
         this.cells = new Map(data.cells.map(cell => [named(cell.key), cell]))
         this.order = [...this.cells.keys()]
         this.answered(data.answer)
-        if (!this.cells.has(this.now)) this.now = this.first_empty()
         const shape = JSON.stringify([this.order, data.words, data.readonly])
+        const begun = shape === this.shape || this.order.some(name => this.text_of(name))
+        if (!begun || !this.cells.has(this.now)) this.now = this.first_empty()
         if (shape !== this.shape) {
             this.shape = shape
             this.build()
@@ -172,8 +173,7 @@ class Grid {
         if (this.data.readonly) return
         const held = this.places().map(place => sessionStorage.getItem(place)).find(Boolean)
         for (const step of JSON.parse(held ?? "[]")) {
-            if (!this.cells.has(named(step.cell))) continue
-            if (step.do === "put") this.own.set(named(step.cell), step.text)
+            if (step.do === "put" && this.cells.has(named(step.cell))) this.own.set(named(step.cell), step.text)
             this.add(step)
         }
     }

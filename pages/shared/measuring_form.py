@@ -47,6 +47,7 @@ class _Kept:
     typed: Typed = Typed()  # noqa: RUF009  frozen, so safe to share
     answer: dict[str, Any] | None = None
     quick: tuple[str, Plan | None] = ("", None)  # the quick pass last offered, and of what
+    fresh: bool = False  # nothing typed, nothing chosen: the quick pass is asked for, as it is by now
     session: str = field(default_factory=partial(secrets.token_hex, 6))  # by which the browser tells sessions apart
 
 
@@ -61,7 +62,7 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> Plan | None:
             st.info(say("measuring.sample"))
             st.button(say("measuring.begin"), on_click=new_job, key="measuring-begin")
     with st.container():  # one element whatever is asked: the grid below keeps its place
-        _how_much(typed, diagnosis)
+        typed = _how_much(typed, diagnosis)
     _choices(typed, diagnosis)
     key = f"measuring-{session().generation}"
     grid = Grid(typed.plan.cells(diagnosis.controller, typed.entries), typed, _judged(typed, case), diagnosis)
@@ -84,17 +85,22 @@ def draw(case: PageCase, diagnosis: Diagnosis) -> Plan | None:
     return typed.plan
 
 
-def _how_much(typed: Typed, diagnosis: Diagnosis) -> None:
-    """Ask whether the few lands that tell most are measured or all; those few stay until somebody chooses anew."""
-    say, controller, plan = reader.say(), diagnosis.controller, typed.plan
+def _how_much(typed: Typed, diagnosis: Diagnosis) -> Typed:
+    """Ask whether the few lands that tell most are measured or all; those few stay until somebody chooses anew.
+
+    Return what is typed, by the plan that is asked for: that of the quick pass for a sheet that nobody has begun.
+    """
+    say, controller, kept = reader.say(), diagnosis.controller, _kept()
     key = f"pass{session().generation}-{controller.sha256[:12]}"
-    if plan.order is Order.QUICK:
-        _kept().quick = key, plan
-    elif not typed.entries:
-        _kept().quick = key, kept_with(diagnosis, "quick pass", "", lambda: quick_pass(diagnosis), most=1)
-    of, quick = _kept().quick
+    if kept.fresh or not (typed.entries or typed.plan.order is Order.QUICK):
+        kept.quick = key, kept_with(diagnosis, "quick pass", "", lambda: quick_pass(diagnosis), most=1)
+        if kept.fresh:
+            typed = kept.typed = replace(typed, plan=kept.quick[1] or Plan())
+    elif typed.plan.order is Order.QUICK:
+        kept.quick = key, typed.plan
+    plan, (of, quick) = typed.plan, kept.quick
     if of == key and quick is None:
-        return
+        return typed
 
     def label(name: str) -> str:
         asked = quick if name == "quick" and of == key else Plan() if name == "whole" else None
@@ -123,6 +129,7 @@ def _how_much(typed: Typed, diagnosis: Diagnosis) -> None:
         on_change=chosen,
         help=say("measuring.quick_help"),
     )
+    return typed
 
 
 def _take(key: str) -> None:
@@ -138,6 +145,9 @@ def _take(key: str) -> None:
     if controller_of(case).sha256 != controller.sha256:
         return  # another valve body is being chosen: what is not answered is sent again
     typed = _typed(case)
+    asked = {cell.key for cell in typed.plan.cells(controller)}
+    if _kept().fresh and any(tuple(step["cell"]) not in asked for step in steps if step["do"] != "undo"):
+        typed = replace(typed, plan=Plan())  # typed into the whole sheet, before the page was loaded anew
     done = typed.after(steps, typed.plan.cells(controller, typed.entries))
     at = None if done.at is None else list(done.at.key)
     _put(done.typed, {"page": batch["page"], "number": steps[-1]["number"], "at": at})
@@ -209,7 +219,7 @@ def _typed(case: PageCase) -> Typed:
     name = _name(case, file)
     kept = _kept()
     if kept.name != name:
-        kept.name, kept.typed = name, _opened(case, file)
+        kept.name, kept.typed, kept.fresh = name, _opened(case, file), file is None
     return kept.typed
 
 
@@ -261,4 +271,4 @@ def _put(typed: Typed, answer: dict[str, Any] | None = None) -> None:
     name = _name(case, file)
     if file != before:
         put_file("readings", file)
-    kept.name, kept.typed, kept.answer = name, typed, answer or kept.answer
+    kept.name, kept.typed, kept.answer, kept.fresh = name, typed, answer or kept.answer, False

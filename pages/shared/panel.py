@@ -36,6 +36,7 @@ from pages.shared.state import (
 WHERE = {"readings": "Measure", **dict.fromkeys(("road_test", "pressures", "vacuum", "flows"), "In_the_car")}
 RPM = unit("rpm", "rotational_speed")
 _SOON = 0.2  # [s]
+_ROOM = 28  # letters of a name that the sidebar's field shows
 LOOKS = Path(__file__).with_name("page.css")
 
 
@@ -53,6 +54,8 @@ def draw() -> Diagnosis:
         in_job = st.container()
         with st.container():
             choices.catalogue_entry("controller")
+            if len(name := say.name(choices.controller().name)) > _ROOM:
+                st.caption(show.plain(name))
         with st.container():
             if faults := own_faults():
                 files = ", ".join(show.plain(fault.place.file) for fault in faults)

@@ -57,6 +57,8 @@ def test_six_lands_are_measured_by_keyboard_alone(page: Page, visit: Callable[[s
     box.fill("Six lands")
     box.press("Enter")
     state = page.locator(".measuring .state")
+    expect(page.get_by_role("radio", name="Quick pass")).to_be_checked()
+    page.get_by_role("radio", name="Whole sheet").press("Space")
     expect(state).to_have_text("0/48 · all in the job")
     page.get_by_role("tab", name="Type readings").focus()
     for _ in range(30):  # as far as Tab must go
@@ -117,6 +119,7 @@ def test_at_the_bench_one_reading_fills_the_screen_and_the_last_one_says_so(page
     box.fill("Six lands")
     box.press("Enter")
     state, field = page.locator(".measuring .state"), page.locator(".measuring input:visible")
+    page.get_by_role("radio", name="Whole sheet").click()
     expect(state).to_have_text("0/48 · all in the job")
     page.get_by_role("button", name="One at a time, full screen").click()
     expect(field).to_have_count(1)

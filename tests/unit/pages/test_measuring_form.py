@@ -81,6 +81,7 @@ def put(cell: list, text: str) -> dict[str, Any]:
 def test_what_was_typed_is_the_jobs_measuring_sheet(opened: Opened, minimal: Controller) -> None:
     app = opened("PageCase(controller='minimal_example')")
     assert (shown(app), sheet_of(app)) == ({}, None)
+    how_much(app).set_value("whole").run()
     send(app, 1, put(FIRST, "15,001"), put(SECOND, "150,02"))
     assert shown(app) == {tuple(FIRST): "15,001", tuple(SECOND): "150,02"}
     assert app.session_state["seen"]["answer"] == {"page": "a", "number": 2, "at": None}
@@ -98,7 +99,7 @@ def test_what_was_typed_is_the_jobs_measuring_sheet(opened: Opened, minimal: Con
 
 def test_a_plan_that_changes_keeps_what_was_typed(opened: Opened) -> None:
     app = opened("PageCase(controller='minimal_example')")
-    send(app, 1, put(FIRST, "15,001"), put(SECOND, "15,002"))
+    send(app, 1, put(FIRST, "15,001"), put(SECOND, "15,002"))  # the second is none of the quick pass
     repeats = next(widget for widget in app.selectbox if widget.label == "Repeats")
     repeats.set_value(1).run()
     assert not app.exception
@@ -156,9 +157,12 @@ def how_much(app: AppTest) -> Any:
     return widget
 
 
-def test_the_quick_pass_is_offered_first_and_stays_as_it_is_while_it_is_typed(opened: Opened) -> None:
+def test_the_quick_pass_is_asked_for_first_and_stays_as_it_is_while_it_is_typed(opened: Opened) -> None:
     app = opened("PageCase(controller='minimal_example')")
+    assert how_much(app).value == "quick"
     quick, whole = how_much(app).options
+    how_much(app).set_value("whole").run()
+    assert how_much(app).value == "whole", "though nothing is typed"
     whole_cells = len(app.session_state["seen"]["cells"])
     assert quick.startswith("Quick pass: ")
     assert whole == f"Whole sheet: 5 lands, {whole_cells} readings"
