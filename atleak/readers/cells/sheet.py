@@ -19,6 +19,9 @@ NO_WIDTH = dict.fromkeys(map(ord, "\u200b\u200c\u200d\u2060\ufeff\u00ad"))  # si
 Cell = Any  # str, float, int, bool, date or time; "" where empty
 BRACKETS = re.compile(r"[\[(]([^\])]*)[\])]")  # and what stands in them
 _SPACES = re.compile(r"\s+")
+_DITTO = re.compile(
+    r"""[-–—\s]*(?:["“”„″〃]|'{2}|’{2}|,,)[-–—\s]*|di?t?to\.?|idem|j\. ?w\.|[sw]\. ?o\.|то же""", re.IGNORECASE
+)
 
 
 @lru_cache(maxsize=8192, typed=True)  # 1, 1.0 and True are not the same text
@@ -65,8 +68,10 @@ class Sheet:
         return ""
 
     def filled(self, row: int, column: int) -> Cell:
-        """Return what `cell` returns, but inside a merged range what its first cell holds."""
-        return self.cell(*self.merged.get((row, column), (row, column)))
+        """Return what `cell` returns, but in a merged range what its first cell holds, at a ditto what is above."""
+        cell = self.cell(*self.merged.get((row, column), (row, column)))
+        ditto = isinstance(cell, str) and row > 0 and not self.turned and _DITTO.fullmatch(cell)
+        return self.filled(row - 1, column) if ditto else cell
 
     @cached_property
     def width(self) -> int:

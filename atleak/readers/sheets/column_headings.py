@@ -125,7 +125,8 @@ def numbers_of_heading(role: str, tokens: Sequence[str]) -> tuple[int | None, fl
         coordinate = int(ends.pop()) if len(ends) == 1 else beside.pop(0) if beside else None
     if repeat is None:  # "spool, repeated" stands beside "spool"
         repeat = beside[0] if beside else 2 if Words(tokens).any("repeated") else None
-    return coordinate, _direction(role, tokens), repeat
+    directions = directions_in(role, tokens)
+    return coordinate, directions[0] if len(directions) == 1 else None, repeat
 
 
 _SAYS_ANGLE: tuple[Callable[[str, str, str], bool], ...] = (  # of a word, by those around it; the surest first
@@ -139,13 +140,14 @@ _SAYS_ANGLE: tuple[Callable[[str, str, str], bool], ...] = (  # of a word, by th
 )
 
 
-def _direction(role: str, tokens: Sequence[str]) -> float | None:
+def directions_in(role: str, tokens: Sequence[str]) -> list[float]:
+    """Return the directions [°] that a value's heading names, each once."""
     angles = [word for holds in _SAYS_ANGLE for before, word, after in _around(tokens) if holds(before, word, after)]
     directions = [angle for word in angles if (angle := direction_of(word)) is not None]
     directions += [_DIRECTED[token] for token in tokens if role == "diameter" and token in _DIRECTED]
     axes = {token[0] for token in tokens if token in _ENDS}
     directions += [0.0 if axes == {"x"} else 90.0] if len(axes) == 1 else []
-    return next(iter(directions), None)
+    return list(dict.fromkeys(directions))
 
 
 def _counted(tokens: Sequence[str]) -> tuple[int | None, list[int]]:

@@ -28,6 +28,7 @@ from atleak.readers.sheets.table import (
     EXPECTED_SHEET,
     HeadedTable,
     best_header,
+    each_reading,
     find_headers,
     headings,
     is_single,
@@ -136,7 +137,10 @@ def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
         corrected = any(other.standing == "corrected" for other in others) and column.standing != "corrected"
         if column.role == "diameter" and others and (column.standing == "raw" or corrected):
             kept[at] = replace(column, role="raw")
-    return replace(table, columns=tuple(kept))
+    table = replace(table, columns=tuple(kept))
+    for column in table.values if not table.mapped else ():
+        table = each_reading(table, column)
+    return table
 
 
 def _title_rows(sheet: Sheet, first: int, after: int) -> list[int]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import datetime
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from statistics import median
 
 from atleak.catalogue.controller import Controller
 from atleak.catalogue.instruments import Part
@@ -23,6 +24,7 @@ _TIME = re.compile(r"[T ,]+\d{1,2}:\d{2}(:\d{2})?(\.\d+)?\s*([ap]m)?$", re.IGNOR
 _LISTED = 4  # values of a column that are named
 _FEWEST = 2  # rows that make a block
 _AS_ONE = 3e-6  # [m] within which rows that return pass for repeats without a warning: choice of this project
+APART = 4e-4  # of a diameter: by how much its repeats may differ, 4 µm of 10 mm
 _NO_REMARK = Sentence("the remark 'rejected', and nothing else, in the rows that do not count; or without these rows")
 _ONE_STATE = Sentence(
     "one state of the valve body: delete the other rows or hide them; or, if they are repeats, a column 'Repeat' with "
@@ -55,7 +57,30 @@ def states_question(
             value=", ".join(values[:_LISTED]) + (" …" if len(values) > _LISTED else ""),
             expected=Sentence("{which}; or, if they are repeats, a column 'Repeat' with 1, 2 …", which=which),
         )
-    return _blocks(entries, breaks, sheet) if several else None
+    return (_blocks(entries, breaks, sheet) or _apart(entries, several, table, columns)) if several else None
+
+
+def _apart(
+    entries: Sequence[DiameterCell], several: Collection[StationKey], table: HeadedTable, columns: Columns
+) -> ReadingsError | None:
+    """Return an error where most spools and most bores come more than once, too far apart for repeats of one."""
+    sizes: dict[StationKey, list[float]] = defaultdict(list)
+    for entry in entries if columns.repeat is None else ():
+        sizes[_station(entry)].append(entry.raw.size)
+    spreads: dict[Part, list[float]] = {"spool": [], "sleeve": []}
+    for station in several if sizes else ():
+        spreads[station[1]].append(max(sizes[station]) / min(sizes[station]) - 1.0)
+    if 2 * len(several) <= len(sizes) or any(len(of) < _FEWEST or median(of) < APART for of in spreads.values()):
+        return None
+    problem = Sentence(
+        "{count} of {all} stations stand in several rows, which are further apart than repeats and which nothing "
+        "numbers: two states, two units, or two directions?"
+    )
+    return ReadingsError(
+        problem.of(count=len(several), all=len(sizes)),
+        place=table.heading_place(),
+        expected=Sentence("one state of the valve body; or a column 'Repeat' with 1, 2 …, or 'Direction' with 0°, 90°"),
+    )
 
 
 def _several(entries: Sequence[DiameterCell], *, numbered: bool = True) -> dict[StationKey, list[int]]:

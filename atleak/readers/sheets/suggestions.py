@@ -32,10 +32,11 @@ from atleak.readers.sheets.controller_names import (
     read_label,
 )
 from atleak.readers.sheets.layout import mapped_tables, turned
-from atleak.readers.sheets.mapping import ROLES, SheetMapping, diameter_role
+from atleak.readers.sheets.mapping import ROLES, SheetMapping, diameter_role, diameter_said
+from atleak.readers.sheets.repeats import APART
 from atleak.readers.sheets.table import COLUMNS, HeadedTable, is_single, likely_table
 from atleak.readers.sheets.valve_names import valves_by_name
-from atleak.readers.sheets.words import is_blank, letters, number_of, part_in, part_of, part_said, plain, text_of
+from atleak.readers.sheets.words import is_blank, is_state, letters, number_of, part_in, part_said, plain, text_of
 
 _LOOKED_AT = 60  # rows by which a column is told from another
 _MOST_CELLS = 20_000  # of sheets on which suggestions are tried
@@ -44,7 +45,6 @@ _LEFT = ("column_aside", "sheet_aside", "not_read")  # what is said where a diam
 _MOST_PARTS = 3  # words in a column that says spool or bore
 _MOST_LANDS = 8  # of a valve
 _OF_STATES = ("state", "person", "earlier", "whole_unit", "remark", "date")  # in a heading: no lands, no repeats
-_OF_ONE_STATE = 4e-4  # of a diameter: by how much its repeats may differ, 4 µm of 10 mm
 _FEWEST = 4  # rows of a column that tell what its numbers are
 _ROUNDED = 6e-5  # of a diameter: how far a mean may be rounded
 _AXES = {"x": "0°", "0": "0°", "y": "90°", "90": "90°"}
@@ -105,7 +105,7 @@ class Guess:
         """Return by role the column that says it, by its heading or else by its cells."""
         table, names, cells = self.table, self.names, self._cells
         says: dict[str, Callable[[Cell], bool]] = {
-            "component": lambda cell: names.component(cell) in names.with_lands,
+            "component": lambda cell: names.component(cell) in names.with_lands and not is_state(cell),
             "part": lambda cell: part_said(text_of(cell)) is not None,
             "plane": lambda cell: names.is_plane(cell) or "land" in (read_label(cell, names) or {}),
             "direction": lambda _: False,
@@ -120,6 +120,8 @@ class Guess:
         for role, is_one in says.items():  # a heading whose cells say it, then any such cells
             shares = {index: sum(map(is_one, cells[index])) / max(len(cells[index]), 1) for index in cells}
             fits = [index for index in cells if shares[index] > 0.5 and index not in found.values()]
+            if role == "plane" and not {*found.values()}.issuperset(headed[role]):
+                fits = [index for index in fits if index in headed[role]]  # bare numbers may count anything
             if role == "part":  # one word in all rows is a word before a diameter
                 fits = [index for index in fits if index in headed[role] or len(set(map(text_of, cells[index]))) > 1]
             if fits:
@@ -139,8 +141,8 @@ class Guess:
         if "component" not in found and not lines:
             others = cells.keys() - {*found.values(), *self._sized}
             texts = {index: [*map(text_of, cells[index])] for index in others}
-            told = {index for index, of in texts.items() if any(map(number_of, of)) or any(map(part_in, of))}
-            kinds = {index: len(set(of)) for index, of in texts.items() if index not in told}
+            named = {at: of for at, of in texts.items() if not any(map(number_of, of))}
+            kinds = {at: len(set(of)) for at, of in named.items() if 2 * sum(map(bool, map(part_in, of))) <= len(of)}
             if max(kinds.values(), default=0) > _MOST_PARTS:
                 found["component"] = max(kinds, key=lambda index: (len(texts[index]), kinds[index], -index))
         if "plane" not in found and (counted := self._counted_lands(found)):
@@ -177,7 +179,8 @@ class Guess:
                 if own and row in self._rows:
                     numbers[text_of(cell)] = _number_in(text_of(cell))
                     of_valve[valves[row]].add(numbers[text_of(cell)])
-            counted = all(of == set(range(1, len(of) + 1)) for of in of_valve.values())
+            whole = [set(range(1, len(of) + 1)) == of for of in of_valve.values()]
+            counted = 2 * sum(whole) > len(whole) and {*numbers.values()} == set(range(1, len(numbers) + 1))
             told = len(set(numbers.values())) == len(numbers) and len(set(map(len, of_valve.values()))) > 1
             if counted and told and max(map(len, of_valve.values())) <= _MOST_LANDS:
                 return index, {word: str(number) for word, number in numbers.items()}
@@ -281,18 +284,22 @@ class Guess:
             small = unit is not None and numbers and max(map(abs, numbers)) <= NOMINAL_TOLERANCE / unit.factor
             if small and index not in self.labels.values() and not letters(self.table.heading(index)).any("clearance"):
                 found.append((min(numbers) < 0.0, index))
-        return [index for _, index in found] if any(below for below, _ in found) and len(found) < 3 else []
+        return [index for _, index in found] if any(below for below, _ in found) else []
+
+    def _deviation(self, index: int) -> dict[str, str]:
+        words = tokens_of(unit_of_heading(self.table.heading(index))[0]).but("of_quantity", "of_reading", "diameter")
+        return diameter_said(f"deviation {' '.join(words)}")
 
     @property
     def roles(self) -> dict[str, int]:
         """Return the column of each role; of several diameters which is which, only a person may know."""
         values, first = self.diameters, next(self._sayings(), {})
-        if any(role.startswith("new") for role in first) or len(values) == len(first):
+        if any(role.startswith("new") for role in first) or (values and len(values) == len(first)):
             return self.labels | first
-        roles = dict(self.labels)
-        for number, index in enumerate(values, 1):
+        roles, kind = dict(self.labels), "value" if values else "deviation"
+        for number, index in enumerate(values or self._deviations, 1):
             part = next((f"{part} " for part, half in (self._halves or {}).items() if index in half), "")
-            roles[f"value {part}which {number}"] = index
+            roles[f"{kind} {part}which {number}"] = index
         return roles
 
     @cached_property
@@ -321,17 +328,16 @@ class Guess:
         unheaded = [index for index in every if not headed or self.table.role(index) != "diameter"]
         deviations, new = self._deviations, self.table.of("specification")
         if deviations and new and set(every) <= {*deviations}:
-            words = [letters(self.table.heading(index)) for index in deviations]
-            headed_parts = [next(filter(None, map(part_of, headed_by)), None) for headed_by in words]
-            if len(deviations) == 2 and (None in headed_parts or len(set(headed_parts)) == 2):
-                in_order = headed_parts == ["spool", "sleeve"] or sum(a - b for a, b in self._beside(*deviations)) < 0.0
-                spool, sleeve = deviations if in_order else reversed(deviations)
-                of_part = {f"new {part_in(column.heading)}": column.index for column in new}
-                of_both = {"new": new[0].index} if len(new) == 1 else of_part
-                if of_both.keys() in ({"new"}, {"new spool", "new sleeve"}):
-                    yield {**of_both, "deviation spool": spool, "deviation sleeve": sleeve}
-            if len(new) == 1:
-                yield {"new": new[0].index, "deviation": deviations[0]}
+            of_part = {f"new {part_in(column.heading)}": column.index for column in new}
+            of_new = {"new": new[0].index} if len(new) == 1 else of_part
+            said = [self._deviation(index) for index in deviations]
+            named = any(part_in(self.table.heading(index)) for index in deviations)
+            if len(said) == 2 and "part" not in self.labels and not named:
+                in_order = sum(a - b for a, b in self._beside(*deviations)) < 0.0
+                said = [{"part": part} for part in (("spool", "sleeve") if in_order else ("sleeve", "spool"))]
+            roles = [diameter_role(each, "deviation") for each in said]
+            if of_new.keys() in ({"new"}, {"new spool", "new sleeve"}) and len(set(roles)) == len(roles):
+                yield of_new | dict(zip(roles, deviations, strict=True))
             return
         if deviations and not new and unheaded:
             return  # of sizes beside deviations only a person knows whether they are new ones or measured
@@ -401,8 +407,7 @@ class Guess:
         rows = [[self._sized.get(index, {}).get(row) for index in columns] for row in self._rows]
         filled = [[size for size in of_row if size is not None] for of_row in rows if any(of_row)]
         alike = all(
-            len(of_row) == len(columns) and max(of_row) - min(of_row) <= _OF_ONE_STATE * max(of_row)
-            for of_row in filled
+            len(of_row) == len(columns) and max(of_row) - min(of_row) <= APART * max(of_row) for of_row in filled
         )
         return bool(filled) and alike and len(set(texts)) == 1 and not letters(texts[0]).any(*_OF_STATES)
 
@@ -413,21 +418,22 @@ class Guess:
 
     @cached_property
     def words(self) -> dict[str, str]:
-        """Return the sheet's own words: for the parts, by size, and for no reading."""
-        own = self._part_by_size([index for role, index in self.labels.items() if role != "part"])
-        said = {"spool": own[1], "sleeve": own[2]} if own and own[0] == self.labels.get("part") else {}
+        """Return the sheet's own words, and those for no reading."""
         cells = {text_of(cell) for index in self.diameters for cell in self._cells[index]}.difference(self.table.texts)
         missing = [text for text in sorted(cells) if text.strip() and not any(map(str.isdigit, text))]
         return {
-            **said,
             **({"missing": "|".join(missing)} if 0 < len(missing) < _FEWEST else {}),
             **self.own,
         }
 
     @cached_property
     def own(self) -> dict[str, str]:
-        """Return the sheet's own words for lands and valves, as far as numbers, sizes and words tell which each is."""
+        """Return the sheet's own words for parts, lands and valves, as far as numbers, sizes and words tell."""
         lands = {f"plane {number}": word for word, number in self._lands.items()}
+        parts = self._part_by_size([index for role, index in self.labels.items() if role != "part"])
+        if parts is not None and parts[0] == self.labels.get("part"):
+            words = {"spool": parts[1], "sleeve": parts[2]}.items()
+            lands |= {part: word for part, word in words if "|" not in word and part_said(word) is None}
         return lands | _own_valves(self.names, self.measured())
 
     def measured(self, name: str = "") -> dict[str, dict[str, list[float]]]:
@@ -497,13 +503,12 @@ def offers(sheets: Sequence[Sheet], names: ControllerNames) -> Iterator[dict[str
     """Yield what may be said of the columns of a file, the likeliest first: as its sheets stand, then turned."""
     if sum(sheet.width * len(sheet.rows) for sheet in sheets) > _MOST_CELLS:
         return
-    sheet = _fullest(sheets)
-    for page in filter(None, (sheet, turned(sheet))):
-        yield from Guess(likely_table(page, names), names).offers(sheets)
+    for page in (turn for sheet in _fullest(sheets) for turn in (sheet, turned(sheet))):
+        yield from () if page is None else Guess(likely_table(page, names), names).offers(sheets)
 
 
-def _fullest(sheets: Sequence[Sheet]) -> Sheet:
-    return max(sheets, key=lambda sheet: sum(not is_blank(cell) for cells in sheet.rows for cell in cells))
+def _fullest(sheets: Sequence[Sheet]) -> list[Sheet]:
+    return sorted(sheets, key=lambda sheet: -sum(not is_blank(cell) for cells in sheet.rows for cell in cells))
 
 
 def options(said: Mapping[str, str], down: bool = False) -> Sentence:
@@ -557,11 +562,14 @@ def suggest(
 ) -> None:
     """Say at the first problem that asks for columns how they are said, so that the file is read."""
     problems: Sequence[ReadingsError] = getattr(error, "problems", (error,))
-    asking = next((problem for problem in problems if problem.role in (COLUMNS, "component", "plane", "land")), None)
+    asking = next(
+        (problem for problem in problems if problem.role in (COLUMNS, "component", "plane", "land", "part")), None
+    )
     if asking is None:
         return
     named = [sheet for sheet in sheets if sheet.name == asking.place.sheet]
-    page = _fullest(named or sheets)
+    pages = _fullest(named or sheets)
+    page = next((page for page in pages if Guess(likely_table(page, names), names).diameters), pages[0])
     columns = any(problem.role == COLUMNS for problem in problems)
     turns = [] if columns else filter(None, (page, turned(page)))
     own = next(filter(None, (Guess(likely_table(turn, names), names).own for turn in turns)), {})

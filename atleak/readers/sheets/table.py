@@ -24,6 +24,7 @@ from atleak.readers.sheets.column_headings import (
     HeadedColumn,
     Role,
     both_ends,
+    directions_in,
     is_explained,
     read_heading,
     spot_of_heading,
@@ -518,17 +519,27 @@ _OF_NEW = Sentence("the column of nominal diameters, as in {option}", option=Opt
 
 
 def each_reading(table: HeadedTable, column: HeadedColumn) -> HeadedTable:
-    """Return the table with a column of its own, a repeat, for each of the readings that stand in one cell."""
+    """Return the table with a column of its own for each of the readings that stand in one cell.
+
+    They are of the directions that the heading names, if those are as many in every cell; else repeats.
+    """
     cells = {row: several_in(cell) or (cell,) for row, cell in table.cells(column.index).items()}
     most = max(map(len, cells.values()), default=1)
     if most == 1:
         return table
-    text = Sentence("cells of column {heading!r} hold several readings: each counts as a repeat", heading=column.name)
-    columns = [(replace(column, repeat=repeat), column.index) for repeat in range(1, most + 1)]
+    angles = directions_in("diameter", tokens_of(unit_of_heading(column.heading)[0]))
+    if len(angles) == most == min(map(len, cells.values())):
+        text = Sentence("cells of column {heading!r} hold several readings: one of each direction")
+        columns = [(replace(column, direction=angle), column.index) for angle in angles]
+    elif not table.mapped:
+        return table  # a person says whether they are repeats
+    else:
+        text = Sentence("cells of column {heading!r} hold several readings: each counts as a repeat")
+        columns = [(replace(column, repeat=repeat), column.index) for repeat in range(1, most + 1)]
     made = table.with_columns(
         columns, lambda row: (*cells.get(row, ()), *[""] * most)[:most], frozenset({column.index})
     )
-    message = Message("info", "several_in_a_cell", text, table.heading_place(column.index))
+    message = Message("info", "several_in_a_cell", text.of(heading=column.name), table.heading_place(column.index))
     return replace(made, messages=(*made.messages, message))
 
 

@@ -167,7 +167,7 @@ def number(cell: Cell) -> tuple[float, Unit | None]:
 
 def diameter(cell: Cell) -> tuple[float, Unit | None]:
     """Return a cell's diameter and the unit behind it, as `number` does; one of zero or less is refused."""
-    value, unit = number(cell)
+    value, unit = number(without_remark(cell))
     if value <= 0.0:
         raise ReadingsError(Sentence("a diameter must be positive"), value=value, expected=A_DIAMETER)
     return value, unit
@@ -191,11 +191,30 @@ def _undressed(text: str) -> str:
     return stripped if match is None else match["number"] + match["unit"]
 
 
+_REMARKED = re.compile(r"([^\s\d]*\s*\d{1,2}[.,]\d{2,}(?:\s?(?:mm|µm|in|\")(?!\w))?)[\s,;:(*]+(\D*[^\W\d_]{4}\D*)")
+_NO_REMARK = (
+    *("of_specification", "of_quantity", "mean", "sum", "raw", "corrected", "earlier", "new", "state", "gauge"),
+    *("counts_not", "changes_readings", "before_unit", "absent", "spread", "count", "person"),
+)  # words that change what the number before them is
+
+
+def without_remark(cell: Cell) -> Cell:
+    """Return a number as it is written without words behind it that say nothing else of it.
+
+    >>> without_remark("9,941 scored"), without_remark("9,941 mean"), without_remark("9.941 kg")
+    ('9,941', '9,941 mean', '9.941 kg')
+    """
+    match = _REMARKED.fullmatch(cell.strip()) if isinstance(cell, str) and number_of(cell) is None else None
+    if match is None or number_of(match[1]) is None or letters(match[2]).any(*_NO_REMARK):
+        return cell
+    return match[1]
+
+
 def is_marked(cell: Cell) -> bool:
-    """Return whether a star, a dagger or brackets stand at a cell's number, which point to a note."""
-    if not isinstance(cell, str) or number_of(cell) is None:
+    """Return whether a star, a dagger, brackets or words stand at a cell's number, which may point to a note."""
+    if not isinstance(cell, str) or number_of(text := without_remark(cell)) is None:
         return False
-    return cell.rstrip()[-1:] in {"*", "†", "‡"} or _IN_BRACKETS.match(cell.strip()) is not None
+    return text != cell or cell.rstrip()[-1:] in {"*", "†", "‡"} or _IN_BRACKETS.match(cell.strip()) is not None
 
 
 _PARTS: tuple[Part, ...] = ("spool", "sleeve")
@@ -357,8 +376,8 @@ def numbers_in(text: str) -> tuple[float, ...]:
 def plane_names(cell: Cell) -> list[str]:
     """Return the names by which a controller may know the plane in a cell, the literal one first.
 
-    >>> plane_names("Plane II")
-    ['Plane II', 'II', '2']
+    >>> plane_names("Plane II"), plane_names("P1")
+    (['Plane II', 'II', '2'], ['P1', '1'])
     """
     text = text_of(cell)
     match = re.fullmatch(r"(?:measur\w+ )?([^\W\d_]+)\.?\s*(\S.*)", text, re.IGNORECASE)
@@ -368,6 +387,8 @@ def plane_names(cell: Cell) -> list[str]:
     names = [text, short]
     if short.lower() in _ROMAN:
         names.append(_ROMAN[short.lower()])
+    if lettered := re.fullmatch(r"[^\W\d_]{1,2}[ .-]?(\d)", short):
+        names.append(lettered[1])
     return list(dict.fromkeys(names))
 
 

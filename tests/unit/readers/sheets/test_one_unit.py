@@ -212,7 +212,7 @@ def test_a_row_of_sigma_is_a_spread(controller):
         (
             "Valve;Land;Nominal [mm];Spool dev Anna [µm];Spool dev Ben [µm]",
             "tcc_regulator;1;11.0;-2;-3",
-            "deviation=Spool dev Anna [µm]",
+            '"deviation which 1=Spool dev Anna [µm]" --map "deviation which 2=Spool dev Ben [µm]"',
         ),
     ],
 )
