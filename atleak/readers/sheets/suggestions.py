@@ -20,7 +20,13 @@ from atleak.common.sentences import Option, Sentence
 from atleak.measurements.clearances import NOMINAL_TOLERANCE
 from atleak.measurements.readings import Readings
 from atleak.readers.cells.sheet import Cell, Sheet, column_letter
-from atleak.readers.sheets.column_headings import HeadedColumn, besides_numbers, tokens_of, unit_of_heading
+from atleak.readers.sheets.column_headings import (
+    HeadedColumn,
+    besides_numbers,
+    is_explained,
+    tokens_of,
+    unit_of_heading,
+)
 from atleak.readers.sheets.controller_names import (
     PLACES,
     UNITS,
@@ -287,8 +293,8 @@ class Guess:
         return [index for _, index in found] if any(below for below, _ in found) else []
 
     def _deviation(self, index: int) -> dict[str, str]:
-        words = tokens_of(unit_of_heading(self.table.heading(index))[0]).but("of_quantity", "of_reading", "diameter")
-        return diameter_said(f"deviation {' '.join(words)}")
+        words = tokens_of(unit_of_heading(self.table.heading(index))[0])
+        return diameter_said(f"deviation {' '.join(word for word in words if is_explained([word]))}")
 
     @property
     def roles(self) -> dict[str, int]:
