@@ -116,9 +116,13 @@ def _cut(sheet: Sheet, headers: Sequence[HeadedTable]) -> Iterator[HeadedTable]:
     for header, following in zip_longest(headers, headers[1:]):
         end = len(sheet.rows)
         if following is not None:
-            titles = [row for row in _title_rows(sheet, following.first, header.last) if is_single(sheet, row)]
+            titles = [row for row in _title_rows(sheet, following.first, header.last) if not _holds_number(sheet, row)]
             end = min([following.first, *titles])
         yield replace(header, sheet=_only(sheet, 0, sheet.width, end))
+
+
+def _holds_number(sheet: Sheet, row: int) -> bool:
+    return any(numbers_of(cell) and not is_whole(cell) for cell in sheet.rows[row])
 
 
 def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
@@ -447,7 +451,8 @@ def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> _SheetTables:
     """Return a sheet with its tables, turned where its headings run down the first column."""
     upright = _SheetTables(sheet, find_tables(sheet, names))
     if own_form_of(sheet) is not None or any(
-        table.of("component") and any(column.holds_size for column in table.columns) for table in upright.tables
+        (table.of("component") or table.component) and any(column.holds_size for column in table.columns)
+        for table in upright.tables
     ):
         return upright
     around = turned(sheet)

@@ -275,7 +275,7 @@ def _starts_table(table: HeadedTable) -> bool:
     sizes = [column for column in table.columns if column.holds_size and _is_named_size(column)]
     others = [column for column in table.columns if column.role == "quantity" and column.unit is not None]
     keys = {column.role for column in table.columns}.intersection(KEYS)
-    several = len(table.values) > 1  # "spool" and "bore", or "0°" and "90°"
+    several = len(table.values) > 1 or any(not column.heading for column in table.of("part"))  # "0°" and "90°"
     return (len(sizes) or several) + bool(keys) > 1 or (bool(others or table.of_lands) and len(keys) > 1)
 
 
@@ -355,7 +355,9 @@ def _may_hold_headings(sheet: Sheet, row: int) -> bool:
     texts = [column for column, cell in enumerate(sheet.rows[row]) if isinstance(cell, str) and cell.strip()]
     if len(texts) != 1:
         return len(texts) > 1
-    return texts[0] > 0 and sheet.merged.get((row, texts[0] + 1)) == (row, texts[0])
+    return any(map(_is_place, sheet.rows[row][texts[0] : texts[0] + 1])) or (
+        texts[0] > 0 and sheet.merged.get((row, texts[0] + 1)) == (row, texts[0])
+    )
 
 
 def _headers_at(sheet: Sheet, first: int) -> Iterator[HeadedTable]:
@@ -372,7 +374,21 @@ def header_of(sheet: Sheet, first: int, last: int) -> HeadedTable:
     """Return the table whose headings stand in these rows."""
     texts = headings(sheet, first, last)
     columns = [column for index, text in enumerate(texts) if (column := read_heading(text, index)) is not None]
+    columns += [HeadedColumn(index, "", "part") for index in _beside_parts(sheet, last, texts, columns)]
     return HeadedTable(sheet, first, last, read_together(columns), tuple(texts))
+
+
+def _beside_parts(sheet: Sheet, last: int, texts: Sequence[str], columns: Sequence[HeadedColumn]) -> Iterator[int]:
+    """Yield the column that names parts under no heading, where the other headings say only a land or plane each."""
+    if any(texts) and all(map(_is_place, filter(None, texts))) and all(column.holds_value for column in columns):
+        unheaded = range(next(index for index, text in enumerate(texts) if text))
+        yield from (index for index in unheaded[-1:] if part_said(text_of(sheet.cell(last + 1, index))))
+
+
+@lru_cache(maxsize=4096)
+def _is_place(text: str) -> bool:
+    spot, others = spot_of_heading(tokens_of(unit_of_heading(text)[0]))
+    return not spot.keys().isdisjoint(("land", "plane")) and not others
 
 
 def headings(sheet: Sheet, first: int, last: int) -> list[str]:
