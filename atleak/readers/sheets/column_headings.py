@@ -144,7 +144,8 @@ def directions_in(role: str, tokens: Sequence[str]) -> list[float]:
     """Return the directions [°] that a value's heading names, each once."""
     angles = [word for holds in _SAYS_ANGLE for before, word, after in _around(tokens) if holds(before, word, after)]
     directions = [angle for word in angles if (angle := direction_of(word)) is not None]
-    directions += [_DIRECTED[token] for token in tokens if role == "diameter" and token in _DIRECTED]
+    axes_at = [(before, word) for before, word, _ in _around(tokens) if role == "diameter" and word in _DIRECTED]
+    directions += [_DIRECTED[word] for before, word in axes_at if not before.isdigit()]  # "3 x"
     axes = {token[0] for token in tokens if token in _ENDS}
     directions += [0.0 if axes == {"x"} else 90.0] if len(axes) == 1 else []
     return list(dict.fromkeys(directions))

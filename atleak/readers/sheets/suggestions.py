@@ -51,6 +51,7 @@ _LEFT = ("column_aside", "sheet_aside", "not_read")  # what is said where a diam
 _MOST_PARTS = 3  # words in a column that says spool or bore
 _MOST_LANDS = 8  # of a valve
 _OF_STATES = ("state", "person", "earlier", "whole_unit", "remark", "date")  # in a heading: no lands, no repeats
+_WIDEST = 5e-3  # of a diameter: a tolerance
 _FEWEST = 4  # rows of a column that tell what its numbers are
 _ROUNDED = 6e-5  # of a diameter: how far a mean may be rounded
 _AXES = {"x": "0°", "0": "0°", "y": "90°", "90": "90°"}
@@ -136,8 +137,8 @@ class Guess:
             if columns and role not in found and columns[0] not in found.values():
                 found[role] = columns[0]
         for index in cells:  # cells that say several things
-            said = (name for cell in cells[index] for name in label_apart(cell, names))
-            meanings = Counter("plane" if name in ("land", "number") else name for name in said)
+            said = (label for cell in cells[index] if len(label := label_apart(cell, names)) > 1)
+            meanings = Counter("plane" if name in ("land", "number") else name for label in said for name in label)
             most = {name for name, count in meanings.items() if 2 * count >= len(cells[index])} - {"unit"}
             found |= dict.fromkeys(sorted(most), index) if len(most) > 1 else {}
         words = {text_of(cell) for cell in cells.get(found.get("part", -1), ())}
@@ -220,7 +221,17 @@ class Guess:
             of_new = all(map(sizes.is_nominal, numbers.values()))
             said = any(self._tells(index, readings[at:]) for at in range(len(readings) - 1))
             (figures.add if len(numbers) >= _FEWEST and (of_new or said) else readings.append)(index)
-        return frozenset(figures)
+        pairs = product(readings, readings) if len(readings) > 2 else ()
+        return frozenset({*figures, *(at for pair in pairs if self._are_limits(*pair) for at in pair)})
+
+    def _are_limits(self, low: int, high: int) -> bool:
+        """Return whether two columns are as far apart in every row as a tolerance is wide, of spools and of bores."""
+        above = {row: value for row, value in self._sized[high].items() if row in self._sized[low]}
+        widths = {round(value / self._sized[low][row] - 1.0, 4) for row, value in above.items()}
+        apart = {round(value - self._sized[low][row], 6) for row, value in above.items()}
+        return (
+            min(widths, default=0.0) >= APART / 2 and max(widths) < _WIDEST and 1 < _FEWEST * len(apart) <= len(above)
+        )
 
     def _tells(self, index: int, others: Sequence[int]) -> bool:
         rows = [(value, [self._sized[at].get(row) for at in others]) for row, value in self._sized[index].items()]

@@ -174,7 +174,7 @@ def diameter(cell: Cell) -> tuple[float, Unit | None]:
 
 
 _DRESSED = re.compile(
-    r"(?:[øØ⌀∅φΦ]\s*=?\s*)?(?P<number>.*?\d[.,]?)\s*(?:(?:±|\+\s?/?\s?[-−–])\s*\d[\d.,]*)?(?P<unit>\s*[^\d.,\s*†‡±]*)\s*[*†‡]*",
+    r"(?:[øØ⌀∅φΦ]\s*=?\s*)?(?P<number>.*?\d[.,]?)\s*(?:(?:±|\+\s?/?\s?[-−–])\s*\d[\d.,]*)?(?P<unit>\s*[^\d.,\s*†‡±?]*)\s*[*†‡?]*",
     re.DOTALL,
 )
 
@@ -214,7 +214,7 @@ def is_marked(cell: Cell) -> bool:
     """Return whether a star, a dagger, brackets or words stand at a cell's number, which may point to a note."""
     if not isinstance(cell, str) or number_of(text := without_remark(cell)) is None:
         return False
-    return text != cell or cell.rstrip()[-1:] in {"*", "†", "‡"} or _IN_BRACKETS.match(cell.strip()) is not None
+    return text != cell or cell.rstrip()[-1:] in {"*", "†", "‡", "?"} or _IN_BRACKETS.match(cell.strip()) is not None
 
 
 _PARTS: tuple[Part, ...] = ("spool", "sleeve")
@@ -354,7 +354,7 @@ def several_in(cell: Cell) -> tuple[str, ...]:
     >>> several_in("13.998 / 13.997 / 13.999"), several_in("18.041 ± 0.002"), several_in("12/05/2026")
     (('13.998', '13.997', '13.999'), (), ())
     """
-    parts = tuple(part.strip() for part in re.split(r"[/|;]", cell)) if isinstance(cell, str) else ()
+    parts = tuple(part.strip() for part in re.split(r"[/|;\n]", cell)) if isinstance(cell, str) else ()
     return parts if len(parts) > 1 and all(_IN_TEXT.fullmatch(part) for part in parts) else ()
 
 
