@@ -19,6 +19,7 @@ from atleak.readers.cells.extent import FAULTS, MOST_TABLES
 from atleak.readers.cells.sheet import Cell, Sheet
 from atleak.readers.cells.workbook_marks import Marks
 from atleak.readers.own_forms import own_form_of, tables_of_form
+from atleak.readers.sheets.column_headings import unit_of_heading
 from atleak.readers.sheets.controller_names import UNITS, ControllerNames, Sizes, is_whole, numbers_of, read_label
 from atleak.readers.sheets.diameters import PlaceKey, filled_down
 from atleak.readers.sheets.mapping import NOTHING_SAID, SheetMapping
@@ -33,9 +34,10 @@ from atleak.readers.sheets.table import (
     headings,
     is_single,
     read_together,
+    split,
     which_columns,
 )
-from atleak.readers.sheets.words import is_blank, is_repeat_title, letters, part_in, plain, summary_of
+from atleak.readers.sheets.words import direction_of, is_blank, is_repeat_title, letters, part_in, plain, summary_of
 
 _TITLE_ROWS = 4
 
@@ -109,7 +111,11 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[HeadedTable]:
         expected = Sentence("at most {count}", count=MOST_TABLES)
         raise ReadingsError(problem, place=sheet.place(), expected=expected)
     for table in _cut(sheet, headers):
-        yield _by_content(table, Sizes(names.controller))
+        table = _by_content(table, Sizes(names.controller))
+        for column in table.of("part"):
+            apart = not unit_of_heading(column.heading)[0] and not table.names_parts(column)
+            table = split(table, column.index, names) if apart else table
+        yield table
 
 
 def _cut(sheet: Sheet, headers: Sequence[HeadedTable]) -> Iterator[HeadedTable]:
@@ -200,17 +206,28 @@ def _said(
 
     def component(text: str) -> str | None:
         named = said.named("component", text) or names.component_in(text)
-        return named or (names.component(text) if text == table.sheet.name else None)
+        label = read_label(text, names) or {}  # "V12", "90°"
+        return named or (label.get("component") if text == table.sheet.name else None)
 
+    def direction(text: str) -> str | None:
+        label = read_label(text, names) or {}
+        return label.get("direction") if {*label} <= {"direction", "part", "component"} else None
+
+    directed = bool(table.of("direction")) or any(column.direction is not None for column in table.values)
     named_by: list[Sentence] = []
     for name, read, wanted in (
         ("part", lambda text: said.named("part", text) or part_in(text), bool(table.values) and not table.has_part),
         ("component", component, not table.of("component")),
+        ("direction", direction, bool(table.values) and not directed),
     ):
         found = next(((line, value) for line, text in lines if (value := read(text)) is not None), None)
         if wanted and found is not None:
             named_by.append(found[0])
             change: dict[str, Any] = {name: found[1]}
+            if name == "direction":
+                angle = direction_of(found[1])
+                of_value = (replace(each, direction=angle) if each.holds_value else each for each in table.columns)
+                change = {"columns": tuple(of_value)}
             table = replace(table, **change)
     return replace(table, named_by=all_of(dict.fromkeys(named_by))) if named_by else table
 

@@ -25,7 +25,6 @@ from atleak.readers.sheets.repeats import Break, repeat_messages, rows_left_out,
 from atleak.readers.sheets.table import COLUMNS, HeadedTable
 from atleak.readers.sheets.words import (
     A_DIAMETER,
-    NO_NUMBER,
     PART_SPELLINGS,
     at,
     diameter,
@@ -288,7 +287,7 @@ class _Reader:
                 if several_in(cell) and not self.table.mapped:
                     each = Sentence("{expected}; where each of them is a reading, name the columns")
                     error.expected, error.role = each.of(expected=error.expected or A_DIAMETER), COLUMNS
-                elif error.problem != NO_NUMBER and not self.table.mapped:
+                elif isinstance(error.value, float) and not self.table.mapped:
                     error.role = COLUMNS  # of deviations, perhaps
                 elif not re.search(r"\d", cell):
                     stands = Sentence("{expected}; or, for no reading, {option}")

@@ -380,9 +380,11 @@ def header_of(sheet: Sheet, first: int, last: int) -> HeadedTable:
 
 def _beside_parts(sheet: Sheet, last: int, texts: Sequence[str], columns: Sequence[HeadedColumn]) -> Iterator[int]:
     """Yield the column that names parts under no heading, where the other headings say only a land or plane each."""
-    if any(texts) and all(map(_is_place, filter(None, texts))) and all(column.holds_value for column in columns):
-        unheaded = range(next(index for index, text in enumerate(texts) if text))
-        yield from (index for index in unheaded[-1:] if part_said(text_of(sheet.cell(last + 1, index))))
+    headed = [bool(unit_of_heading(text)[0].strip()) for text in texts]
+    places = [text for text, said in zip(texts, headed, strict=True) if said]
+    if places and all(map(_is_place, places)) and all(column.holds_value for column in columns):
+        words = {at: text_of(sheet.cell(last + 1, at)).split() for at in range(headed.index(True))[-1:]}
+        yield from (at for at, said in words.items() if any(map(part_of, said)))
 
 
 @lru_cache(maxsize=4096)
