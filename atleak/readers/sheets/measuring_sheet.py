@@ -313,7 +313,9 @@ class _Measurement:
             yield Message("info", "read_as", sheet.note, Place(sheet.file))
         for table in (rows.table for rows in self.filled if rows.table.named_by):
             part = table.part and PART_WORDS[table.part]
-            what = all_of(name_of for name_of in (table.component, part) if name_of is not None)
+            directions = {f"{each.direction:g}°" for each in table.values if each.direction is not None}
+            said = (table.component, part, *(directions if len(directions) == 1 else ()))
+            what = all_of(name_of for name_of in said if name_of is not None)
             text = Sentence("{where}: {said}, as {said_by} says", where=table.where, said=what, said_by=table.named_by)
             yield Message("info", "taken_from_title", text, table.sheet.place(table.rows[0]))
         unmeasured = sum(rows.rows_without_reading for rows in self.rows)

@@ -498,8 +498,8 @@ class Guess:
         if len(tables) == 2:
             names = [table.sheet.name or "" for table in tables]
             words = names if len(set(names)) > 1 else [unit_of_heading(table.title)[0].strip() for table in tables]
-            columns = [(table.cells(column.index).values() for column in table.values) for table in tables]
-            sums = [sum(numbers_of(cell)[0] for cells in of for cell in cells if numbers_of(cell)) for of in columns]
+            cells = [[cell for at in table.values for cell in table.cells(at.index).values()] for table in tables]
+            sums = [sum(numbers_of(cell)[0] for cell in of if numbers_of(cell)) for of in cells]
             spool, sleeve = (word for _, word in sorted(zip(sums, words, strict=True)))
             if all(words) and len(set(words)) > 1:
                 yield {**mapping, "spool": spool, "sleeve": sleeve}
