@@ -56,7 +56,7 @@ from atleak.readers.sheets.layout import (
     turned,
 )
 from atleak.readers.sheets.mapping import SheetMapping, recalled
-from atleak.readers.sheets.plausibility import check
+from atleak.readers.sheets.plausibility import check, nominal_alone
 from atleak.readers.sheets.repeats import require_known
 from atleak.readers.sheets.rows import SheetRows, read_rows
 from atleak.readers.sheets.suggestions import Guess, column_name, suggest
@@ -176,6 +176,7 @@ def read_readings(
         if said.chosen:
             result = replace(result, columns=tuple(said.chosen.items()), headings=measured.first.headed)
         problems = [*measured.problems, *check(result, fitted)]
+        problems += [] if any(map(tables_of_form, sheets)) else nominal_alone(result, fitted)
         others = [agreement.other_controller(table, fitted, made_for) for table in chosen.tables]
         problems = next(([other] for other in reversed(others) if other is not None), problems)
         if cells:

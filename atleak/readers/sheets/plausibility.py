@@ -17,7 +17,7 @@ from atleak.common.units import MM as TO_MM
 from atleak.common.units import UM, Quantity, find_unit, unit, unit_names
 from atleak.measurements.clearances import NOMINAL_TOLERANCE, REPEAT_TOLERANCE, LandClearance, clearances
 from atleak.measurements.readings import Reading, Readings
-from atleak.readers.sheets.controller_names import MILLIMETRE
+from atleak.readers.sheets.controller_names import MILLIMETRE, ROUNDED
 
 _CLEARANCE_LIMIT = 0.5e-3  # [m] radial; a pair further apart than this is a slip of the pen: choice of this project
 REPEAT_LIMIT = 0.5e-3  # [m] repeats further apart than this are a slip too
@@ -25,6 +25,7 @@ _FACTORS = (10.0, 25.4, 1000.0 / 25.4, 100.0, 1000.0, 25400.0)  # between units,
 _FACTOR_TOLERANCE = 1.2  # a factor is recognised this far off: a nominal diameter is only nominal
 _FAR = 2.0  # times the nominal diameter, that is another component's land
 _WHOLE_SHEET = 0.8  # of all readings wrong by one factor: the unit is wrong, not the readings
+_MANY = 12  # diameters that are not all nominal by chance
 _EXCHANGED = 0.1e-3  # [m] within which a diameter is that of another land: choice of this project
 _diameter = attrgetter("diameter")
 _Off = tuple[Reading, Land, float, float | None]  # far from its nominal diameter: how many times, the factor it is near
@@ -59,6 +60,17 @@ def check(readings: Readings, controller: Controller) -> list[ReadingsError]:
         places = {problem.place for problem in problems}
         problems += [problem for problem in check(readings.when_new, controller) if problem.place not in places]
     return sorted(problems, key=lambda problem: _row(problem.place))
+
+
+def nominal_alone(readings: Readings, controller: Controller) -> Iterator[ReadingsError]:
+    """Yield a problem where every diameter of many is the nominal one to the micrometre, as if none was measured."""
+    lands = [controller.land_of_plane(reading.component, reading.plane) for reading in readings.readings]
+    pairs = zip(readings.readings, lands, strict=True)
+    nominal = [one for one, land in pairs if land and abs(land.nominal_of(one.part) - one.diameter) <= ROUNDED]
+    if len(nominal) == len(lands) >= _MANY:
+        problem = Sentence("all {count} diameters are the nominal ones: a list of sizes, not of readings?")
+        place, expected = replace(nominal[0].place, column=None), Sentence("diameters as measured")
+        yield ReadingsError(problem.of(count=len(nominal)), place=place, expected=expected)
 
 
 def _row(place: Place) -> int:
