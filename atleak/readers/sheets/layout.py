@@ -33,6 +33,7 @@ from atleak.readers.sheets.table import (
     find_headers,
     headings,
     is_single,
+    line_of,
     read_together,
     split,
     which_columns,
@@ -256,7 +257,7 @@ def _sections(table: HeadedTable, names: ControllerNames, said: SheetMapping = N
     for row in table.rows:
         if not is_single(sheet, row):
             continue
-        text = next(str(cell) for cell in sheet.rows[row] if not is_blank(cell))
+        text = line_of(sheet, row)
         following = _said(table, [(Sentence("the line {said!r}", said=text), text)], names, said)
         if following.named_by == table.named_by:
             # an unknown line ends what the line before it says

@@ -213,7 +213,7 @@ class SheetMapping:
         columns = self._all_columns(texts, at)
         first, last = (rows[0], rows[-1]) if rows else (-1, -1)
         view = self._as_said(sheet, columns, last + 1)
-        table = HeadedTable(view, first, last, columns, texts, mapped=True)
+        table = HeadedTable(view, first, last, columns, texts, mapped=bool(self._columns))
         if (component := self._constants.get("component")) is not None:
             table = replace(table, component=names.require_component(component))
         for column in table.values:

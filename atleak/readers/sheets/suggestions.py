@@ -40,7 +40,7 @@ from atleak.readers.sheets.controller_names import (
 from atleak.readers.sheets.layout import mapped_tables, turned
 from atleak.readers.sheets.mapping import ROLES, SheetMapping, diameter_role, diameter_said
 from atleak.readers.sheets.repeats import APART
-from atleak.readers.sheets.table import COLUMNS, HeadedTable, is_single, likely_table
+from atleak.readers.sheets.table import COLUMNS, HeadedTable, is_single, likely_table, line_of
 from atleak.readers.sheets.valve_names import valves_by_name
 from atleak.readers.sheets.words import is_blank, is_state, letters, number_of, part_in, part_said, plain, text_of
 
@@ -167,7 +167,7 @@ class Guess:
                 own = label_apart(text, self.names).get("component") if component == labels.get("plane") else None
                 name = own or text or name
             elif is_single(sheet, row):
-                name = next(text_of(cell) for cell in sheet.rows[row] if not is_blank(cell))
+                name = text_of(line_of(sheet, row))
             found[row] = name
         return found
 

@@ -481,8 +481,15 @@ def _counted_from_one(columns: Sequence[HeadedColumn]) -> Sequence[HeadedColumn]
 
 def is_single(sheet: Sheet, row: int) -> bool:
     """Return whether a row holds one text and nothing else: a title, or a line between the rows."""
+    return line_of(sheet, row) != ""
+
+
+def line_of(sheet: Sheet, row: int) -> str:
+    """Return the text that stands alone in a row, or behind a label with a colon; "" where there is none."""
     cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
-    return len(cells) == 1 and isinstance(cells[0], str) and number_of(cells[0]) is None
+    *label, text = cells or [0]
+    alone = isinstance(text, str) and number_of(text) is None and len(label) < 2
+    return str(text) if alone and all(str(cell).rstrip().endswith(":") for cell in label) else ""
 
 
 _FIRST = 300  # rows among which the first reading is looked for
@@ -510,8 +517,9 @@ def likely_table(sheet: Sheet, names: ControllerNames) -> HeadedTable:
     row = next(of_valve, next((row for row in rows if row + 1 in rows), -1))
     if row < 0:
         return table or HeadedTable(sheet, -1, -1, (), ())
-    while row - 1 in rows:  # of a valve by a name that nobody knows
-        row -= 1
+    sized = [at for at, cell in enumerate(sheet.rows[row]) if measured([cell])]
+    while row and any(sizes.near(value, UNITS) for at in sized for value in numbers_of(sheet.cell(row - 1, at))):
+        row -= 1  # of a valve by a name that nobody knows, or a round number
     above = [at for at in range(row) if _filled(sheet, at) and not is_single(sheet, at)][-2:]
     if table is not None and [table.last] == above[-1:]:
         return table
