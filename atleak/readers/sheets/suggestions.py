@@ -119,6 +119,7 @@ class Guess:
             "repeat": lambda _: False,
         }
         found: dict[str, int] = {}
+        sure = {column.index for column in table.values if column.unit is not None}
         headed = {role: [column.index for column in table.of(ROLES[role])] for role in says}
         headed["plane"] += [column.index for column in table.of("land")]
         running = {index for index in cells if all(map(str.isdigit, map(text_of, cells[index])))}
@@ -126,7 +127,7 @@ class Guess:
         headed["component"] = [index for index in headed["component"] if index not in running]
         for role, is_one in says.items():  # a heading whose cells say it, then any such cells
             shares = {index: sum(map(is_one, cells[index])) / max(len(cells[index]), 1) for index in cells}
-            fits = [index for index in cells if shares[index] > 0.5 and index not in found.values()]
+            fits = [index for index in cells if shares[index] > 0.5 and index not in (*found.values(), *sure)]
             if role == "plane" and not {*found.values()}.issuperset(headed[role]):
                 fits = [index for index in fits if index in headed[role]]  # bare numbers may count anything
             if role == "part":  # one word in all rows is a word before a diameter

@@ -354,7 +354,7 @@ def _may_hold_headings(sheet: Sheet, row: int) -> bool:
     """Return whether a row has two texts, or one over several columns; over the first column it is a title."""
     texts = [column for column, cell in enumerate(sheet.rows[row]) if isinstance(cell, str) and cell.strip()]
     if len(texts) != 1:
-        return len(texts) > 1
+        return len(texts) > 1 and not is_single(sheet, row)
     return any(map(_is_place, sheet.rows[row][texts[0] : texts[0] + 1])) or (
         texts[0] > 0 and sheet.merged.get((row, texts[0] + 1)) == (row, texts[0])
     )
