@@ -43,8 +43,11 @@ from atleak.readers.sheets.words import direction_of, is_blank, is_repeat_title,
 _TITLE_ROWS = 4
 
 
-def find_tables(sheet: Sheet, names: ControllerNames) -> list[HeadedTable]:
-    """Return every table of a sheet that has headings, from top to bottom and from left to right."""
+def find_tables(sheet: Sheet, names: ControllerNames, said: SheetMapping = NOTHING_SAID) -> list[HeadedTable]:
+    """Return every table of a sheet that has headings, from top to bottom and from left to right.
+
+    ``said`` may tell what the sheet's own words mean.
+    """
     if (own := tables_of_form(sheet)) is not None:
         return own
     return [
@@ -52,7 +55,7 @@ def find_tables(sheet: Sheet, names: ControllerNames) -> list[HeadedTable]:
         for strip in _strips(sheet, names)
         for above in _stacked(strip, names)
         for beside in _side_by_side(above)
-        for table in _sections(_titled(beside, names), names)
+        for table in _sections(_titled(said.in_words(beside), names, said), names, said)
     ]
 
 
@@ -114,7 +117,7 @@ def _stacked(sheet: Sheet, names: ControllerNames) -> Iterator[HeadedTable]:
     for table in _cut(sheet, headers):
         table = _by_content(table, Sizes(names.controller))
         for column in table.of("part"):
-            apart = not unit_of_heading(column.heading)[0] and not table.names_parts(column)
+            apart = _is_block(table) and not table.names_parts(column)
             table = split(table, column.index, names) if apart else table
         yield table
 
@@ -437,7 +440,7 @@ def choose_sheet(
     every = [
         _SheetTables(sheet, mapped_tables(sheet, mapping, names))
         if sheet in mapped
-        else _the_right_way_round(sheet, names)
+        else _the_right_way_round(sheet, names, mapping)
         for sheet in sheets
     ]
     if wanted is not None and any(sheet.name is not None for sheet in sheets):
@@ -465,17 +468,22 @@ def _mapped(sheets: Sequence[Sheet], wanted: str | None, mapping: SheetMapping) 
     return fitting
 
 
-def _the_right_way_round(sheet: Sheet, names: ControllerNames) -> _SheetTables:
+def _the_right_way_round(sheet: Sheet, names: ControllerNames, said: SheetMapping) -> _SheetTables:
     """Return a sheet with its tables, turned where its headings run down the first column."""
-    upright = _SheetTables(sheet, find_tables(sheet, names))
+    upright = _SheetTables(sheet, find_tables(sheet, names, said))
     if own_form_of(sheet) is not None or any(
-        (table.of("component") or table.component) and any(column.holds_size for column in table.columns)
+        (table.of("component") or table.component or _is_block(table))
+        and any(column.holds_size for column in table.columns)
         for table in upright.tables
     ):
         return upright
     around = turned(sheet)
-    sideways = None if around is None else _SheetTables(around, find_tables(around, names))
+    sideways = None if around is None else _SheetTables(around, find_tables(around, names, said))
     return sideways if sideways is not None and sideways.is_filled else upright
+
+
+def _is_block(table: HeadedTable) -> bool:
+    return any(not unit_of_heading(column.heading)[0] for column in table.of("part"))
 
 
 def _quoted(names: Iterable[str | None]) -> tuple[str, ...]:

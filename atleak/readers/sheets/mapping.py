@@ -100,8 +100,8 @@ class SheetMapping:
         self._values = {name: self._value(name) for name in self._columns if _role(name) == "diameter"}
 
     def __bool__(self) -> bool:
-        """Tell whether it says of columns what they are: rows that count say nothing of them."""
-        return len(self.chosen) > len(self.lines)
+        """Tell whether it says of columns what they are: rows that count and words that stand for others do not."""
+        return bool(self._columns or self._constants or self.header or "" in self.chosen.values())
 
     @property
     def _roles(self) -> Iterator[tuple[str, str]]:
@@ -213,7 +213,7 @@ class SheetMapping:
         columns = self._all_columns(texts, at)
         first, last = (rows[0], rows[-1]) if rows else (-1, -1)
         view = self._as_said(sheet, columns, last + 1)
-        table = HeadedTable(view, first, last, columns, texts, mapped=bool(self._columns))
+        table = HeadedTable(view, first, last, columns, texts, mapped=True)
         if (component := self._constants.get("component")) is not None:
             table = replace(table, component=names.require_component(component))
         for column in table.values:
@@ -308,6 +308,10 @@ class SheetMapping:
                         problem, f"{name}={word}", Sentence("{word} as {other} alone", word=word, other=other)
                     )
         return {**words, "land": words["plane"]}
+
+    def in_words(self, table: HeadedTable) -> HeadedTable:
+        """Return a table found by its headings with our words for the sheet's own."""
+        return replace(table, sheet=self._as_said(table.sheet, table.columns, table.last + 1)) if self.chosen else table
 
     def _as_said(self, sheet: Sheet, columns: Collection[HeadedColumn], below: int) -> Sheet:
         """Return the sheet without what stands for no reading, in our words; readings begin at row ``below``."""
