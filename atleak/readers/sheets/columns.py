@@ -8,13 +8,16 @@ from functools import cached_property, reduce
 from itertools import pairwise
 
 from atleak.common.errors import ReadingsError
-from atleak.common.sentences import Sentence
+from atleak.common.sentences import Option, Sentence
 from atleak.common.units import Unit, find_unit
 from atleak.readers.sheets.column_headings import HeadedColumn, Role
 from atleak.readers.sheets.controller_names import ControllerNames
 from atleak.readers.sheets.table import HeadedTable, which_columns
 from atleak.readers.sheets.words import plain, says_date, sheet_vocabulary, text_of
 
+_NUMBER = Sentence("the component's number")
+_HEADINGS = Sentence("headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'")
+_BY_TITLE = Sentence("a column 'No.'; or say which one the title means: {option}")
 _COORDINATES = ("coordinate 1", "coordinate 2")
 
 
@@ -207,7 +210,7 @@ def _missing(table: HeadedTable, names: ControllerNames, columns: Columns) -> It
         return
     missing = []
     if columns.component is None and table.component is None:
-        missing.append(Sentence("the component's number"))
+        missing.append(_NUMBER)
     if columns.part is None and table.part is None and not all(column.part for column in table.values):
         missing.append(Sentence("the part (spool or sleeve)"))
     placed = bool(table.values) and all(column.land or column.plane for column in table.values)
@@ -219,7 +222,9 @@ def _missing(table: HeadedTable, names: ControllerNames, columns: Columns) -> It
             Sentence("no column holds {what}", what=what),
             table.sheet.place(max(table.last, 0)),
             ", ".join(column.name for column in table.columns),
-            Sentence("headings such as 'No.', 'Part', 'Plane', 'Direction', 'Diameter [mm]'"),
+            _HEADINGS
+            if what != _NUMBER or not table.title
+            else _BY_TITLE.of(option=Option("name", text=f'--map "component …={table.title}"')),
         )
 
 

@@ -196,7 +196,8 @@ def _between(table: HeadedTable, begin: int, end: int) -> HeadedTable:
 
 def _titled(table: HeadedTable, names: ControllerNames, said: SheetMapping = NOTHING_SAID) -> HeadedTable:
     above = _title_rows(table.sheet, table.first, -1)
-    texts = [" ".join(str(cell) for cell in table.sheet.rows[row] if not is_blank(cell)) for row in above]
+    cells = [[str(cell) for cell in table.sheet.rows[row] if not is_blank(cell)] for row in above]
+    texts = [line_of(table.sheet, row) or " ".join(of_row) for row, of_row in zip(above, cells, strict=True)]
     lines = [(Sentence("the title {said!r}", said=text), text) for text in texts]
     if table.sheet.name is not None:
         lines.append((Sentence("the sheet's name {said!r}", said=table.sheet.name), table.sheet.name))

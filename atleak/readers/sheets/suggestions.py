@@ -37,7 +37,7 @@ from atleak.readers.sheets.controller_names import (
     numbers_of,
     read_label,
 )
-from atleak.readers.sheets.layout import mapped_tables, turned
+from atleak.readers.sheets.layout import find_tables, mapped_tables, turned
 from atleak.readers.sheets.mapping import ROLES, SheetMapping, diameter_role, diameter_said
 from atleak.readers.sheets.repeats import APART
 from atleak.readers.sheets.table import COLUMNS, HeadedTable, is_single, likely_table, line_of
@@ -506,6 +506,19 @@ class Guess:
                 yield {**mapping, "spool": spool, "sleeve": sleeve}
 
 
+def _titled(sheets: Sequence[Sheet], names: ControllerNames) -> dict[str, str]:
+    """Return the titles of tables that name no component we know as words for those, as far as sizes tell."""
+    measured: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
+    for table in (table for sheet in sheets for table in find_tables(sheet, names)):
+        untold = table.title and not (table.of("component") or table.component or table.left_aside)
+        for column in table.values if untold else ():
+            cells = table.cells(column.index).values()
+            measured[table.title][column.plane or column.land or ""] += [
+                size for cell in cells for size in numbers_of(cell)
+            ]
+    return _own_valves(names, measured)
+
+
 def _own_valves(names: ControllerNames, measured: Mapping[str, Mapping[str, Sequence[float]]]) -> dict[str, str]:
     return {f"component {valve}": name for name, valve in valves_by_name(names, measured).items()}
 
@@ -593,12 +606,13 @@ def suggest(
     own = next(filter(None, (Guess(likely_table(turn, names), names).own for turn in turns)), {})
     if not columns and not own:
         return
-    likely = islice(chain([] if columns else [own], offers(sheets, names)), _MOST_TRIED)
+    own = own or _titled(sheets, names)
+    likely = islice(chain([own] if own else [], offers(sheets, names)), _MOST_TRIED)
     found = None
     with suppress(InputError):  # headings may say what no role is
         found = _tried(likely, said, read)
     if found is None:
-        typed = to_fill_in(page, names) if columns else options(own)
+        typed = options(own) if own else to_fill_in(page, names)
     else:
         error.offer = found[0]
         new = {role: text for role, text in found[0].items() if said.chosen.get(role) != text}

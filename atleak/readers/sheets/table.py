@@ -204,10 +204,9 @@ class HeadedTable:
     @cached_property
     def title(self) -> str:
         """Return the line of text above the headings, but no count of pages; "" where there is none."""
-        above = ([cell for cell in row if not is_blank(cell)] for row in self.sheet.rows[: max(self.first, 0)])
-        lines = [cells for cells in above if cells]
-        alone = lines and len(lines[-1]) == 1 and isinstance(lines[-1][0], str)
-        return str(lines[-1][0]) if alone and not is_page_title(lines[-1][0]) else ""
+        above = (row for row in reversed(range(self.first)) if any(not is_blank(cell) for cell in self.sheet.rows[row]))
+        line = next((line_of(self.sheet, row) for row in above), "")
+        return "" if is_page_title(line) else line
 
     @cached_property
     def where(self) -> Sentence:
