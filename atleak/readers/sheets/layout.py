@@ -38,7 +38,17 @@ from atleak.readers.sheets.table import (
     split,
     which_columns,
 )
-from atleak.readers.sheets.words import direction_of, is_blank, is_repeat_title, letters, part_in, plain, summary_of
+from atleak.readers.sheets.words import (
+    direction_of,
+    is_blank,
+    is_repeat_title,
+    letters,
+    part_in,
+    part_said,
+    plain,
+    summary_of,
+    text_of,
+)
 
 _TITLE_ROWS = 4
 
@@ -126,13 +136,8 @@ def _cut(sheet: Sheet, headers: Sequence[HeadedTable]) -> Iterator[HeadedTable]:
     for header, following in zip_longest(headers, headers[1:]):
         end = len(sheet.rows)
         if following is not None:
-            titles = [row for row in _title_rows(sheet, following.first, header.last) if not _holds_number(sheet, row)]
-            end = min([following.first, *titles])
+            end = min([following.first, *_title_rows(sheet, following.first, header.last)])
         yield replace(header, sheet=_only(sheet, 0, sheet.width, end))
-
-
-def _holds_number(sheet: Sheet, row: int) -> bool:
-    return any(numbers_of(cell) and not is_whole(cell) for cell in sheet.rows[row])
 
 
 def _by_content(table: HeadedTable, sizes: Sizes) -> HeadedTable:
@@ -164,7 +169,12 @@ def _title_rows(sheet: Sheet, first: int, after: int) -> list[int]:
         cells = [cell for cell in sheet.rows[row] if not is_blank(cell)]
         if not cells:
             continue
-        if len(cells) > 2 or not isinstance(cells[0], str) or len(title_rows) == _TITLE_ROWS:
+        reading = (
+            len(cells) == 2
+            and not line_of(sheet, row)
+            and (part_said(text_of(cells[0])) or (numbers_of(cells[1]) and not is_whole(cells[1])))
+        )
+        if len(cells) > 2 or not isinstance(cells[0], str) or reading or len(title_rows) == _TITLE_ROWS:
             break
         title_rows.append(row)
     return title_rows
