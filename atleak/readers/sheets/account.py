@@ -103,12 +103,8 @@ class Account:
         for at in cells:
             done.setdefault(at, aside(table.left_aside or _OTHER_COLUMN))
         if sizes:
-            text = Sentence(
-                "the table in {where} is left aside, {why}: {shown}",
-                where=table.where,
-                why=table.left_aside or "",
-                shown=self._shown(table.sheet, sizes),
-            )
+            text = Sentence("the table in {where} is left aside, {why}: {shown}")
+            text = text.of(where=table.where, why=table.left_aside or "", shown=self._shown(table.sheet, sizes))
             self.messages.append(Message("info", "table_aside", text, table.sheet.place(max(table.first, 0))))
 
     def holds_sizes(self, table: HeadedTable) -> bool:

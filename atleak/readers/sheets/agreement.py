@@ -98,12 +98,9 @@ class _StatedNumbers:
         contradictions, heading = list(disagreeing), self.table.heading(index)
         for row, stated, computed in contradictions[:_SHOWN]:
             text = Sentence(
-                "row {row}: column {heading!r} says {stated}, and the diameters make {computed}: a slip in one of them",
-                row=self.table.sheet.row_number(row),
-                heading=heading,
-                stated=stated,
-                computed=computed,
+                "row {row}: column {heading!r} says {stated}, and the diameters make {computed}: a slip in one of them"
             )
+            text = text.of(row=self.table.sheet.row_number(row), heading=heading, stated=stated, computed=computed)
             yield Message("warning", f"{what}_disagrees", text, self.table.sheet.place(row, index, heading))
         if (more := len(contradictions) - _SHOWN) > 0:
             text = counted(

@@ -169,13 +169,11 @@ def _two_states(table: HeadedTable, values: Sequence[HeadedColumn]) -> Iterator[
     for column, other in pairwise(values):
         numbered = column.station == other.station and column.repeat != other.repeat
         if numbered and column.besides != other.besides:
+            problem = Sentence(
+                "the columns {first!r} and {second!r} are told apart by more than the number of a repeat: two states?"
+            )
             yield ReadingsError(
-                Sentence(
-                    "the columns {first!r} and {second!r} are told apart by more than the number of a repeat: two "
-                    "states?",
-                    first=column.name,
-                    second=other.name,
-                ),
+                problem.of(first=column.name, second=other.name),
                 place=table.heading_place(other.index),
                 value=", ".join(sorted(column.besides ^ other.besides)),
                 expected=Sentence(

@@ -206,12 +206,10 @@ class ControllerNames:
             return component
         text = text_of(cell)
         if component is not None:
+            problem = Sentence("component {component} ({name}) of {controller} has no precision pair to measure")
             raise ReadingsError(
-                Sentence(
-                    "component {component} ({name}) of {controller} has no precision pair to measure",
-                    component=component,
-                    name=Name(self.controller.components[component]),
-                    controller=self.controller.id,
+                problem.of(
+                    component=component, name=Name(self.controller.components[component]), controller=self.controller.id
                 ),
                 value=text,
                 expected=Sentence("one of {names}", names=_list(self.with_lands)),

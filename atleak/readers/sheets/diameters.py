@@ -270,13 +270,9 @@ def broken_blocks(
 
 def _broken(table: HeadedTable, entry: DiameterCell, why: Sentence) -> ReadingsError:
     key = entry.key
+    problem = Sentence("this row would go on with component {component}, plane {plane}, {why}: is its label missing?")
     return ReadingsError(
-        Sentence(
-            "this row would go on with component {component}, plane {plane}, {why}: is its label missing?",
-            component=key.component,
-            plane=key.plane,
-            why=why,
-        ),
+        problem.of(component=key.component, plane=key.plane, why=why),
         place=entry.raw.place,
         value=entry.raw.size,
         expected=Sentence("the label in the first row of every block"),

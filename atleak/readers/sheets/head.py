@@ -335,12 +335,8 @@ def _value(
             template.of(value=value, unit=quantity.asked.unit, place=entry.place.sentence)
             for value, entry in values.items()
         )
-        text = Sentence(
-            "the head states several {what}s, {named}: none is taken. State the one {of}",
-            what=quantity.what,
-            named=named,
-            of=quantity.of,
-        )
+        text = Sentence("the head states several {what}s, {named}: none is taken. State the one {of}")
+        text = text.of(what=quantity.what, named=named, of=quantity.of)
         messages.append(Message("warning", quantity.code, text, next(iter(values.values())).place))
     return next(iter(values)) if len(values) == 1 else None
 

@@ -175,11 +175,9 @@ class _LandRows:
         if doubtful:
             text = Sentence(
                 "The contact length of {land} is {measured:.6g} {measured.unit} as measured and {stated:.6g} "
-                "{stated.unit} in the valve body's file: the measured one is computed with.",
-                land=name,
-                measured=_mm(metres),
-                stated=_mm(stated),
+                "{stated.unit} in the valve body's file: the measured one is computed with."
             )
+            text = text.of(land=name, measured=_mm(metres), stated=_mm(stated))
             self.values.messages.append(Message("warning", "contact_length_differs", text, place))
 
     def _take_repair(self, component: str, row: int, wanted: str, place: Place) -> None:

@@ -608,15 +608,12 @@ def require_one_measurement(read: Sequence[SheetRows], file: str) -> list[Readin
 
 
 def _twice(rows: SheetRows, other: SheetRows, key: PlaceKey, place: Place) -> ReadingsError:
+    problem = Sentence(
+        "component {component}, {part}, plane {plane} stands in this table and in the one in {where} already: "
+        "repeats, or two states?"
+    )
     return ReadingsError(
-        Sentence(
-            "component {component}, {part}, plane {plane} stands in this table and in the one in {where} already: "
-            "repeats, or two states?",
-            component=key.component,
-            part=PART_WORDS[key.part],
-            plane=key.plane,
-            where=other.table.where,
-        ),
+        problem.of(component=key.component, part=PART_WORDS[key.part], plane=key.plane, where=other.table.where),
         place=place,
         expected=Sentence("a column 'repeat' in both, or only the table that is meant"),
     )

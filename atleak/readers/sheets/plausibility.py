@@ -273,11 +273,9 @@ def _exchanged(
             other=named(circle[-1]),
         )
         if len(circle) > 2:
-            problem = Sentence(
-                "{land} measures like {other}: the readings of {lands} exchanged in a circle?",
-                land=named(land),
-                other=named(circle[1]),
-                lands=all_of(map(named, sorted(circle, key=far.index))),
+            problem = Sentence("{land} measures like {other}: the readings of {lands} exchanged in a circle?")
+            problem = problem.of(
+                land=named(land), other=named(circle[1]), lands=all_of(map(named, sorted(circle, key=far.index)))
             )
         first = by_land[land.key][0]
         written, about = _written(all_readings, first.diameter), _about(all_readings, land, first)

@@ -219,11 +219,9 @@ def repeat_messages(
         if letters(table.heading(index)).any("state"):
             text = Sentence(
                 "column {heading!r} calls them repeats, so rows are averaged that column {other!r} tells apart "
-                "({values})",
-                heading=columns.repeat.heading,
-                other=table.heading(index),
-                values=_values(splits)[:_LISTED],
+                "({values})"
             )
+            text = text.of(heading=columns.repeat.heading, other=table.heading(index), values=_values(splits)[:_LISTED])
             yield Message("warning", "repeats_of_several_states", text, table.heading_place(index))
             return
 
