@@ -7,6 +7,7 @@ from functools import partial
 import streamlit as st
 
 from atleak.analysis.changes import Comparison
+from atleak.analysis.record_doubts import with_sheet
 from atleak.common.errors import AtleakError
 from atleak.common.verdicts import Verdict
 from atleak.common.wording import Wording
@@ -17,6 +18,7 @@ from atleak.job_book.book import JobRow
 from atleak.job_book.compared_jobs import ComparedJobs, compare_jobs, compared_record
 from atleak.job_book.search import Query
 from atleak.job_book.unit_history import unit_of_visit
+from atleak.measurements.job_card import Job
 from atleak.report.charts.comparison_figures import logs_over_one_another
 from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf.comparison import write_comparison_pdf
@@ -24,10 +26,10 @@ from atleak.report.tables.comparison import compared_event_name
 from atleak.report.tables.road_test import channel_scales
 from pages.shared import font_form, reader, show
 from pages.shared.book import book, job_id
-from pages.shared.cases import diagnosis_of, opened_case, result_key
-from pages.shared.state import job, session
+from pages.shared.cases import PageCase, diagnosis_of, opened_case, result_key
+from pages.shared.state import KEPT, job, session, sheet_beside
 
-THIS, FILE = "this_job", "job_file"  # beside the ids of jobs
+THIS, FILE, SHEET = "this_job", "job_file", "sheet"  # beside the ids of jobs
 LISTED = 200  # most jobs of the book to choose from
 DRAWN = 20  # most lands in the first table and its chart
 Chosen = tuple[JobFile, JobFile]
@@ -37,7 +39,7 @@ def choose() -> Chosen | None:
     """Ask for both jobs; None while one is missing.
 
     Unless the address names them (``?before=ID&after=ID``), the later one is this session's job, and the earlier one
-    the visit of its unit before it.
+    the sheet that its own took the place of, unless that is dated later, or the visit of its unit before it.
 
     Raises
     ------
@@ -46,17 +48,25 @@ def choose() -> Chosen | None:
     """
     say, rows = reader.say(), _offered()
     earlier, _ = _visits_beside(rows)
-    sides = []
-    for column, side, usual in zip(st.columns(2), ("before", "after"), (earlier or FILE, THIS), strict=True):
+    both, sheet, sides = [earlier or FILE, THIS], sheet_beside(), []
+    try:
+        if sheet is not None:
+            read = [diagnosis_of(case).readings for case in (_of_sheet(), session().good)]
+            dates = [each.date for each in read if each is not None and each.date is not None]
+            both = [THIS, SHEET] if dates[1:] and dates[0] > dates[1] else [SHEET, THIS]
+    except AtleakError as error:  # of another valve body, say
+        st.warning(show.plain(error))
+        sheet = None
+    for column, side, usual in zip(st.columns(2), ("before", "after"), both, strict=True):
         with column:
-            options = [THIS, FILE, *(id for id in rows if id != job_id())]
+            options = [THIS, *[SHEET] * (sheet is not None), FILE, *(id for id in rows if id != job_id())]
             asked = st.query_params.get(side)
             start = asked if asked in options else THIS if asked is not None and asked == job_id() else usual
             chosen = st.selectbox(
                 say(f"compare.{side}"),
                 options,
                 options.index(start),
-                format_func=partial(_label, rows, say),
+                format_func=partial(_label, rows, "" if sheet is None else sheet.name, say),
                 key=f"compare-{side}-{start}",
             )
             sides.append(_job(side, chosen))
@@ -103,10 +113,10 @@ def beside() -> Comparison | None:
         return None
 
 
-def _label(rows: dict[str, JobRow], say: Wording, chosen: str) -> str:
+def _label(rows: dict[str, JobRow], sheet: str, say: Wording, chosen: str) -> str:
     row = rows.get(chosen)
     if row is None:
-        return say(f"compare.{chosen}")
+        return say(f"compare.{chosen}", name=sheet)
     day, mileage = row.date or row.made_on, row.mileage_km
     named = [
         "" if day is None else say.date(day),
@@ -119,9 +129,17 @@ def _label(rows: dict[str, JobRow], say: Wording, chosen: str) -> str:
     return " · ".join([*filter(None, named), say.signed(Verdict(row.verdict))])
 
 
+def _of_sheet() -> PageCase:
+    return PageCase(**{name: getattr(session().good, name) for name in KEPT}, readings=sheet_beside())
+
+
 def _job(side: str, chosen: str) -> JobFile | None:
     if chosen == THIS:
         return JobFile(job(), session().good, {}, reader.say()("compare.this_job"))
+    if chosen == SHEET:
+        case = _of_sheet()
+        name = "" if case.readings is None else case.readings.name
+        return JobFile(with_sheet(None, diagnosis_of(case).readings) or Job(), case, {}, name)
     if chosen != FILE:
         return book().load(chosen).file
     given = st.file_uploader(reader.say()(f"compare.file_{side}"), ["zip"], key=f"compare-file-{side}")

@@ -38,7 +38,7 @@ def take(files: Sequence[SourceFile]) -> None:
     last = dict(kinds)
     for kind, file in kinds:
         if kind in _OF_JOB and file is not last[kind]:
-            _leave_out(file, last[kind])
+            _leave_out(kind, file, last[kind])
             continue
         try:
             _take(kind, file)
@@ -49,7 +49,10 @@ def take(files: Sequence[SourceFile]) -> None:
 def _take(kind: FileKind, file: SourceFile) -> None:
     now = session()
     if kind in _OF_JOB:
-        now.follow = kind is FileKind.READINGS or now.follow
+        if kind is FileKind.READINGS:
+            now.follow = True
+            if not now.case.sample and now.sheet_before is None:
+                now.sheet_before = now.case.readings
         put_file(kind, file)
     elif kind is FileKind.JOB:
         open_job(file.name, file.content)
@@ -77,7 +80,9 @@ def _choose(slots: Sequence[str], file: SourceFile) -> None:
     _tell(lambda say: say("done.used_for", name=file.name, slots=", ".join(say(f"slots.{slot}") for slot in slots)))
 
 
-def _leave_out(file: SourceFile, other: SourceFile) -> None:
+def _leave_out(kind: FileKind, file: SourceFile, other: SourceFile) -> None:
+    if kind is FileKind.READINGS:
+        session().sheet_before = file
     _tell(lambda say: say("done.left_out", name=file.name, other=other.name))
 
 

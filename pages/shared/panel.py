@@ -29,6 +29,7 @@ from pages.shared.state import (
     job,
     new_job,
     session,
+    sheet_beside,
     take_away,
     take_sample,
 )
@@ -75,6 +76,9 @@ def draw() -> Diagnosis:
                 _status(slot, result)
         for notice in session().notices:
             st.caption(show.plain(notice(reader.say())))
+        if beside := sheet_beside():
+            label = show.plain(say("panel.compare", name=beside.name))
+            st.page_link(places.page("History"), label=label, query_params={"history": "compare"})
     shown = diagnosis_of(session().good)
     with show.faults():
         _draw_steps(shown)

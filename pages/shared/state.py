@@ -99,6 +99,7 @@ class Session:
     turns: int = 0  # part of the keys of the choices' widgets: they start anew where something else made the choice
     not_taken: tuple[Refusal, ...] = ()  # of the files that came in last, those that are no part of a job
     notices: tuple[Told, ...] = ()  # what was done with the files that came in last
+    sheet_before: SourceFile | None = None  # of this unit, whose place in the job another has taken
     follow: bool = False  # whether the sheet that is tried may choose the controller that its head names
     steps: Steps = field(default_factory=Steps)  # that can be taken back and done again
     windows: dict[str, tuple[float, float]] = field(default_factory=dict)  # part shown [s], by the log's SHA-256
@@ -153,6 +154,12 @@ def give_up_log() -> None:
     if file is not None:
         now.case = _without(now.case, "road_test", now.tried.pop("road_test", now.good))
         now.notices = (lambda say: say("done.not_read", name=file.name),)
+
+
+def sheet_beside() -> SourceFile | None:
+    """Return the sheet that the job's own may be compared with: it was in the job before, or came with it."""
+    now = session()
+    return None if now.good.readings in (None, now.sheet_before) else now.sheet_before
 
 
 def take_away(slot: str) -> None:

@@ -15,7 +15,7 @@ from atleak.job_book.book import open_book
 from atleak.job_book.customer_links import links_of_job
 from atleak.measurements.job_card import Job
 from atleak.report.customer_screen import written
-from tests.unit.pages.conftest import go, press, texts
+from tests.unit.pages.conftest import choice, go, press, texts, uploader
 
 SHEET = "component;part;plane;direction;diameter [mm]\n" + "".join(
     f"{component};{part};1;{direction};{{{name}}}\n"
@@ -104,3 +104,27 @@ def test_jobs_that_the_address_names_are_compared_however_old_they_are(
     app.query_params["before"] = "feed"
     app.run()
     assert "has no such job" in texts(app)
+
+
+@pytest.mark.page("2_Measure")
+@pytest.mark.parametrize("at_once", [True, False], ids=["at once", "one after the other"])
+def test_two_sheets_of_one_unit_are_compared_though_the_job_holds_one(app: AppTest, at_once: bool) -> None:
+    choice(app, "Valve body").select("minimal_example").run()
+    sizes = {"spool": 11.0, "piston": 17.999, "bore": 18.07}
+    dated = {"after.csv": (11.04, "2026-03-09"), "before.csv": (11.09, "2026-03-02")}  # as a folder lists them
+    sheets = {
+        name: f"Date;{date}\n{SHEET.format(sleeve=sleeve, **sizes)}".encode() for name, (sleeve, date) in dated.items()
+    }
+    for files in [sheets] if at_once else [{name: sheet} for name, sheet in sheets.items()]:
+        uploader(app).upload_all(files).run()
+    assert app.session_state["atleak"].good.readings.name == "before.csv"
+    assert "Compare it with after.csv" in [each.proto.label.replace("\\", "") for each in app.get("page_link")]
+    app.query_params["history"] = "compare"
+    go(app, "11_History")
+    assert not app.exception
+    assert [choice(app, side).value for side in ("Before", "After")] == ["this_job", "sheet"]
+    shown = app.dataframe[0].value
+    regulator = shown[shown["Pair"] == "converter clutch regulator valve/1"].iloc[0]
+    assert (regulator["Before [µm]"], regulator["After [µm]"], regulator["Changed"]) == (45.0, 20.0, "yes")
+    app.button(key="away-readings").click().run()
+    assert "Choose a job for either side" in texts(app)
