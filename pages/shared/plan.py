@@ -36,7 +36,7 @@ from atleak.report.tables.repairs import effect_table, offered_words
 from pages.shared import fields, pairs, places, reader, show
 from pages.shared.cases import result_key
 from pages.shared.job_form import key
-from pages.shared.state import RECORD, job, job_generation, put_job, remember, session
+from pages.shared.state import RECORD, job, put_job, remember, session
 
 _STATES = ("", *get_args(RepairState))
 _SEEN = "estimate-lines"  # what each line was when its fields were drawn: one that changed elsewhere gets fresh fields
@@ -175,7 +175,7 @@ def _switches(
     on = _on(repairs, made(repairs.diagnosis))
     for each in offers:
         name = each.move.key if isinstance(each.move.key, str) else f"{each.move.key[0]}/{each.move.key[1]}"
-        own = f"repair-{name}-{session().generation}-{job_generation()}"
+        own = f"repair-{name}-{session().generation}"
         st.session_state[own] = each.key in on
         cost = costs.get(name, "–")
         words = offered_words(repairs.diagnosis, each, say, short=short) + (f" · {cost}" if cost != "–" else "")
