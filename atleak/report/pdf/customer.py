@@ -343,7 +343,7 @@ class CustomerPage(PrintedPart):
 
     def _measured(self) -> str:
         flagged = self.diagnosis.flagged
-        repair = sum(land.verdict.calls_for_repair for land in flagged)
+        repair = sum(self.diagnosis.urgency_of(land).calls_for_repair for land in flagged)
         found = self.say(
             f"customer.{'worn' if flagged else 'within'}",
             measured=self.diagnosis.judged,
@@ -532,7 +532,8 @@ class CustomerPage(PrintedPart):
     def _needed(self, line: Line) -> bool:
         """Tell whether a line of the estimate is about what cannot wait."""
         about = components_of(line.decision, self.diagnosis.controller)
-        return line.carried_out and (line.of_pump or not {*self._due, *self._planned}.isdisjoint(about))
+        refused = not line.carried_out and line.decision.decision is not None
+        return not refused and (line.of_pump or not {*self._due, *self._planned}.isdisjoint(about))
 
     def _asked(self) -> str:
         """Say what a repair that is called for costs, and of which valves the price is missing."""
@@ -552,10 +553,11 @@ class CustomerPage(PrintedPart):
         if words is None or words.estimate.total.gross is None:
             return ""
         due = words.estimate.total
-        amount = words.money(due.gross)
-        amount = amount if due.complete else say("customer.at_least", amount=amount)
-        values = {"amount": amount, "currency": words.estimate.currency}
-        return say(f"customer.sum{'' if due.tax is None else '_with_tax'}", net=words.money(due.net), **values)
+        gross, net = (words.money(each) for each in (due.gross, due.net))
+        if not due.complete:
+            gross, net = (say("customer.at_least", amount=each) for each in (gross, net))
+        key = "customer.sum" if due.tax is None else "customer.sum_with_tax"
+        return say(key, amount=gross, net=net, currency=words.estimate.currency)
 
     def _signatures(self) -> Block:
         """Return a line for technician and customer, and between them for who approves where the job names somebody."""

@@ -46,8 +46,9 @@ def estimate_blocks(names: PrintedNames) -> Iterable[Block]:
         return f"{without} {marks[rule]}"
 
     lines = words.estimate.lines
-    bare = [line for line in lines if not line.own and line.price is None and line.hours is None]
-    bare = bare if len(bare) > FEW else []  # which need no columns of amounts
+    as_new = [line for line in lines if not (line.own or line.decision.repair or line.of_pump)]
+    bare = [line for line in as_new if line.price is None and line.hours is None]
+    bare = bare if len(bare) > FEW else []  # made as new, of which there are no amounts
     lack, agreed = Column("lacks", of=lacks), Column("agreed", of=words.agreed)
     yield listed(
         say,

@@ -22,6 +22,7 @@ from atleak.common.wording import Wording
 from atleak.measurements.job_card import clean_text
 from atleak.report.sheets.paging import LETTERS, LINE_OF_A_BOOK, row_height
 
+_FIRST_YEAR = 1900  # of which Excel knows dates
 CELL_LIMIT = 32_767  # characters Excel allows in a cell
 HIGHEST_ROW = 409.0  # [pt] that Excel allows
 NO_DELIVERY = 9.99e99  # stands for an infinite share: a sheet has no infinity
@@ -216,7 +217,7 @@ class ReportBook:
                 sheet.write_number(row, column, NO_DELIVERY, form)
         elif isinstance(value, list | tuple) and not isinstance(value, UnitOf):
             self.put(sheet, row, column, ", ".join(map(self.words, value)), form)
-        elif isinstance(value, dt.date):
+        elif isinstance(value, dt.date) and value.year >= _FIRST_YEAR:
             pattern = self.say.table("language")["date"].format(day="dd", month="mm", year="yyyy")
             sheet.write_datetime(row, column, value, self.form(pattern, align="left"))
         elif value is not None:

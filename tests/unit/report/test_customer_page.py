@@ -137,7 +137,7 @@ def test_lines_of_the_estimate_have_a_price_and_boxes_to_agree_or_say_that_a_pri
     due = {each.component for each in worn_valves(worn, plan_repairs(worn)) if each.urgency.calls_for_repair}
     assert second.count("not priced yet") >= len(due - {component})
     assert "not priced yet yes" not in second
-    total = say("customer.sum_with_tax", amount="at least 418.20", currency="EUR", net="340.00")
+    total = say("customer.sum_with_tax", amount="at least 418.20", currency="EUR", net="at least 340.00")
     assert f"{total} {say('customer.lacking', valves='')[:-2]}" in first
     assert total in second
     assert say("customer.no_price") in pages_of(write_pdf(worn, sections=SIGNED))[0]
@@ -183,6 +183,29 @@ def test_lines_with_a_price_come_before_those_without_and_what_can_wait_stands_i
     bars = {bar["name"]: bar["litres"] for bar in CustomerPage(names, signed=False).bars()}
     end = next(each for each in names.estimate.estimate.ends if each.condition == worn.worst.condition)
     assert bars["with these repairs"] == f"{end.share * 100:.0f}", "the number of the estimate"
+
+
+def test_a_line_that_is_left_open_says_that_a_price_is_missing_and_not_that_it_can_wait(worn):
+    valve = next(each.component for each in worn_valves(worn, plan_repairs(worn)) if each.urgency.calls_for_repair)
+    other = next(land.key[0] for land in worn.flagged if land.key[0] != valve)
+    works = [
+        {"component": valve, "work": "ream", "decision": None},
+        {"component": other, "work": "swap", "price": 90.0, "hours": 1.0, "decision": "proposed"},
+    ]
+    names = PrintedNames(worn, Job(estimate=ESTIMATE, repair_decisions=works), wording("en"))
+    page = CustomerPage(names, signed=False)
+    rows = page.data()["cost"]["tables"][0]["rows"]
+    assert [row[2:] for row in rows if row[1] == "ream"] == [["not priced yet", ""]]
+    assert names.say.name(worn.controller.components[valve]) in page.data()["answer"][0][2][1]
+
+
+def test_the_estimate_of_a_wreck_names_the_kits_that_have_no_price(all_worn):
+    unit = all_worn("gm_4l60e")
+    text = " ".join(" ".join(pages_of(write_pdf(unit, Job(estimate=ESTIMATE), document="workshop"))).split())
+    repairs = [step.chosen.repair for step in plan_repairs(unit).steps if step.chosen is not None]
+    numbers = [each.part_number for each in repairs if each.part_number]
+    assert len(numbers) > 2
+    assert [each for each in numbers if each not in text] == []
 
 
 def test_of_equally_worn_valves_the_one_that_is_repaired_first_is_named_first(all_worn):
@@ -322,6 +345,7 @@ def test_a_valve_whose_wear_does_nothing_is_not_to_be_repaired_on_this_visit(wid
     valve = say.name(found.controller.components["regulator"])
     said = [say("customer.watch"), say("customer.urgent_watch")]
     said += [say("customer.waits", valves=valve), say("customer.do_watch", valves=valve)]
+    said += [say("customer.worn", measured=len(found.lands), repair=0, watch=1)]
     assert [words for words in said if words.replace("\u00a0", " ") not in first] == []
     for words in (say("customer.urgent_replace"), say("customer_screen.escapes"), say.level(Verdict.REPLACE)):
         assert words not in first

@@ -108,3 +108,9 @@ def test_no_text_is_cut_by_the_cell_beside_it_or_makes_the_page_wider(book: open
                 if cell.data_type == "s" and not cell.alignment.wrap_text:
                     beside = next((n for n in range(at + 1, len(row)) if row[n].value is not None), len(row))
                     assert len(cell.value) * NARROW <= sum(widths[at:beside]), (sheet.title, cell.value)
+
+
+def test_a_date_before_those_that_excel_knows_is_written_as_words(sample_diagnoses: dict[str, Diagnosis]) -> None:
+    content = write_workbook(sample_diagnoses["workshop"], Job(date=dt.date(1206, 3, 14)))
+    sheet = openpyxl.load_workbook(io.BytesIO(content))["Summary"]
+    assert [row[1].value for row in sheet.iter_rows(max_col=2) if row[0].value == "date"] == ["1206-03-14"]
