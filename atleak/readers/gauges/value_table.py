@@ -377,10 +377,7 @@ def _names(controller: Controller) -> dict[str, dict[str, str]]:
                 conditions[words(name)].add(point.name)
         for consumer in controller.consumers:
             consumers |= dict.fromkeys((words(consumer.id), words(say.name(consumer.name))), consumer.id)
-    return {
-        "condition": {name: each.pop() for name, each in conditions.items() if len(each) == 1},
-        "what": consumers,
-    }
+    return {"condition": {name: each.pop() for name, each in conditions.items() if len(each) == 1}, "what": consumers}
 
 
 def flow_finder(controller: Controller) -> ValueFinder:

@@ -24,10 +24,7 @@ from atleak.readers.cells.sheet_file import foreign_kind
 from atleak.readers.logs.loggers import SHOWN, known_logger, logger_by_name
 
 _FORMS = Sentence("delimited text, xlsx, Parquet or MDF4 as the logger exports it")
-_DOCUMENTS = {
-    b"<?xml": Sentence("an XML document"),
-    **dict.fromkeys((b"<!DOCTYPE", b"<html"), Sentence("a web page")),
-}
+_DOCUMENTS = {b"<?xml": Sentence("an XML document"), **dict.fromkeys((b"<!DOCTYPE", b"<html"), Sentence("a web page"))}
 _JSON_LINES = re.compile(rb"\A(?:\xef\xbb\xbf)?\s*\{.*\}[ \t\r]*\n\s*\{.*\}[ \t\r]*(?:\n|\Z)")
 _JSON = re.compile(rb'\A\s*(?:\{\s*["}]|\[\s*[\[{"\]])')
 _Q_DAS = re.compile(rb"\A\s*K\d{4}(?:/\d+)?[ \t]", re.MULTILINE)

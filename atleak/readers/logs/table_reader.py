@@ -27,13 +27,7 @@ from atleak.readers.logs.headings import VALUE_HEADERS, Heading
 from atleak.readers.logs.log_cells import kind_of_cells
 from atleak.readers.logs.log_table import LogTable
 from atleak.readers.logs.names import clean_unit, is_unit, match_name, split_unit
-from atleak.readers.logs.rows import (
-    LeftOutRow,
-    LogRows,
-    columns_of_numbers,
-    holds_clocks,
-    rows_of_log,
-)
+from atleak.readers.logs.rows import LeftOutRow, LogRows, columns_of_numbers, holds_clocks, rows_of_log
 from atleak.readers.logs.time_column import (
     best_clock,
     clock_of,

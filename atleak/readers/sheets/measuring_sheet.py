@@ -48,13 +48,7 @@ from atleak.readers.sheets.diameters import convert
 from atleak.readers.sheets.exclusions import LEFT_ASIDE
 from atleak.readers.sheets.head import is_typed, read_head
 from atleak.readers.sheets.land_values import LandValues, read_land_values
-from atleak.readers.sheets.layout import (
-    SheetChoice,
-    choose_sheet,
-    find_tables,
-    require_one_measurement,
-    turned,
-)
+from atleak.readers.sheets.layout import SheetChoice, choose_sheet, find_tables, require_one_measurement, turned
 from atleak.readers.sheets.mapping import SheetMapping, recalled
 from atleak.readers.sheets.plausibility import check, nominal_alone
 from atleak.readers.sheets.repeats import require_known

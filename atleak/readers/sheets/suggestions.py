@@ -439,10 +439,7 @@ class Guess:
         """Return the sheet's own words, and those for no reading."""
         cells = {text_of(cell) for index in self.diameters for cell in self._cells[index]}.difference(self.table.texts)
         missing = [text for text in sorted(cells) if text.strip() and not any(map(str.isdigit, text))]
-        return {
-            **({"missing": "|".join(missing)} if 0 < len(missing) < _FEWEST else {}),
-            **self.own,
-        }
+        return {**({"missing": "|".join(missing)} if 0 < len(missing) < _FEWEST else {}), **self.own}
 
     @cached_property
     def own(self) -> dict[str, str]:
