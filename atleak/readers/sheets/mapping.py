@@ -43,6 +43,7 @@ from atleak.readers.sheets.words import direction_of, is_blank, number_of, part_
 ROLES: Mapping[str, Role] = {
     **{role: role for role in ("component", "plane", "land", "part", "direction", "repeat")},
     "value": "diameter",
+    "coordinate": "coordinate",
     "deviation": "diameter",
     "new": "specification",
 }
@@ -67,7 +68,7 @@ def is_role(name: str) -> bool:
     """
     match = _NAME.fullmatch(name)
     return match is not None and (
-        match[1] in ("value", "deviation", "rows", *_NAMED)
+        match[1] in ("value", "deviation", "coordinate", "rows", *_NAMED)
         or (match[1] == "new" and match[2] in PART_WORDS)
         or (not match[2] and match[1] in {*ROLES, *ABOUT})
     )
@@ -97,7 +98,7 @@ class SheetMapping:
         self.lines = {_words(name): self._lines(name) for name in self.chosen if _NAME.sub(r"\1", name) == "rows"}
         self._constants = {name: text[1:].strip() for name, text in self._roles if text.startswith(CONSTANT)}
         self._columns = {name: text for name, text in self._roles if text and not text.startswith(CONSTANT)}
-        self._values = {name: self._value(name) for name in self._columns if _role(name) == "diameter"}
+        self._values = {name: self._value(name) for name in self._columns if _role(name) in ("diameter", "coordinate")}
 
     def __bool__(self) -> bool:
         """Tell whether it says of columns what they are: rows that count and words that stand for others do not."""
@@ -137,9 +138,9 @@ class SheetMapping:
         return self.chosen.get("header", "")[:1].isupper()
 
     def _value(self, name: str) -> HeadedColumn:
-        said = f"diameter {_words(name)}".strip()
+        said = f"{_role(name)} {_words(name)}".strip()
         read = read_heading(said)
-        if read is None or read.role != "diameter" or not is_explained(spot_of_heading(tokens_of(said))[1]):
+        if read is None or read.role != _role(name) or not is_explained(spot_of_heading(tokens_of(said))[1]):
             expected = Sentence("'value', or with part, plane, direction and repeat: 'value spool plane 1 0° repeat 2'")
             raise _refused(Sentence("not understood of which diameters this column is"), name, expected)
         return replace(read, tentative=False, besides=frozenset())

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain, islice, product
+from itertools import chain, combinations, islice, product
 from statistics import fmean, median
 from string import ascii_lowercase
 
@@ -293,6 +293,16 @@ class Guess:
         means = [index for index in self._sized if self.table.role(index) == "mean"]
         return measured or [index for index in means if index not in self.labels.values()]
 
+    @property
+    def _coordinates(self) -> tuple[int, int] | None:
+        """Return two columns whose numbers are a diameter apart in every row."""
+        sizes, free = Sizes(self.names.controller), sorted(self._cells.keys() - {*self.labels.values()})
+        for one, other in combinations(free, 2):
+            apart = [abs(left - right) for left, right in self._beside(one, other)]
+            if len(apart) >= _FEWEST and all(sizes.near(each, UNITS[:1]) for each in apart):
+                return one, other
+        return None
+
     @cached_property
     def _deviations(self) -> list[int]:
         found = []
@@ -344,6 +354,8 @@ class Guess:
         apart = len(headed) == len(told)
         headed = headed if apart and len(told) == len(self.headed) else {} if not (apart and parts) else headed
         unheaded = [index for index in every if not headed or self.table.role(index) != "diameter"]
+        if not every and (ends := self._coordinates):
+            yield {"coordinate 1": ends[0], "coordinate 2": ends[1]}
         deviations, new = self._deviations, self.table.of("specification")
         if deviations and new and set(every) <= {*deviations}:
             of_part = {f"new {part_in(column.heading)}": column.index for column in new}
@@ -555,7 +567,7 @@ def to_fill_in(sheet: Sheet, names: ControllerNames) -> Sentence:
     needed = {"component", "plane", "part", "value"}
     needed -= {"part"} if any("spool" in role for role in found) else set()
     needed -= {"plane"} if any(" plane " in role for role in found) else set()
-    needed -= {"value"} if any(role.startswith(("deviation", "value ")) for role in found) else set()
+    needed -= {"value"} if any(role.startswith(("deviation", "coordinate", "value ")) for role in found) else set()
     return options(found | dict.fromkeys(sorted(needed - found.keys()), "COLUMN"))
 
 

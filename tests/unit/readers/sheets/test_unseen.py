@@ -140,6 +140,20 @@ def test_a_title_says_the_direction_of_its_table(controller):
             {"plane 1": "A", "plane 2": "B"},
         ),
         (
+            "Valve;Land;Part;left edge;right edge\n"
+            + "\n".join(
+                f"{valve};{land};{part};{20.0 + at};{round(20.0 + at + size, 3)}"
+                for at, (valve, land, part, size) in enumerate(PAIRS)
+            ),
+            {
+                "component": "Valve",
+                "part": "Part",
+                "plane": "Land",
+                "coordinate 1": "left edge",
+                "coordinate 2": "right edge",
+            },
+        ),
+        (
             "Valve;Land;Part;von;bis;Ø\n"
             + "\n".join(
                 f"{valve};{land};{part};{size // 0.01 / 100 - 0.006:.3f};{size // 0.01 / 100 + 0.014:.3f};{size}"
@@ -148,7 +162,7 @@ def test_a_title_says_the_direction_of_its_table(controller):
             {"component": "Valve", "part": "Part", "plane": "Land", "value": "Ø"},
         ),
     ],
-    ids=["words for the parts", "lettered lands", "limits by their width"],
+    ids=["words for the parts", "lettered lands", "edges", "limits by their width"],
 )
 def test_what_is_asked_is_settled_word_for_word(controller, sheet, settled):
     assert told(controller, sheet) == settled
