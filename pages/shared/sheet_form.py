@@ -35,7 +35,8 @@ from pages.shared.cases import FITTED, PageCase, controller_of, readings_of, she
 from pages.shared.state import choose, put_file, remember, session
 
 AS_STATED = ""  # the unit that the sheet says
-_ROLES = ("component", "plane", "part", "direction", "repeat", "value", "new", "deviation")
+_ENDS = ("coordinate 1", "coordinate 2")
+_ROLES = ("component", "plane", "part", "direction", "repeat", "value", "new", "deviation", *_ENDS)
 _BY_CLICK = ("component", "plane", "part", "direction", "repeat", "value spool", "value sleeve", "value", "new")
 _OF_DIAMETER = ("part", "plane", "direction", "repeat")
 _DIRECTIONS, _REPEATS = ("0°", "45°", "90°", "135°"), ("1", "2", "3", "4", "5")
@@ -266,7 +267,7 @@ def _said(role: str) -> str:
     """Return what a column is, in the reader's words."""
     part = diameter_said(role).get("part") if role.startswith("value") else None
     say = reader.say()
-    return say(f"sheet_columns.{role}") if part is None else say(f"sheet_columns.value_{part}")
+    return say(f"sheet_columns.{role.replace(' ', '_')}") if part is None else say(f"sheet_columns.value_{part}")
 
 
 def _ask_for_columns(draft: _Draft, look: SheetLook, last: Readings | AtleakError | None) -> None:
@@ -338,7 +339,9 @@ def _base(
     rows = []
     for index, column in enumerate(look.columns):
         of_column = [role for role, text in named.items() if text == column]
-        plain_roles = {role.split(" ")[0].replace("land", "plane"): role for role in of_column}
+        plain_roles = {
+            role if role in _ENDS else role.split(" ")[0].replace("land", "plane"): role for role in of_column
+        }
         said = next((diameter_said(role) for role in of_column if role.startswith(("value", "deviation"))), {})
         letter = column_letter(index)
         row: dict[str, Any] = {
