@@ -260,7 +260,7 @@ def _name(page: Page) -> str:
 
 def _go(page: Page, server: Visited, name: str) -> None:
     """Show a page by its link, where there is one: the session stays."""
-    link = page.locator(f"a[href$='/{name}'], a[href*='/{name}?']").locator("visible=true")
+    link = page.locator(f"a[href$='{name}'], a[href*='{name}?']").locator("visible=true")
     if link.count():
         link.first.click()
     else:
