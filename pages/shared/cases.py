@@ -246,6 +246,8 @@ def _understood_here(key: str, log: SourceFile, choices: dict[str, Any], remembe
     reading = kept[key] = kept.pop(key)  # the latest
     if not reading.understood.done():
         WHILE_READING.get()(reading)
+    if reading.understood.exception() is not None:
+        kept.pop(key, None)  # the next time it may succeed
     return reading.understood.result()
 
 

@@ -153,7 +153,8 @@ def give_up_log() -> None:
     cancel_reading()
     if file is not None:
         now.case = _without(now.case, "road_test", now.tried.pop("road_test", now.good))
-        now.notices = (lambda say: say("done.not_read", name=file.name),)
+        if now.case.road_test is not file:  # of one that is read anew the job keeps what was read before
+            now.notices = (lambda say: say("done.not_read", name=file.name),)
 
 
 def sheet_beside() -> SourceFile | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import openpyxl
@@ -13,6 +14,7 @@ from streamlit.testing.v1 import AppTest
 
 from atleak.catalogue.entries import catalogue_files
 from atleak.common.wording import wording
+from atleak.job.case import SourceFile
 from atleak.readers.logs import understand
 from atleak.report.sheets.measuring_sheet import write_template
 from pages.shared import cases, panel
@@ -307,3 +309,39 @@ def test_a_large_log_that_is_not_read_to_its_end_leaves_the_job_as_it_was(
     assert (app.session_state["atleak"].good, app.session_state["atleak"].case) == before
     assert app.session_state["large-logs"] == {}
     assert isinstance(waited[0].understood.exception(timeout=10.0), cases.CancelledError)
+
+
+@pytest.mark.page("1_Job")
+def test_where_a_log_of_the_job_is_read_anew_to_no_end_it_stays_in_the_job_and_nobody_says_otherwise(
+    app: AppTest, unhurried: Callable[[], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(panel, "_count_rows", lambda place, reading: unhurried())
+    uploader(app).upload("drive.csv", LOG.encode(), "text/csv").run()
+    good = app.session_state["atleak"].good
+
+    def cancel(_: object, reading: cases.LogReading) -> None:
+        give_up_log()
+        st.rerun()
+
+    monkeypatch.setattr(panel, "_count_rows", cancel)
+    app.session_state["atleak"].case = replace(good, every=2)
+    app.run()
+    assert not app.exception
+    assert "not read to its end" not in texts(app)
+    assert app.session_state["atleak"].case == app.session_state["atleak"].good == good
+
+
+def test_a_large_log_that_failed_once_is_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    read = iter([MemoryError("none free"), "read"])
+
+    def understand(*_: object, **__: object) -> object:
+        if isinstance(found := next(read), Exception):
+            raise found
+        return found
+
+    monkeypatch.setattr(cases, "understand", understand)
+    monkeypatch.setattr(st, "session_state", {})
+    log = SourceFile("drive.csv", LOG.encode())
+    with pytest.raises(MemoryError):
+        cases._understood_here("log", log, {}, False)
+    assert cases._understood_here("log", log, {}, False) == "read"
