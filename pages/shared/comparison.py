@@ -24,7 +24,7 @@ from atleak.report.json.diagnosis import to_json
 from atleak.report.pdf.comparison import write_comparison_pdf
 from atleak.report.tables.comparison import compared_event_name
 from atleak.report.tables.road_test import channel_scales
-from pages.shared import font_form, reader, show
+from pages.shared import fields, font_form, reader, show
 from pages.shared.book import book, job_id
 from pages.shared.cases import PageCase, diagnosis_of, opened_case, result_key
 from pages.shared.state import KEPT, job, session, sheet_beside
@@ -62,14 +62,8 @@ def choose() -> Chosen | None:
             options = [THIS, *[SHEET] * (sheet is not None), FILE, *(id for id in rows if id != job_id())]
             asked = st.query_params.get(side)
             start = asked if asked in options else THIS if asked is not None and asked == job_id() else usual
-            chosen = st.selectbox(
-                say(f"compare.{side}"),
-                options,
-                options.index(start),
-                format_func=partial(_label, rows, "" if sheet is None else sheet.name, say),
-                key=f"compare-{side}-{start}",
-            )
-            sides.append(_job(side, chosen))
+            names = {each: _label(rows, "" if sheet is None else sheet.name, say, each) for each in options}
+            sides.append(_job(side, fields.one_of(say(f"compare.{side}"), names, f"compare-{side}-{start}", start)))
     first, second = sides
     return None if first is None or second is None else (first, second)
 
@@ -170,9 +164,8 @@ def draw_logs(comparison: Comparison) -> None:
     say, both = reader.say(), comparison.logs
     if both is None or not both.matched:
         return
-    pair = st.selectbox(
-        say("columns.event"), both.matched, format_func=lambda each: compared_event_name(each, say), key="compare-event"
-    )
+    names = {number: compared_event_name(each, say) for number, each in enumerate(both.matched)}
+    pair = both.matched[fields.one_of(say("columns.event"), names, "compare-event")]
     scales = channel_scales(both.before.road_test, say)
     show.chart(logs_over_one_another(both, pair, scales, say), "logs")
     st.caption(say("compare.logs_note"))

@@ -79,13 +79,9 @@ def _in_full(diagnosis: Diagnosis, repaired: Sequence[Total]) -> None:
 
     say = reader.say()
     conditions = {each.condition.name: each for each in lowest_first(diagnosis)}
-    chosen = st.selectbox(
-        say("circuits.at"),
-        list(conditions),
-        format_func=lambda name: say.condition(conditions[name].condition),
-        key=f"pressures-at-{diagnosis.controller.id}",  # another valve body has other conditions
-    )
-    projection = conditions[chosen]
+    names = {name: say.condition(each.condition) for name, each in conditions.items()}
+    key = f"pressures-at-{diagnosis.controller.id}"  # another valve body has other conditions
+    projection = conditions[fields.one_of(say("circuits.at"), names, key)]
     condition = say.condition(projection.condition)
     _total(diagnosis, projection)
     at = pressures_at(diagnosis, projection, repaired)

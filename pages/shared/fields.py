@@ -103,6 +103,12 @@ def unfold(label: str, key: str, draw: Callable[..., object], *given: Any) -> No
             draw(*given)
 
 
+def one_of(label: str, names: Mapping[Any, str], key: str, start: Any = None, *, place: Any = st, **more: Any) -> Any:
+    """Let one of several things be picked by its name, ``start`` or the first where nothing was picked yet."""
+    first = list(names).index(start) if start in names else 0
+    return place.selectbox(label, list(names), first, lambda each: names.get(each, str(each)), key=key, **more)
+
+
 def choice(
     label: str,
     options: Sequence[Any],

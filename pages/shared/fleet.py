@@ -170,13 +170,9 @@ def _with_land(words: FleetWords, body: ValveBody) -> ValveBody:
     lands = {land.key: land for land in by_trouble(body) if land.classes}
     if not lands:
         return body
-    key = st.selectbox(
-        words.say("columns.land"),
-        list(lands),
-        format_func=lambda each: words.land(body.controller, each),
-        key=f"fleet-land-{body.controller}-{words.say.language}",
-    )
-    return replace(body, wear=(lands[key],))
+    names = {key: words.land(body.controller, key) for key in lands}
+    own = f"fleet-land-{body.controller}-{words.say.language}"
+    return replace(body, wear=(lands[fields.one_of(words.say("columns.land"), names, own)],))
 
 
 def choose_body(words: FleetWords) -> ValveBody:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 
@@ -120,19 +120,12 @@ def _asked(words: FleetWords, label: Callable[[SummedUnit], str | None]) -> _Ask
         strict=True,
     ):
         with place:
-            narrowed.append(_narrowed(what, ["", *options], (summary.folder, what), shown))
+            names = {"": say("job_book.any"), **{each: shown(each) for each in options}}
+            key = f"fleet-asked-{(summary.folder, what)}-{say.language}-{hash(tuple(names))}"
+            lone = len(names) < 2
+            narrowed.append(fields.one_of(what, names, key, persist_state="session", disabled=lone))  # over other pages
     verdict, controller, group = narrowed
     return _Asked(text, verdict, controller, None if not group else "" if group == _NONE else group)
-
-
-def _narrowed(label: str, options: Sequence[str], name: Hashable, words: Callable[[str], str]) -> str:
-    """Let one of some options be asked for, or any, which comes first; what was asked for stays over another page."""
-    say = reader.say()
-    return st.selectbox(
-        label, options, format_func=lambda each: words(each) if each else say("job_book.any"),
-        key=f"fleet-asked-{name}-{say.language}-{hash(tuple(options))}", persist_state="session",
-        disabled=len(options) < 2,
-    )  # fmt: skip
 
 
 def _listed(words: FleetWords, label: Callable[[SummedUnit], str | None]) -> Table:

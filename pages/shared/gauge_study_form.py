@@ -79,24 +79,15 @@ def _asked_study(say: Wording) -> GaugeStudy | None:
         if file is not None:
             st.caption(f"**{show.plain(file.name)}**")
     places = st.columns(3)
-    with places[0]:
-        unit = st.selectbox(
-            say("gauge_study.unit"),
-            ("", *_UNITS),
-            key="gauge-study-unit",
-            persist_state="session",
-            format_func=lambda name: name or say("gauge_study.unit_of_file"),
-        )
+    units = {"": say("gauge_study.unit_of_file"), **{name: name for name in _UNITS}}
+    kept = {"persist_state": "session"}
+    unit = fields.one_of(say("gauge_study.unit"), units, "gauge-study-unit", place=places[0], **kept)
     with places[1]:
         tolerance = fields.number(
             say("gauge_study.tolerance"), TOLERANCE, None, key="gauge-study-tolerance", optional=True
         )
-    with places[2]:
-        alpha = st.selectbox(
-            say("gauge_study.alpha"), _ALPHAS, format_func=say.plain, help=say("gauge_study.alpha_help"),
-            key="gauge-study-alpha",
-            persist_state="session",
-        )  # fmt: skip
+    kept["help"], alphas = say("gauge_study.alpha_help"), {each: say.plain(each) for each in _ALPHAS}
+    alpha = fields.one_of(say("gauge_study.alpha"), alphas, "gauge-study-alpha", place=places[2], **kept)
     if file is None:
         return None
     try:
@@ -125,13 +116,8 @@ def _draw_taking(study: GaugeStudy, say: Wording) -> None:
     st.write(say("gauge_study.take_what"))
     known, in_job = catalogue_list("spool_instrument").entries, session().case.spool_instrument
     with st.container(horizontal=True, vertical_alignment="bottom"):
-        of = st.selectbox(
-            say("gauge_study.studied"),
-            list(known),
-            list(known).index(in_job) if in_job in known else 0,
-            format_func=lambda name: shown_name(known[name], say),
-            key="gauge-study-of",
-        )
+        names = {name: shown_name(each, say) for name, each in known.items()}
+        of = fields.one_of(say("gauge_study.studied"), names, "gauge-study-of", in_job)
         st.button(say("gauge_study.take"), type="primary", on_click=_take, args=(study, known[of]))
 
 

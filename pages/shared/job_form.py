@@ -114,12 +114,10 @@ def scan_and_fluid(record: Job) -> dict[str, Any]:
 def _as_found(record: Job) -> dict[str, Any]:
     say, dirt = reader.say(), record.contamination
     found = complaint(record) | scan_and_fluid(record)
-    grades = ["", *get_args(Grade)]
+    grades = {each: say.get("grades", each) for each in ("", *get_args(Grade))}
     columns = st.columns(3)
-    grade = columns[0].selectbox(
-        say("facts.contamination"), grades, grades.index(dirt.grade or ""), lambda each: say.get("grades", each),
-        key=key("grade"), persist_state="session",
-    )  # fmt: skip
+    kept = {"place": columns[0], "persist_state": "session"}
+    grade = fields.one_of(say("facts.contamination"), grades, key("grade"), dirt.grade or "", **kept)
     contamination = {
         "grade": grade or None,
         "particles": _text(columns[1], "particles", "particles", dirt.particles),

@@ -19,9 +19,8 @@ from atleak.job_book.exchange import export_zip, import_job
 from atleak.job_book.merges import duplicates, merge, merged_rows, part
 from atleak.job_book.search import Query, controllers_held
 from atleak.report.tables.table import Column, Table
-from pages.shared import reader, show
+from pages.shared import fields, reader, show
 from pages.shared.book import job_id, open_from_book
-from pages.shared.fields import kept
 from pages.shared.job_form import key
 from pages.shared.state import session
 from pages.shared.undo import Steps
@@ -46,7 +45,7 @@ def asked(book: Book) -> Query:
     say = reader.say()
     text = st.text_input(
         say("job_book.look_up"),
-        **kept("job-list-text", ""),
+        **fields.kept("job-list-text", ""),
         placeholder=say("job_book.look_up_by"),
         help=say("job_book.look_up_help"),
     )
@@ -54,15 +53,13 @@ def asked(book: Book) -> Query:
         controllers = controllers_held(connection)
 
     def choice(place: Any, name: str, options: Sequence[str], shown: Callable[[Any], str]) -> Any:
-        return place.selectbox(
-            say(f"columns.{name}"), ["", *options], key=f"job-list-{name}",
-            format_func=lambda each: shown(each) if each else say("job_book.any"),
-        )  # fmt: skip
+        names = {"": say("job_book.any"), **{each: shown(each) for each in options}}
+        return fields.one_of(say(f"columns.{name}"), names, f"job-list-{name}", place=place)
 
     with st.expander(say("job_book.narrow")):
         places = st.columns(4)
         first, last = (
-            place.date_input(say(f"job_book.{name}"), format="YYYY-MM-DD", **kept(f"job-list-{name}", None))
+            place.date_input(say(f"job_book.{name}"), format="YYYY-MM-DD", **fields.kept(f"job-list-{name}", None))
             for place, name in zip(places, ("from", "to"), strict=False)
         )
         verdict = choice(places[2], "verdict", tuple(Verdict), say.signed)

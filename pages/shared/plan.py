@@ -250,9 +250,10 @@ def _line(words: EstimateWords, line: Line, record: Job) -> Job:
             )
         with places[1]:
             hours = fields.number(say("estimate_page.work"), HOURS, line.hours, key=f"{own}-hours", optional=True)
-        state = places[2].selectbox(
-            say("estimate_page.state"), _STATES, _STATES.index(shown["decision"] or ""),
-            lambda each: say.get("job_decisions", each), key=f"{own}-state", persist_state="session",
+        states = {each: say.get("job_decisions", each) for each in _STATES}
+        state = fields.one_of(
+            say("estimate_page.state"), states, f"{own}-state", shown["decision"] or "", place=places[2],
+            persist_state="session",
         )  # fmt: skip
         reason = places[3].text_input(say("estimate_page.reason"), **fields.kept(f"{own}-reason", shown["reason"]))
         typed = {"price": price, "hours": hours, "decision": state or None, "reason": clean_text(reason).strip()}

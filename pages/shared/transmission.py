@@ -31,7 +31,7 @@ from atleak.report.charts.flows import flow_diagram, flow_svg
 from atleak.report.sheets.controller_workbook import SPOOL_PICTURE, write_controller_workbook
 from atleak.report.tables.catalogue import evidence_counts, open_values
 from atleak.report.tables.learned import learned_lands, learned_outliers, learned_units
-from pages.shared import entry_tables, reader, show, workshop_data
+from pages.shared import entry_tables, fields, reader, show, workshop_data
 from pages.shared.cases import sheets_remembered
 from pages.shared.editing import Desk, Editing, ask_step, checked_now, draw_faults
 from pages.shared.sheet_form import AS_STATED, unit_said
@@ -127,16 +127,11 @@ def draw_flow(found: Checked, job: Diagnosis) -> None:
             st.caption(say("transmission.flow_later"))
             return
         points = {point.name: say.condition(point) for point in found.entry.operating_points}
-        chosen = st.selectbox(
-            say("transmission.flow_at"),
-            list(points),
-            format_func=lambda name: points.get(name, name),
-            key="transmission-at",
-        )
+        chosen = fields.one_of(say("transmission.flow_at"), points, "transmission-at")
         try:
             key = written_toml(found.data), job.fluid.origin.sha256, job.fluid.state, job.limits.origin.sha256
             reader_s = say.language, say.units
-            drawing, columns = _flow((*key, *reader_s), chosen or next(iter(points)), found.entry, job)
+            drawing, columns = _flow((*key, *reader_s), chosen, found.entry, job)
         except AtleakError as error:
             st.caption(say("transmission.no_flow", problem=show.plain(error)))
             return
@@ -233,10 +228,8 @@ def learn_form(data: Mapping[str, Any], *, key: str = "learn") -> dict[str, Any]
 def _gauge(place: Any, part: Part, key: str) -> str:
     say = reader.say()
     able = {gauge.id: say.name(gauge.name) for gauge in instruments() if part in gauge.measures}
-    names = list(able)
-    first = names.index(load_instruments().of(part).id)
-    label = say(f"slots.{part}_instrument")
-    chosen: str = place.selectbox(label, names, first, format_func=able.get, key=f"{key}-{part}")
+    usual = load_instruments().of(part).id
+    chosen: str = fields.one_of(say(f"slots.{part}_instrument"), able, f"{key}-{part}", usual, place=place)
     return chosen
 
 

@@ -89,9 +89,7 @@ class TypedForm:
         for place, (name, shown) in zip(places[1:], self.beside.items(), strict=False):
             with place:
                 self._field(name, say(f"{self.words}.{name}"), shown or typed.unit, typed, last, faults)
-        group = places[len(self.beside) + 1].selectbox(
-            say(self.at), self.groups, format_func=self.groups.__getitem__, key=f"{self._key}-group"
-        )
+        group = fields.one_of(say(self.at), self.groups, f"{self._key}-group", place=places[len(self.beside) + 1])
         for row in self.rows(group):
             for place, (cell, label) in zip(st.columns(len(row)), row, strict=True):
                 with place:

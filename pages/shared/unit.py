@@ -33,7 +33,7 @@ from atleak.report.charts import history_figures as figures
 from atleak.report.tables.history import soonest_first, total_table, wear_table
 from atleak.report.tables.names import components_words, land_number, land_words
 from atleak.report.tables.table import VERDICT, Column, Table
-from pages.shared import reader, show
+from pages.shared import fields, reader, show
 from pages.shared.book import job_id, open_from_book
 from pages.shared.cases import Kept, diagnosis_of, opened_case
 
@@ -68,7 +68,7 @@ def choose(jobs: Book) -> int | None:
         if not offered:
             st.info(say("unit.none_by_that"))
         else:
-            current = st.selectbox(say("unit.title"), list(reversed(offered)), format_func=offered.__getitem__)
+            current = fields.one_of(say("unit.title"), dict(reversed(offered.items())), f"unit-{text}")
             st.query_params[UNIT] = str(current)
     if current is None:
         st.info(say("unit.not_in_book"))
@@ -129,9 +129,8 @@ def goal(visited: tuple[VisitedJob, ...]) -> tuple[str, dict[str, str]] | None:
     """Offer to open the job of a visit, or to put it beside the one before; return the page to go to."""
     say, jobs = reader.say(), {each.stored.id: each for each in visited}
     with st.container(horizontal=True, vertical_alignment="bottom"):
-        id = st.selectbox(
-            say("unit.visit"), list(reversed(jobs)), format_func=lambda id: jobs[id].visit.label, key="unit-visit"
-        )
+        labels = {id: each.visit.label for id, each in reversed(jobs.items())}
+        id = fields.one_of(say("unit.visit"), labels, "unit-visit")
         show_it: Any = partial(open_from_book, id)
         opened = st.button(say("unit.open"), on_click=show_it)
         place = list(jobs).index(id)
@@ -196,10 +195,8 @@ def draw_clearance(now: Seen) -> None:
         st.info(say("unit.no_land"))
         return
     controller = now.diagnosis.controller
-    key = st.selectbox(
-        say("columns.land"), keys, format_func=lambda each: land_words(controller, each, say), key="unit-land"
-    )
-    land = now.history.land(key)
+    names = {key: land_words(controller, key, say) for key in keys}
+    land = now.history.land(fields.one_of(say("columns.land"), names, "unit-land"))
     figure = figures.clearance_over_mileage(land, now.history.visits, now.history.present, say)
     show.chart(figure, "unit-clearance")
     show.messages(now.history.messages, say("about.visits"))
@@ -222,12 +219,8 @@ def draw_totals(now: Seen) -> None:
         st.info(say("unit.no_totals"))
         return
     by_name = {total.condition.name: total for total in totals.totals}
-    name = st.selectbox(
-        say("columns.condition"),
-        list(by_name),
-        format_func=lambda each: say.condition(by_name[each].condition),
-        key="unit-condition",
-    )
+    names = {name: say.condition(each.condition) for name, each in by_name.items()}
+    name = fields.one_of(say("columns.condition"), names, "unit-condition")
     show.chart(figures.total_over_mileage(by_name[name], say), "unit-total")
     show.table(total_table(totals.totals, say))
     show.messages(totals.messages, say("about.totals"))

@@ -103,7 +103,7 @@ def _pressure(diagnosis: Diagnosis, over: Map, job: MapPlace, now: MapPlace) -> 
     names = {LINE: say("what_if.line_name"), **{circuit.id: say.name(circuit.name) for circuit in held}}
     name = LINE
     if len(names) > 1:
-        name = st.selectbox(say("what_if.pressure_of"), list(names), format_func=names.__getitem__, key="what-if-map")
+        name = fields.one_of(say("what_if.pressure_of"), names, "what-if-map")
     values = over.pressures[name]
     low, high = (say.quantity(float(end(values)) * KPA, "pressure") for end in (np.nanmin, np.nanmax))
     with st.container():

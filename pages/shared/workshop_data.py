@@ -21,7 +21,7 @@ from atleak.common.errors import AtleakError, CatalogueError, text_reason
 from atleak.common.wording import Wording
 from atleak.job.case import SLOTS, Slot, SourceFile
 from atleak.report.charts.condition_figures import viscosity_curve
-from pages.shared import address, entry_tables, font_form, show
+from pages.shared import address, entry_tables, fields, font_form, show
 from pages.shared.cases import catalogue_list, shown_name
 from pages.shared.editing import Desk, Editing, ask_step, ask_unit, checked_now, draw_faults
 from pages.shared.state import pick, session
@@ -99,17 +99,11 @@ def choose_start(desk: Desk, say: Wording) -> None:
     """Ask from what to start, and show what of this kind is the user's own."""
     known = catalogue_list(_slots(desk)[0].name)
     names = {entry.id: shown_name(entry, say) for entry in known.entries.values()}
-    options, in_job = [*names, ""], getattr(session().case, _slots(desk)[0].name)
+    options, in_job = {**names, "": say("typed_entries.empty")}, getattr(session().case, _slots(desk)[0].name)
     left, right = st.columns(2)
     with left, st.container(border=True):
-        start = st.selectbox(
-            say("typed_entries.start_from"),
-            options,
-            options.index(in_job) if in_job in options else 0,
-            format_func=lambda name: names.get(name) or say("typed_entries.empty"),
-            help=say("typed_entries.start_help"),
-            key=f"{desk.state}-start",
-        )
+        label, tip = say("typed_entries.start_from"), say("typed_entries.start_help")
+        start = fields.one_of(label, options, f"{desk.state}-start", in_job, help=tip)
         st.button(say("typed_entries.start"), type="primary", on_click=desk.start, args=(start or None,))
         _draw_upload(desk, say)
     with right, st.container(border=True):
@@ -163,15 +157,10 @@ def _draw_upload(desk: Desk, say: Wording) -> None:
 def _draw_kept(desk: Desk, say: Wording) -> None:
     """Offer to go on with a draft, or to throw it away."""
     kept = desk.kept()
-    token = st.selectbox(
-        say("typed_entries.go_on_with"),
-        list(kept),
-        format_func=lambda token: kept.get(token, token),
-        disabled=not kept,
-        placeholder=say("typed_entries.none_kept"),
-        help=say("typed_entries.drafts_help"),
-        key=f"{desk.state}-draft",
-    )
+    token = fields.one_of(
+        say("typed_entries.go_on_with"), kept, f"{desk.state}-draft", disabled=not kept,
+        placeholder=say("typed_entries.none_kept"), help=say("typed_entries.drafts_help"),
+    )  # fmt: skip
     with st.container(horizontal=True):
         st.button(say("typed_entries.go_on"), disabled=not kept, on_click=desk.go_on, args=(token,))
         st.button(say("typed_entries.throw_away"), disabled=not kept, on_click=desk.throw_away, args=(token,))
