@@ -30,19 +30,9 @@ def repairs() -> None:
     (language, paper), record = reader.pick_print("estimate"), job()
     name = show.named("estimate", record.number)
     printed = partial(write_pdf, diagnosis, record, language=language, paper=paper, sections=_SECTIONS, units=say.units)
-    with st.container(horizontal=True):
-        st.download_button(
-            "PDF",
-            font_form.printing(printed),
-            f"{name}.pdf",
-            key="estimate-pdf",
-            on_click="ignore",
-            disabled=not record.estimated,
-            help=say("estimate_page.pdf_help"),
-        )
-        st.download_button(
-            "CSV", EstimateWords(made, wording(language)).csv, f"{name}.csv", key="estimate-csv", on_click="ignore"
-        )
+    pdf, csv = font_form.printing(printed) if record.estimated else None, EstimateWords(made, wording(language)).csv
+    files = {"PDF": ("pdf", pdf), "CSV": ("csv", csv)}
+    show.downloads(name, "estimate", files, {"PDF": say("estimate_page.pdf_help")})
 
 
 def tried() -> None:

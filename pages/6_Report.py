@@ -52,22 +52,15 @@ def of_pdf(font: OwnFont | None) -> bytes:
     )
 
 
-downloads: dict[str, tuple[str, Callable[[], str | bytes]]] = {
+files: dict[str, tuple[str, Callable[[], str | bytes]]] = {
     "pdf": ("pdf", font_form.printing(of_pdf)),
     "workbook": ("xlsx", partial(write_workbook, diagnosis, record, **printed)),
     "json": ("json", lambda: to_json(result_record(diagnosis, record))),
     "record": ("record.json", lambda: record.model_dump_json(indent=2, exclude_defaults=True)),
     "job_file": ("zip", lambda: write_job_file(diagnosis, record, case_with_columns(case))),
 }
-with st.container(horizontal=True):
-    for what, (suffix, content) in downloads.items():
-        st.download_button(
-            say(f"take_along.{what}"),
-            content,
-            f"{name}.{suffix}",
-            key=f"report-{suffix}",
-            on_click="ignore",
-            help=say(f"take_along.{what}_help"),
-        )
+labels = {what: say(f"take_along.{what}") for what in files}
+tips = {label: say(f"take_along.{what}_help") for what, label in labels.items()}
+show.downloads(name, "report", {labels[what]: each for what, each in files.items()}, tips)
 st.header(say("customer_link.title"))
 customer.section(diagnosis, name, language)

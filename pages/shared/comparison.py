@@ -185,6 +185,5 @@ def downloads(found: ComparedJobs) -> None:
     )
     name = show.named("before_and_after", found.after.job.number)
     font_form.draw_missing([found.before.job, found.after.job])
-    with st.container(horizontal=True):
-        st.download_button(say("compare.page"), font_form.printing(printed), f"{name}.pdf", on_click="ignore")
-        st.download_button("JSON", lambda: to_json(compared_record(found)), f"{name}.json", on_click="ignore")
+    pdf, record = font_form.printing(printed), lambda: to_json(compared_record(found))
+    show.downloads(name, "compare", {say("compare.page"): ("pdf", pdf), "JSON": ("json", record)}, {})

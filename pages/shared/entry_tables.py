@@ -102,8 +102,11 @@ def _field(editing: Editing, sheet: WorkbookSheet, column: SheetColumn, label: s
     typed = editing.draft.cell(sheet.name, column.heading)
     options = _options(column, editing.draft, typed)
     help = say.name(column.help, "form") or None
-    shared: dict[str, Any] = {"key": key, "help": help, "on_change": _put_field}
-    shared["args"] = (editing, sheet.name, column.heading, key)
+
+    def put() -> None:
+        editing.put(editing.draft.with_cell(sheet.name, column.heading, st.session_state[key] or ""))
+
+    shared: dict[str, Any] = {"key": key, "help": help, "on_change": put}
     if options is None:
         made = say("typed_entries.made") if column.keys == ("id",) else None
         st.text_input(label, typed, placeholder=made, **shared)
@@ -111,10 +114,6 @@ def _field(editing: Editing, sheet: WorkbookSheet, column: SheetColumn, label: s
         choices = [_NONE, *options]
         said = _choice_text(column, say)
         st.selectbox(label, choices, choices.index(typed), said, **shared)
-
-
-def _put_field(editing: Editing, sheet: str, heading: str, key: str) -> None:
-    editing.put(editing.draft.with_cell(sheet, heading, st.session_state[key] or ""))
 
 
 # --- tables -------------------------------------------------------------------------------------------------------

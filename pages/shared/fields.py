@@ -132,17 +132,27 @@ def choice(
     )
 
 
-def part(page: str, names: Mapping[str, str], *, closable: bool = False) -> str:
-    """Offer the parts of a page by their labels; return the one that is open, "" for none. The address keeps it."""
-    say, key, left = reader.say(), f"part-of-{page}", address.kept(page, of_job=False)
-    st.session_state[key] = left if left in names else None if closable else next(iter(names))
+def part(
+    page: str, names: Mapping[str, str], *, closable: bool = False, left: Callable[[], None] = lambda: None
+) -> str:
+    """Offer the parts of a page by their labels; return the one that is open, "" for none. The address keeps it.
+
+    ``left`` is called where one is left for another.
+    """
+    say, key, kept = reader.say(), f"part-of-{page}", address.kept(page, of_job=False)
+    st.session_state[key] = kept if kept in names else None if closable else next(iter(names))
+
+    def picked() -> None:
+        address.keep(page, st.session_state[key] or "", of_job=False)
+        left()
+
     opened = st.segmented_control(
         say("parts.of_page"),
         list(names),
         format_func=names.__getitem__,
         required=not closable,
         key=key,
-        on_change=lambda: address.keep(page, st.session_state[key] or "", of_job=False),
+        on_change=picked,
         label_visibility="collapsed",
     )
     return opened or ""

@@ -208,10 +208,5 @@ def draw_files(words: FleetWords) -> None:
         write_summary_pdf, words.summary, language=language, paper=paper, units=say.units, letterhead=job()
     )
     workbook = partial(write_summary_workbook, words.summary, language=language, units=say.units)
-    with st.container(horizontal=True):
-        st.download_button(
-            say("take_along.pdf"), font_form.printing(of_pdf), f"{name}.pdf", key="fleet-pdf", on_click="ignore"
-        )
-        st.download_button(
-            say("take_along.workbook"), workbook, f"{name}.xlsx", key="fleet-workbook", on_click="ignore"
-        )
+    files = {"pdf": ("pdf", font_form.printing(of_pdf)), "workbook": ("xlsx", workbook)}
+    show.downloads(name, "fleet", {say(f"take_along.{what}"): each for what, each in files.items()}, {})

@@ -26,7 +26,6 @@ from pages.shared.book import open_from_book, show_unit
 from pages.shared.fleet import heading_words, reads
 from pages.shared.state import way_back
 
-PAGE = 50  # rows
 _OPENED = "fleet-opened"  # set where the last click opened a job
 _NONE = "\0"  # stands among groups for the units that state none
 _FAULT = "fleet-unit-fault"  # reference of the unit that could not be opened, and why
@@ -70,22 +69,17 @@ def choose(words: FleetWords) -> SummedUnit | None:
         st.info(say("fleet.no_unit_fits"))
         return None
     folder = _folder(units)
-    pages = -(-len(found) // PAGE)
-    page = 1
-    if pages > 1:
-        page = st.selectbox(say("job_book.page", pages=pages), range(1, pages + 1), key=f"fleet-page-{pages}-{asked}")
-    shown = found[PAGE * (page - 1) : PAGE * page]
-    event = show.table(
-        replace(_listed(words, label), rows=[replace(unit, name=unit.name[len(folder) :]) for unit in shown], title=""),
-        empty=True,
-        key=f"fleet-units-{words.summary.folder}-{words.summary.by}-{asked}-{page}",
-        on_select="rerun",
-        selection_mode="single-row",
-    )
+    listed, key = _listed(words, label), f"fleet-units-{words.summary.folder}-{words.summary.by}-{asked}"
+
+    def rows_from(first: int) -> Table:
+        rows = [replace(unit, name=unit.name[len(folder) :]) for unit in found[first : first + show.PAGE]]
+        return replace(listed, rows=rows, title="")
+
+    picked = show.paged(len(found), rows_from, key, "single-row")
     said = [say("fleet.listed", count=say.number(len(found), 0), all=say.number(len(units), 0))]
     said += [say("fleet.folder", folder=show.plain(folder))] if folder else []
     st.caption(" ".join(said))
-    return next((shown[number] for number in event.selection.rows if number < len(shown)), None)
+    return next((unit for unit in found for row in picked if unit.reference == row.reference), None)
 
 
 def _folder(units: Sequence[SummedUnit]) -> str:
@@ -102,28 +96,22 @@ def _folder_of(name: str) -> str:
 def _asked(words: FleetWords, label: Callable[[SummedUnit], str | None]) -> _Asked:
     say, summary = words.say, words.summary
     text = st.text_input(say("job_book.look_up"), **fields.kept("fleet-text", ""), placeholder=say("fleet.look_up_by"))
-    verdicts = [str(verdict) for verdict in reversed(Verdict) if summary.counts.verdicts[verdict]]
-    groups = {label(unit) or _NONE for unit in summary.worst}
-    named = sorted(groups - {_NONE})
+    verdicts = {str(each): say.signed(each) for each in reversed(Verdict) if summary.counts.verdicts[each]}
+    labels = {label(unit) for unit in summary.worst}
+    groups = {each: each for each in sorted(filter(None, labels))}
+    if groups and not all(labels):
+        groups[_NONE] = say("fleet.states_none")
     narrowed = []
-    for place, (what, options, shown) in zip(
+    for place, what, options in zip(
         st.columns(3),
-        (
-            (say("columns.verdict"), verdicts, lambda each: say.signed(Verdict(each))),
-            (say("columns.controller"), [body.controller for body in summary.bodies], words.body),
-            (
-                heading_words(summary.by or GROUP, say),
-                [*named, *(groups & {_NONE})] if named else [],
-                lambda each: say("fleet.states_none") if each == _NONE else each,
-            ),
-        ),
+        (say("columns.verdict"), say("columns.controller"), heading_words(summary.by or GROUP, say)),
+        (verdicts, {body.controller: words.body(body.controller) for body in summary.bodies}, groups),
         strict=True,
     ):
-        with place:
-            names = {"": say("job_book.any"), **{each: shown(each) for each in options}}
-            key = f"fleet-asked-{(summary.folder, what)}-{say.language}-{hash(tuple(names))}"
-            lone = len(names) < 2
-            narrowed.append(fields.one_of(what, names, key, persist_state="session", disabled=lone))  # over other pages
+        names = {"": say("job_book.any"), **options}
+        key = f"fleet-asked-{(summary.folder, what)}-{say.language}-{hash(tuple(names))}"
+        kept = {"persist_state": "session", "disabled": len(names) < 2}  # over other pages
+        narrowed.append(fields.one_of(what, names, key, place=place, **kept))
     verdict, controller, group = narrowed
     return _Asked(text, verdict, controller, None if not group else "" if group == _NONE else group)
 

@@ -12,7 +12,6 @@ import streamlit as st
 
 from atleak.common.errors import AtleakError
 from atleak.common.verdicts import Verdict
-from atleak.common.wording import Wording
 from atleak.job_book.book import Book, JobRow, local_time
 from atleak.job_book.erasure import erase, jobs_of_customer, same_vehicle
 from atleak.job_book.exchange import export_zip, import_job
@@ -25,19 +24,12 @@ from pages.shared.job_form import key
 from pages.shared.state import session
 from pages.shared.undo import Steps
 
-PAGE = 50  # rows
 _TABLE = "job-list"
 _SAID = "job-list-said"  # what was done by the last click
 _ERASING = "job-list-erasing"  # ids of jobs whose customer is to be erased
 _PAIRS = "job-list-pairs"  # units that may be one, as they were when somebody looked
 _OF_RECORD = re.compile(r"job\d+-")  # the keys of what is typed in a job's record
 _MERGED = "job-list-merged"  # unit that was merged last
-_COLUMNS = (
-    Column("verdict", "verdict", width=92),
-    *map(Column, ("number", "customer", "plate", "date", "vin", "serial")),
-    Column("mileage", "distance"),
-    *map(Column, ("controller", "changed_at")),
-)
 
 
 def asked(book: Book) -> Query:
@@ -86,35 +78,21 @@ def listed(book: Book, query: Query) -> list[JobRow]:
         nothing = query == Query(limit=query.limit) and not book.count(Query(archived=True))
         st.info(say("job_book.empty" if nothing else "job_book.none_fits"))
         return []
-    pages = -(-count // PAGE)
-    page = 1
-    if pages > 1:
-        page = st.selectbox(say("job_book.page", pages=pages), range(1, pages + 1), key=f"job-list-page-{pages}")
-    rows = book.rows(replace(query, limit=PAGE, offset=PAGE * (page - 1)))
-    event = show.table(
-        Table("", _COLUMNS, [_shown(row, say) for row in rows], say),
-        empty=True,
-        key=f"{_TABLE}-{query}-{page}",
-        on_select="rerun",
-        selection_mode="multi-row",
+    columns = (
+        Column("verdict", "verdict", width=92, of=lambda row: Verdict(row.verdict)),
+        Column("number", of=lambda row: row.number or (say("job_book.sample") if row.sample else row.id[:6])),
+        *map(Column, ("customer", "plate", "date", "vin", "serial")),
+        Column("mileage", "distance", of="mileage_km"),
+        Column("controller"),
+        Column("changed_at", of=lambda row: local_time(row.changed_at)),
     )
+
+    def rows_from(first: int) -> Table:
+        return Table("", columns, book.rows(replace(query, limit=show.PAGE, offset=first)), say)
+
+    picked = show.paged(count, rows_from, f"{_TABLE}-{query}", "multi-row")
     st.caption(say("job_book.listed", count=count))
-    return [rows[number] for number in event.selection.rows if number < len(rows)]
-
-
-def _shown(row: JobRow, say: Wording) -> dict[str, Any]:
-    return {
-        "verdict": Verdict(row.verdict),
-        "number": row.number or (say("job_book.sample") if row.sample else row.id[:6]),
-        "customer": row.customer,
-        "plate": row.plate,
-        "date": row.date,
-        "vin": row.vin,
-        "serial": row.serial,
-        "mileage": row.mileage_km,
-        "controller": row.controller,
-        "changed_at": local_time(row.changed_at),
-    }
+    return picked
 
 
 # --- with the jobs that are picked
@@ -263,7 +241,7 @@ def suggestions(book: Book, picked: Sequence[JobRow]) -> None:
         pairs = st.session_state.get(_PAIRS)
         if pairs == []:
             st.write(say("job_book.none_alike"))
-        for pair in (pairs or [])[:PAGE]:
+        for pair in (pairs or [])[: show.PAGE]:
             words, button = st.columns([4, 1], vertical_alignment="center")
             one, other, why = map(show.plain, (pair.one.in_words, pair.other.in_words, pair.why))
             words.markdown(f"{one}  \n{other}  \n*{why}*")

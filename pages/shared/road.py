@@ -72,24 +72,19 @@ def section(diagnosis: Diagnosis) -> None:
         st.header(say("road_test.alone_over"))
     if diagnosis.road is not None:
         as_new(diagnosis)
-        leakage_chart(diagnosis.road, diagnosis)
+        road, limits = diagnosis.road, diagnosis.limits
+
+        def figure() -> figures.Figure:
+            return figures.log_channels(road.road_test, leakage_curves(road, limits, say), say)
+
+        key = (tuple(limits.fixed_bands), show.dark(), say)
+        # what is computed over the log stays the same object where nothing changed that it rests on
+        under_cursor(kept_with(road.extremes, "chart", key, figure, most=2), "road")
         extremes(diagnosis.road, diagnosis.uncertainty)
         if diagnosis.road.circuit_ranges:
             show.table(circuit_table(diagnosis.road, say))
             st.caption(say("road_test.circuits_help"))
     show.messages(show.remarks(diagnosis)["log"], say("about.log"))
-
-
-def leakage_chart(road: RoadLeakage, diagnosis: Diagnosis) -> None:
-    """Draw leakage, pump flow and share over a log, or over a part of it."""
-    limits, say = diagnosis.limits, reader.say()
-
-    def figure() -> figures.Figure:
-        return figures.log_channels(road.road_test, leakage_curves(road, limits, say), say)
-
-    key = (tuple(limits.fixed_bands), show.dark(), say)
-    # what is computed over the log stays the same object where nothing changed that it rests on
-    under_cursor(kept_with(road.extremes, "chart", key, figure, most=2), "road")
 
 
 def under_cursor(figure: figures.Figure, key: str, on_span: Callable[[float, float], None] | None = None) -> None:

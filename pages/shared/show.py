@@ -8,7 +8,7 @@ import math
 import os
 import re
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache, partial
@@ -46,6 +46,7 @@ _ADDRESS = re.compile(r"(?<=:)(?=//)|(?<=\bwww)(?=\.)|(?<=\w@)(?=\w)", re.IGNORE
 _NO_BREAK = "\u2060"  # a sign without width
 _IN_CHART = re.compile(r"<(?!/?(?:br|b|extra)>)", re.IGNORECASE)  # what atleak itself writes there stays
 SHOWN = 12
+PAGE = 50  # rows of a long table
 _COLUMN = 135  # pixels of a column of flows, at which its words can be read
 HAIR_SPACE = "\u200a"
 
@@ -238,6 +239,26 @@ def _judged(column: Column, level: Verdict | Band | None, say: Wording, value: o
     if isinstance(value, float):
         value = None if math.isnan(value) else column.written(value, say)
     return "–" if value is None else with_sign(str(value), level)
+
+
+def paged(count: int, rows_from: Callable[[int], Table], key: str, mode: str) -> list[Any]:
+    """Show a long table page by page; return the items of the rows that are picked."""
+    pages, page = -(-count // PAGE), 1
+    if pages > 1:
+        page = st.selectbox(reader.say()("job_book.page", pages=pages), range(1, pages + 1), key=f"{key}-of-{pages}")
+    content = rows_from(PAGE * (page - 1))
+    event = table(content, empty=True, key=f"{key}-{page}", on_select="rerun", selection_mode=mode)
+    return [content.rows[number] for number in event.selection.rows if number < len(content.rows)]
+
+
+def downloads(name: str, key: str, files: Mapping[str, tuple[str, Any]], tips: Mapping[str, str]) -> None:
+    """Offer files side by side by their labels: each the ending of its name, and its content or what writes that."""
+    with st.container(horizontal=True):
+        for label, (suffix, content) in files.items():
+            st.download_button(
+                label, content or "", f"{name}.{suffix}", key=f"{key}-{suffix}", on_click="ignore",
+                help=tips.get(label), disabled=content is None,
+            )  # fmt: skip
 
 
 def section(content: Section, name: str) -> None:

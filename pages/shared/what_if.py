@@ -195,8 +195,12 @@ def _settings(case: PageCase, diagnosis: Diagnosis) -> WhatIf:
     gear = select(first[3], "gear", {each: gear_name(each) for each in gears}, base.gear)
     wear = slide(second[0], "wear", _MOST_WEAR, 0.05)
     growth = slide(second[1], "growth", _MOST_GROWTH, 5)
-    fluid = select(third[0], "fluid", _fluids(diagnosis))
-    state = select(third[1], "state", _states(diagnosis))
+    fluids = {name: shown_name(entry, say) for name, entry in catalogue_names("fluid").items()}
+    of_job = say("what_if.fluid_job", name=say.name(diagnosis.fluid.name))
+    fluid = select(third[0], "fluid", {None: of_job, **fluids})
+    states = {state: say(f"what_if.{state}") for state in get_args(FluidState)}
+    of_job = say("what_if.state_job", state=states[diagnosis.fluid.state])
+    state = select(third[1], "state", {None: of_job, **states})
     position = select(third[2], "position", _positions(diagnosis))
     st.button(say("what_if.reset"), on_click=_reset, key="what-if-reset")
     _keep(chosen)
@@ -224,19 +228,6 @@ def _taken(name: str, key: str) -> None:
     if name == "point":
         chosen |= {"temperature": None, "speed": None, "gear": None}  # begin with those of the point
     _keep(chosen)
-
-
-def _fluids(diagnosis: Diagnosis) -> dict[str | None, str]:
-    say = reader.say()
-    as_in_job = say("what_if.fluid_job", name=say.name(diagnosis.fluid.name))
-    known = catalogue_names("fluid")
-    return {None: as_in_job, **{name: shown_name(entry, say) for name, entry in known.items()}}
-
-
-def _states(diagnosis: Diagnosis) -> dict[FluidState | None, str]:
-    say = reader.say()
-    names = {state: say(f"what_if.{state}") for state in get_args(FluidState)}
-    return {None: say("what_if.state_job", state=names[diagnosis.fluid.state]), **names}
 
 
 def _positions(diagnosis: Diagnosis) -> dict[float | str | None, str]:

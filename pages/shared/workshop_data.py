@@ -28,7 +28,6 @@ from pages.shared.state import pick, session
 
 _UNITS = {"limits": ("length", "pressure"), "instruments": ("length",), "fluids": ()}
 DESKS = {kind: Desk(subject, f"workshop-data-{kind}", _UNITS[kind]) for kind, subject in SUBJECTS.items()}
-_KIND = "workshop-data-kind"
 _DONE = "workshop-data-done"
 
 
@@ -44,7 +43,8 @@ class Done:
 def draw(say: Wording) -> None:
     """Edit limits, instruments and fluids in forms and tables, and save them as the user's own."""
     st.write(say("workshop_data.what"))
-    desk = _choose_kind(say)
+    kinds = {kind: say(f"workshop_data.{kind}") for kind in DESKS}
+    desk = DESKS[fields.part("kind", kinds, left=_forget_address)]
     editing = desk.current()
     draw_undo(desk, say)
     if editing is None:
@@ -64,22 +64,8 @@ def draw(say: Wording) -> None:
 def go_on_with(kind: str, data: Mapping[str, Any]) -> None:
     """Begin to type an entry of a kind with what is known of it, and show it; for a callback."""
     DESKS[kind].take(draft_of(DESKS[kind].subject, data))
-    st.session_state[_KIND] = kind
+    address.keep("kind", kind, of_job=False)
     address.keep("library", "workshop_data", of_job=False)
-
-
-def _choose_kind(say: Wording) -> Desk:
-    """Ask what to edit; it stays chosen over other pages, and in the address."""
-    first = st.session_state.get(_KIND) or st.query_params.get("kind")
-    kinds = list(DESKS)
-    first = first if first in kinds else kinds[0]
-    picked = st.segmented_control(
-        say("workshop_data.kind"), kinds, default=first, format_func=lambda kind: say(f"workshop_data.{kind}"),
-        key=f"{_KIND}-widget", label_visibility="collapsed", on_change=_forget_address,
-    )  # fmt: skip
-    kind = picked or first
-    st.session_state[_KIND] = st.query_params["kind"] = kind
-    return DESKS[kind]
 
 
 def _forget_address() -> None:

@@ -20,7 +20,7 @@ from atleak.job.zip_file import write_job_file
 from atleak.job_book.book import open_book
 from atleak.job_book.search import Query
 from atleak.measurements.job_card import Job
-from pages.shared import fleet, fleet_units
+from pages.shared import fleet, show
 from tests.unit.fleet.made_up import CONTROLLERS, GROUPS, made_up_results
 from tests.unit.fleet.small_units import small_unit
 from tests.unit.pages.conftest import go, part_shown, texts
@@ -123,7 +123,7 @@ def test_results_are_shown_as_a_whole_by_valve_body_and_by_group(app: AppTest, t
     assert [name for name in drawn if f"fleet-{name}" not in charts] == []
     # every unit stands in the list, the worst first; it is narrowed down
     table = units(app).value
-    assert len(table) == fleet_units.PAGE
+    assert len(table) == show.PAGE
     ranks = [RANKS.index(_word(each)) for each in table["Verdict"]]
     assert ranks == sorted(ranks, reverse=True)
     assert set(table["Group"]) <= set(GROUPS)

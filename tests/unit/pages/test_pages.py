@@ -34,7 +34,7 @@ def walk(app: AppTest, pages: tuple[str, ...] = tuple(path.stem for path in PAGE
 def test_every_page_and_part_runs_with_the_sample_and_with_nothing(app: AppTest) -> None:
     for place in walk(app):
         assert not app.error or place.startswith("4_Diagnosis"), place
-        (parts,) = [each for each in app.get("button_group") if (each.key or "").startswith("part-of-")] or [None]
+        parts = next((each for each in app.get("button_group") if (each.key or "").startswith("part-of-")), None)
         listed = [name for name in PARTS.get(place.partition("?")[0], ()) if name]
         assert len(listed) == (len(parts.options) if parts else 0), "PARTS names every part"
     choice(app, "Valve body").select("minimal_example").run()

@@ -56,7 +56,7 @@ def test_an_own_instrument_is_renamed_and_deleted_and_both_are_undone(app: AppTe
         "resolution_um = 1.0\ncalibration_um = 1.5\ncommon_part = 0.5\n"
     )
     write_own("instruments", "mike", text)
-    next(each for each in app.button_group if each.key == "workshop-data-kind-widget").set_value("instruments").run()
+    next(each for each in app.button_group if each.key == "part-of-kind").set_value("instruments").run()
     press(app, "Edit")
     type_in(app, "Id", "mike_2")
     next(
