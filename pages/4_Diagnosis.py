@@ -22,7 +22,8 @@ if not diagnosis.without_sheet:
     with said:
         plan.draw_switches(diagnosis)
     with drawn:
-        pairs.draw(diagnosis)
+        pairs.picture(diagnosis, say)
+        pairs.opened_pair(diagnosis, say)
         show.chart(total_share(diagnosis, say, repaired=plan.ends(diagnosis)), "share")
 
 parts = {

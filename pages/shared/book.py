@@ -172,7 +172,11 @@ def keep(page: str) -> bool:
         in_book.page = page
         with _faults_said(in_book):
             if state == in_book.state:
-                _look_for_others(in_book)
+                id = None if in_book.conflict is not None else in_book.id
+                if id is not None and book().version(id) != in_book.version:
+                    book().refuse_erased(id, in_book.version)
+                    was = Sentence("this job was changed elsewhere; what you see is as it was before")
+                    in_book.conflict = ChangedElsewhere(was)  # though it is only looked at here
             elif in_book.conflict is None and (in_book.id is not None or not now.good.sample):
                 _save(now, in_book.id, in_book.version)  # the sample's only once somebody has it kept
         return in_book.news != before
@@ -188,15 +192,6 @@ def _faults_said(in_book: InBook) -> Iterator[None]:
         in_book.conflict = error
     except AtleakError as error:
         in_book.fault = error
-
-
-def _look_for_others(in_book: InBook) -> None:
-    """Notice that a job which is only looked at here was changed elsewhere."""
-    if in_book.id is not None and in_book.conflict is None and book().version(in_book.id) != in_book.version:
-        book().refuse_erased(in_book.id, in_book.version)
-        in_book.conflict = ChangedElsewhere(
-            Sentence("this job was changed elsewhere; what you see is as it was before")
-        )
 
 
 def _save(now: Session, id: str | None, version: int | None) -> None:

@@ -20,17 +20,10 @@ def is_open() -> bool:
     is_open, context = _is_open(), get_script_run_ctx(suppress_warning=True)
     if context is not None:
         (_INSIDE.add if is_open else _INSIDE.discard)(context.session_id)
-        _forget_those_who_left(context.session_id)
+        if st.runtime.exists():  # ended sessions go, and those cut off: their page is drawn anew when they come back
+            active = st.runtime.get_instance().is_active_session
+            _INSIDE.difference_update([each for each in _INSIDE - {context.session_id} if not active(each)])
     return is_open
-
-
-def _forget_those_who_left(here: str) -> None:
-    """Forget ended sessions, and those whose connection is broken: their page is drawn anew when they come back."""
-    if st.runtime.exists():
-        runtime = st.runtime.get_instance()
-        for session in _INSIDE - {here}:
-            if not runtime.is_active_session(session):
-                _INSIDE.discard(session)
 
 
 def _is_open() -> bool:

@@ -159,7 +159,11 @@ def _table(editing: Editing, sheet: WorkbookSheet, found: Checked, say: Wording)
             colour = "red" if number in wrong else "orange"
             row = say("typed_entries.row_number", number=number)
             st.markdown(f":{colour}[{_SIGN_OF[colour]} {row} {show.plain(' · '.join(said[number]))}]")
-    st.button(say("typed_entries.more"), key=f"{key}-more", on_click=_more, args=(editing, sheet.name))
+
+    def more() -> None:
+        editing.spare[sheet.name] = editing.spare.get(sheet.name, 0) + _MORE
+
+    st.button(say("typed_entries.more"), key=f"{key}-more", on_click=more)
 
 
 def _by_row(faults: Iterable[SheetFault], say: Wording) -> dict[int, list[str]]:
@@ -184,10 +188,6 @@ def _typed(value: Any) -> str:
     if isinstance(value, bool):
         return "x" if value else ""
     return "" if value is None else str(value)
-
-
-def _more(editing: Editing, name: str) -> None:
-    editing.spare[name] = editing.spare.get(name, 0) + _MORE
 
 
 def _cells(column: SheetColumn, rows: list[dict[str, str]]) -> Any:

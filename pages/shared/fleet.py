@@ -104,16 +104,11 @@ def summed(folder: KnownFolder) -> FleetWords:
             text.info(say("fleet.more_since"))
             button.button(say("fleet.read_anew"), key="fleet-anew", on_click=partial(seen.pop, folder.id, None))
     with st.spinner(say("fleet.summing")):
-        return FleetWords(_by_heading(str(folder.path), state, address.kept(BY, of_job=False)), say)
-
-
-def _by_heading(folder: str, state: str, by: str) -> FleetSummary:
-    if by:
         try:
-            return _summed(folder, state, by)
+            return FleetWords(_summed(str(folder.path), state, address.kept(BY, of_job=False) or None), say)
         except InputError:  # no unit states this heading, which was chosen for other results
             address.keep(BY, "", of_job=False)
-    return _summed(folder, state, None)
+            return FleetWords(_summed(str(folder.path), state, None), say)
 
 
 @st.cache_resource(max_entries=4, show_spinner=False)

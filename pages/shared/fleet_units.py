@@ -145,15 +145,12 @@ def draw(folder: KnownFolder, unit: SummedUnit, words: FleetWords) -> None:
     say = words.say
     kept = _kept(str(folder.path), reads(folder), unit.input_sha256)
     with st.container(border=True):
-        st.markdown(f"**{show.plain(unit.name)}** · {show.plain(say.signed(unit.verdict))}{_state(kept, say)}")
-        st.button(
-            say("fleet.open"),
-            on_click=_open,
-            args=(kept, folder),
-            type="primary",
-            key="fleet-open",
-            help=say("fleet.open_help"),
-        )
+        decision = kept.unit["decision"]
+        said = [unit.name, say.signed(unit.verdict)] + [say.get("decisions", decision)] * (decision in DECISIONS)
+        said += [say("fleet.provisional")] if kept.unit["provisional"] else []
+        st.markdown(" · ".join([f"**{show.plain(said[0])}**", *map(show.plain, said[1:])]))
+        tip = say("fleet.open_help")
+        st.button(say("fleet.open"), "fleet-open", tip, _open, (kept, folder), type="primary")
         reference, fault = st.session_state.get(_FAULT, ("", None))
         if fault is not None and reference == unit.reference:
             st.error(f"**{say('fleet.not_opened')}** {show.plain(fault)}\n\n{say('fleet.still_held')}")
@@ -167,14 +164,6 @@ def draw(folder: KnownFolder, unit: SummedUnit, words: FleetWords) -> None:
 @st.cache_resource(max_entries=8, show_spinner=False)
 def _kept(folder: str, state: str, sha256: str) -> KeptUnit:
     return kept_unit(Results.open(folder), sha256)
-
-
-def _state(kept: KeptUnit, say: Wording) -> str:
-    decision = kept.unit["decision"]
-    said = [say.get("decisions", decision)] if decision in DECISIONS else []
-    if kept.unit["provisional"]:
-        said.append(say("fleet.provisional"))
-    return "".join(f" · {show.plain(each)}" for each in said)
 
 
 def _facts(kept: KeptUnit, unit: SummedUnit, words: FleetWords) -> str:

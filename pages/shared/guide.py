@@ -68,9 +68,13 @@ def _open_next(names: tuple[str, ...]) -> None:
 def _results() -> Mapping[str, str]:
     """Return in short what came of each step that is done."""
     diagnosis, say = diagnosis_of(session().good), reader.say()
-    label = [] if diagnosis.complaint is None else [say.name(diagnosis.complaint.label)]
-    complaint = [*label, *job().complaint.splitlines()[:1]]
-    results = {"complaint": _in_a_line(complaint), "fluid": _in_a_line(_of_fluid(diagnosis, say))}
+    record, case = job(), session().good
+    complaint = [] if diagnosis.complaint is None else [say.name(diagnosis.complaint.label)]
+    fluid = [diagnosis.fluid.name] if case.fluid is not None else []
+    fluid += [*record.fault_codes, *filter(None, vars(record.fluid_condition).values())]
+    fluid += [] if case.fluid_state is None else [say(f"settings.fluid_{case.fluid_state}")]
+    said = {"complaint": [*complaint, *record.complaint.splitlines()[:1]], "fluid": fluid}
+    results = {name: " · ".join(f"**{show.plain(each)}**" for each in words) for name, words in said.items()}
     if (check := diagnosis.pressures) is not None:
         count = say("panel.gauge_readings", count=len(check.readings))
         results["gauges"] = f"{_signed(check.verdict, say)} · {count}"
@@ -88,18 +92,6 @@ def _results() -> Mapping[str, str]:
 
 def _signed(verdict: Verdict | None, say: Wording) -> str:
     return f"**{say.signed(verdict or Verdict.NOT_MEASURED)}**"
-
-
-def _in_a_line(said: list[str]) -> str:
-    return " · ".join(f"**{show.plain(each)}**" for each in said)
-
-
-def _of_fluid(diagnosis: Diagnosis, say: Wording) -> list[str]:
-    record, case = job(), session().good
-    found = [diagnosis.fluid.name] if case.fluid is not None else []
-    found += [*record.fault_codes, *filter(None, vars(record.fluid_condition).values())]
-    used = [] if case.fluid_state is None else [say(f"settings.fluid_{case.fluid_state}")]
-    return [*found, *used]
 
 
 # --- what came of a step

@@ -39,13 +39,6 @@ OPENED = "pair"  # the opened component's name in the address
 _HTML = show.component("pairs")
 
 
-def draw(diagnosis: Diagnosis) -> None:
-    """Show the picture and the opened pair."""
-    say = reader.say()
-    picture(diagnosis, say)
-    opened_pair(diagnosis, say)
-
-
 def opened(diagnosis: Diagnosis) -> str | None:
     """Return the component whose pair is open; None where none is."""
     name = address.kept(OPENED)
@@ -93,7 +86,13 @@ def _button(diagnosis: Diagnosis, name: str, verdict: Verdict, drawing: str, say
 def lands(diagnosis: Diagnosis) -> None:
     """Show the lands: flagged ones, each at every condition, all of them, and how sure their numbers are."""
     say = reader.say()
-    choice(diagnosis, say)
+    fields.choice(  # for the keyboard
+        say("diagnosis.open_pair"), components_worst_first(diagnosis), opened(diagnosis),
+        lambda name: address.keep(OPENED, name or ""),
+        lambda name: component_words(diagnosis.controller, name, say),
+        key=f"open-pair-{diagnosis.controller.id}-{session().generation}", index=None,
+        placeholder=say("diagnosis.no_pair"),
+    )  # fmt: skip
     if diagnosis.without_sheet:  # where no picture is drawn above
         opened_pair(diagnosis, say)
     st.header(say("diagnosis.flagged_pairs"))
@@ -134,22 +133,6 @@ def _how_sure(diagnosis: Diagnosis, unit: UnitUncertainty, say: Wording) -> None
     what = Column("what", of=lambda each: say.get("uncertainty_assumed", each[0]))
     value = Column("value", of=lambda each: say.plain_quantity(each[1].value, each[1].kind))
     show.table(Table("assumed", (what, value), [*unit.assumptions.quantities.items()], say))
-
-
-def choice(diagnosis: Diagnosis, say: Wording) -> None:
-    """Offer the same components in a list, for the keyboard."""
-    controller = diagnosis.controller
-    key = f"open-pair-{diagnosis.controller.id}-{session().generation}"
-    st.session_state[key] = opened(diagnosis)
-    st.selectbox(
-        say("diagnosis.open_pair"),
-        components_worst_first(diagnosis),
-        index=None,
-        format_func=lambda name: component_words(controller, name, say),
-        placeholder=say("diagnosis.no_pair"),
-        key=key,
-        on_change=lambda: address.keep(OPENED, st.session_state[key] or ""),
-    )
 
 
 def opened_pair(diagnosis: Diagnosis, say: Wording) -> None:

@@ -121,7 +121,12 @@ def draw(diagnosis: Diagnosis) -> Estimate:
         label, own = say("repair_plan.of_limits", count=len(others)), f"within-limits-{session().generation}"
         fields.unfold(label, own, _switches, repairs, others, say, {})
     st.header(say("estimate_page.sums"))
-    _sums(words)
+    names = [say(f"estimate_page.{name}") for name in ("state", "parts", "work", "net", "tax", "total")]
+    if rows := [dict(zip(names, words.sum_row(*each), strict=True)) for each in words.sums]:
+        st.dataframe(rows, hide_index=True, width="stretch")
+    st.caption(show.plain(words.rounding()))
+    for sentence in words.missing():
+        st.warning(show.plain(sentence))
     st.header(say("estimate_page.leaves"))
     pairs.table(effect_table(estimated.effect, say), "repair-effect")
     for sentence in words.ends():
@@ -262,7 +267,10 @@ def _line(words: EstimateWords, line: Line, record: Job) -> Job:
             asked.warning(say("estimate_page.why_declined"))
         if line.decision.decided_by:
             st.caption(show.plain(words.state(line)))
-        st.caption(show.plain(_without(words, line)))
+        without = say("estimate_page.without", lacks=words.lacks(line))
+        if past := "; ".join(map(words.past, words.estimate.stays_past(line))):
+            without += f" {say('estimate_page.then_past', rules=past)}"
+        st.caption(show.plain(without))
     changes = {name: value for name, value in typed.items() if value != shown[name]}
     if not changes:
         return record
@@ -289,24 +297,6 @@ def _carried_out(diagnosis: Diagnosis, line: Line, own: str) -> dict[str, Any]:
         st.session_state[f"{own}-state"] = state or ""
 
     return {"key": switch, "on_change": turn}
-
-
-def _without(words: EstimateWords, line: Line) -> str:
-    """Say what is worse without a line, and what then stays past a limit."""
-    say, past = words.say, words.estimate.stays_past(line)
-    sentence = say("estimate_page.without", lacks=words.lacks(line))
-    return f"{sentence} {say('estimate_page.then_past', rules='; '.join(map(words.past, past)))}" if past else sentence
-
-
-def _sums(words: EstimateWords) -> None:
-    say = words.say
-    names = [say(f"estimate_page.{name}") for name in ("state", "parts", "work", "net", "tax", "total")]
-    rows = [dict(zip(names, words.sum_row(*each), strict=True)) for each in words.sums]
-    if rows:
-        st.dataframe(rows, hide_index=True, width="stretch")
-    st.caption(show.plain(words.rounding()))
-    for sentence in words.missing():
-        st.warning(show.plain(sentence))
 
 
 def _seen() -> dict[str, tuple[int, RepairDecision]]:

@@ -18,29 +18,14 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 
 class OwnPagesAlone:
-    """Refuse what a page of another origin asks for.
+    """Refuse what a page of another origin asks for, and files of a session that may send none.
 
-    Streamlit refuses it too, after it has asked a server outside for the address of this network.
+    Streamlit refuses the first too, after it has asked a server outside for the address of this network; files it takes
+    from each. Pages of the dashboard alone show it in a frame; ``client.allowedOrigins`` lets none send it messages.
     """
 
-    def __init__(self, app: ASGIApp) -> None:
-        self.app = app
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] in ("http", "websocket"):
-            headers = Headers(scope=scope)
-            origin = headers.get("origin")
-            if origin is not None and _place(origin) != _without_usual_port(headers.get("host", ""), origin):
-                await PlainTextResponse("Another site's page", status_code=403)(scope, receive, send)
-                return
-        await self.app(scope, receive, send)
-
-
-class NoForeignFrames:
-    """Let pages of the dashboard alone show it in a frame; ``client.allowedOrigins`` lets none send it messages."""
-
-    def __init__(self, app: ASGIApp) -> None:
-        self.app = app
+    def __init__(self, app: ASGIApp, may_send: Callable[[str], bool]) -> None:
+        self.app, self.may_send = app, may_send
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         async def guarded(message: Message) -> None:
@@ -50,22 +35,16 @@ class NoForeignFrames:
                 headers["X-Frame-Options"] = "SAMEORIGIN"
             await send(message)
 
-        await self.app(scope, receive, guarded)
+        why = self._refused(scope) if scope["type"] in ("http", "websocket") else ""
+        await (PlainTextResponse(why, status_code=403) if why else self.app)(scope, receive, guarded)
 
-
-class FilesOfVisitors:
-    """Refuse files that are sent by a session that may not send any: Streamlit takes them from each."""
-
-    def __init__(self, app: ASGIApp, may_send: Callable[[str], bool]) -> None:
-        self.app, self.may_send = app, may_send
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "http":
-            _, _, sent = scope["path"].partition("/_stcore/upload_file/")
-            if sent and not self.may_send(sent.partition("/")[0]):
-                await PlainTextResponse("Not signed in", status_code=403)(scope, receive, send)
-                return
-        await self.app(scope, receive, send)
+    def _refused(self, scope: Scope) -> str:
+        headers = Headers(scope=scope)
+        origin = headers.get("origin")
+        if origin is not None and _place(origin) != _without_usual_port(headers.get("host", ""), origin):
+            return "Another site's page"
+        _, _, sent = scope["path"].partition("/_stcore/upload_file/") if scope["type"] == "http" else ("", "", "")
+        return "Not signed in" if sent and not self.may_send(sent.partition("/")[0]) else ""
 
 
 def guards(names: Iterable[str], may_send: Callable[[str], bool]) -> list[Middleware]:
@@ -73,9 +52,7 @@ def guards(names: Iterable[str], may_send: Callable[[str], bool]) -> list[Middle
     hosts = [bracketed(name) for name in names]
     return [
         Middleware(TrustedHostMiddleware, allowed_hosts=hosts, www_redirect=False),
-        Middleware(NoForeignFrames),
-        Middleware(OwnPagesAlone),
-        Middleware(FilesOfVisitors, may_send=may_send),
+        Middleware(OwnPagesAlone, may_send=may_send),
     ]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime as dt
-import hashlib
 from collections.abc import Mapping
 from typing import Any
 
@@ -23,6 +22,7 @@ from atleak.common.units import unit_names
 from atleak.common.wording import Wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
+from atleak.job.case import SourceFile
 from atleak.readers.controller_workbook import read_controller_workbook
 from atleak.readers.remembered_columns import default_path
 from atleak.readers.sheets.measuring_sheet import read_several
@@ -214,7 +214,9 @@ def learn_form(data: Mapping[str, Any], *, key: str = "learn") -> dict[str, Any]
     sources = tuple((file.name, file.getvalue()) for file in files)
     try:
         with st.spinner(say("learning.comparing")):
-            learned = _learned(_digest(data, sources), data, sources, unit or None, made_for, gauges)
+            files = [(name, SourceFile(name, content).sha256) for name, content in sources]
+            digest = repr((written_toml(data), files, sheets_remembered()))
+            learned = _learned(digest, data, sources, unit or None, made_for, gauges)
         tables = with_learned(data, learned, dt.date.today())
         checked_controller(tables)
     except AtleakError as error:
@@ -233,14 +235,9 @@ def _gauge(place: Any, part: Part, key: str) -> str:
     return chosen
 
 
-def _digest(data: Mapping[str, Any], sources: tuple[tuple[str, bytes], ...]) -> tuple[str, ...]:
-    contents = (written_toml(data).encode(), *(part for name, content in sources for part in (name.encode(), content)))
-    return (*(hashlib.sha256(content).hexdigest() for content in contents), sheets_remembered())
-
-
 @st.cache_resource(max_entries=4, show_spinner=False)
 def _learned(
-    digest: tuple[str, ...],
+    digest: str,
     _data: Mapping[str, Any],
     _sources: tuple[tuple[str, bytes], ...],
     unit: str | None,

@@ -144,8 +144,13 @@ def draw_left_undone(visited: tuple[VisitedJob, ...]) -> None:
     """Say what was declined or deferred and not done since, with its reason, and list every decision in a fold."""
     say, undone = reader.say(), left_undone(visited)
     if undone:
-        said = (f"- {_decision(each, decision, say)} ({say.date(each.date)})" for each, decision in undone)
-        st.markdown("\n".join([f"**{say('unit.left_undone')}**", "", *said]))
+        lines = [f"**{say('unit.left_undone')}**", ""]
+        for each, decision in undone:
+            work = f", {show.plain(decision.work)}" if decision.work else ""
+            reason = f": {show.plain(decision.reason)}" if decision.reason else f", {say('unit.no_reason')}"
+            state = f"**{say.get('job_decisions', decision.decision or '')}**"
+            lines.append(f"- {show.plain(_about(each, decision, say))}{work} {state}{reason} ({say.date(each.date)})")
+        st.markdown("\n".join(lines))
     every = [(each, decision) for each in reversed(visited) for decision in each.decisions]
     if every:
         with st.expander(say("unit.every_repair", count=len(every))):
@@ -163,12 +168,6 @@ def _about(visited: VisitedJob, each: RepairDecision, say: Wording) -> str:
     controller = visited.controller
     components = () if controller is None else components_of(each, controller)
     return each.pair if controller is None or len(components) < 2 else components_words(controller, components, say)
-
-
-def _decision(visited: VisitedJob, each: RepairDecision, say: Wording) -> str:
-    work = f", {show.plain(each.work)}" if each.work else ""
-    reason = f": {show.plain(each.reason)}" if each.reason else f", {say('unit.no_reason')}"
-    return f"{show.plain(_about(visited, each, say))}{work} **{say.get('job_decisions', each.decision or '')}**{reason}"
 
 
 # --- wear

@@ -53,7 +53,9 @@ def draw(say: Wording) -> None:
         return
     checked = checked_now(editing)
     draw_head(desk, editing, checked, say)
-    step = _choose_step(editing, checked, say)
+    signs = {each.spot.sheet: " ?" for each in checked.doubts} | {each.spot.sheet: " ✗" for each in checked.faults}
+    steps = [sheet.name for sheet in editing.draft.subject.sheets]
+    step = ask_step(editing, steps, lambda step: say.name(step, "form") + signs.get(step, ""), say)
     draw_faults(editing, checked, say)
     entry_tables.draw(editing, [step], checked)
     _draw_curve(checked, say)
@@ -224,13 +226,6 @@ def draw_head(desk: Desk, editing: Editing, found: Checked, say: Wording, counts
     for attribute, place in zip(desk.units, places, strict=True):
         ask_unit(editing, attribute, say(f"typed_entries.in_{attribute}"), place)
     last.button(say("typed_entries.another"), on_click=desk.close, help=say("typed_entries.another_help"))
-
-
-def _choose_step(editing: Editing, found: Checked, say: Wording) -> str:
-    """Ask which form or table to show, each with a sign where something is wrong or in doubt in it."""
-    signs = {doubt.spot.sheet: " ?" for doubt in found.doubts} | {fault.spot.sheet: " ✗" for fault in found.faults}
-    steps = [sheet.name for sheet in editing.draft.subject.sheets]
-    return ask_step(editing, steps, lambda step: say.name(step, "form") + signs.get(step, ""), say)
 
 
 def _draw_curve(found: Checked, say: Wording) -> None:
