@@ -21,6 +21,7 @@ import hashlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +56,7 @@ from atleak.readers.sheets.repeats import require_known
 from atleak.readers.sheets.rows import SheetRows, read_rows
 from atleak.readers.sheets.suggestions import Guess, column_name, suggest
 from atleak.readers.sheets.table import HeadedTable, best_header, likely_table
-from atleak.readers.sheets.words import is_word, text_of
+from atleak.readers.sheets.words import direction_of, is_word, letters, text_of
 
 _OWN = 100.0  # score of a form of atleak's own, more than any headings have
 
@@ -313,6 +314,7 @@ class _Measurement:
             what = all_of(name_of for name_of in said if name_of is not None)
             text = Sentence("{where}: {said}, as {said_by} says", where=table.where, said=what, said_by=table.named_by)
             yield Message("info", "taken_from_title", text, table.sheet.place(table.rows[0]))
+        yield from self._directions_in_words()
         unmeasured = sum(rows.rows_without_reading for rows in self.rows)
         if unmeasured:
             text = counted(
@@ -321,6 +323,21 @@ class _Measurement:
                 "{count} rows without a reading: not measured",
             )
             yield Message("info", "rows_not_measured", text, Place(sheet.file, sheet.name))
+
+    def _directions_in_words(self) -> Iterator[Message]:
+        """Say which angle a word for a direction counts as: of "vertical" not everybody says 90°."""
+        angles: dict[str, float] = {}
+        for rows in self.filled:
+            column = rows.columns.direction
+            texts = [] if column is None else [*map(text_of, rows.table.cells(column.index).values())]
+            headings = [letters(value.heading) for value in rows.table.values if value.direction is not None]
+            words = (word for word in chain(texts, *headings) if word.isalpha() and len(word) > 3)
+            angles |= {word.lower(): angle for word in words if (angle := direction_of(word)) is not None}
+        if angles:
+            said = Sentence("{word!r} as {angle:g}°")
+            text = Sentence("directions count: {named}")
+            text = text.of(named=all_of(said.of(word=word, angle=angle) for word, angle in angles.items()))
+            yield Message("info", "directions_in_words", text, self.first.heading_place())
 
 
 def _at_unworn_ends(unworn: Sequence[Reading]) -> Message:

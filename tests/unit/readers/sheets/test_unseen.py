@@ -99,6 +99,19 @@ def test_two_directions_in_one_cell_are_those_of_the_heading(controller):
         sizes(controller, sheet.replace("12.998 / 12.997", "12.998 / 12.997 / 12.999"))
 
 
+@pytest.mark.parametrize(
+    "sheet",
+    [
+        "Valve;Land;Part;vertical [mm];horizontal [mm]\n12';1;spool;12.998;12.997\n12';1;sleeve;13.064;13.070",
+        "Valve;Land;Part;Direction;Diameter [mm]\n12';1;spool;vertical;12.998\n12';1;spool;horizontal;12.997",
+    ],
+)
+def test_words_for_directions_are_told_with_their_angles(controller, sheet):
+    readings = read_readings(sheet.encode(), controller, name="sheet.csv")
+    (message,) = [each for each in readings.messages if each.code == "directions_in_words"]
+    assert message.text == "directions count: 'vertical' as 90° and 'horizontal' as 0°"
+
+
 def test_a_block_of_lands_across_has_its_valve_in_a_title(controller):
     blocks = []
     for valve in ("6", "8", "12'"):
