@@ -214,8 +214,8 @@ def learn_form(data: Mapping[str, Any], *, key: str = "learn") -> dict[str, Any]
     sources = tuple((file.name, file.getvalue()) for file in files)
     try:
         with st.spinner(say("learning.comparing")):
-            files = [(name, SourceFile(name, content).sha256) for name, content in sources]
-            digest = repr((written_toml(data), files, sheets_remembered()))
+            known = [(name, SourceFile(name, content).sha256) for name, content in sources]
+            digest = repr((written_toml(data), known, sheets_remembered()))
             learned = _learned(digest, data, sources, unit or None, made_for, gauges)
         tables = with_learned(data, learned, dt.date.today())
         checked_controller(tables)
