@@ -68,7 +68,8 @@ def choose(words: FleetWords) -> SummedUnit | None:
     if not found:
         st.info(say("fleet.no_unit_fits"))
         return None
-    folder = _folder(units)
+    names = [unit.name for unit in units]
+    folder = _folder_of(os.path.commonprefix([min(names), max(names)]))  # noqa: RUF071  a row of a table has no path
     listed, key = _listed(words, label), f"fleet-units-{words.summary.folder}-{words.summary.by}-{asked}"
 
     def rows_from(first: int) -> Table:
@@ -80,13 +81,6 @@ def choose(words: FleetWords) -> SummedUnit | None:
     said += [say("fleet.folder", folder=show.plain(folder))] if folder else []
     st.caption(" ".join(said))
     return next((unit for unit in found for row in picked if unit.reference == row.reference), None)
-
-
-def _folder(units: Sequence[SummedUnit]) -> str:
-    """Return the folder with which the names of all units begin; nothing where they have none in common."""
-    names = [unit.name for unit in units]
-    common = os.path.commonprefix([min(names), max(names)])  # noqa: RUF071  a row of a table has no path
-    return _folder_of(common)
 
 
 def _folder_of(name: str) -> str:

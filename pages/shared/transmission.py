@@ -202,12 +202,8 @@ def learn_form(data: Mapping[str, Any], *, key: str = "learn") -> dict[str, Any]
     places = st.columns(2)
     units = [AS_STATED, *unit_names("length")]
     unit = places[0].selectbox(say("sheet_form.unit"), units, format_func=unit_said, key=f"{key}-unit")
-    made_for = places[1].selectbox(
-        say("learning.made_for"),
-        [data["id"], *(name for name in catalogue_files("controllers") if name != data["id"])],
-        key=f"{key}-made-for",
-        help=say("learning.made_for_help"),
-    )
+    bodies, tip = list(dict.fromkeys([data["id"], *catalogue_files("controllers")])), say("learning.made_for_help")
+    made_for = places[1].selectbox(say("learning.made_for"), bodies, key=f"{key}-made-for", help=tip)
     gauges = {"spool": _gauge(places[0], "spool", key), "sleeve": _gauge(places[1], "sleeve", key)}
     if not files:
         return None

@@ -58,7 +58,12 @@ def draw(say: Wording) -> None:
     step = ask_step(editing, steps, lambda step: say.name(step, "form") + signs.get(step, ""), say)
     draw_faults(editing, checked, say)
     entry_tables.draw(editing, [step], checked)
-    _draw_curve(checked, say)
+    if isinstance(checked.entry, Fluid):
+        st.header(say("workshop_data.curve"))
+        try:
+            show.chart(viscosity_curve(checked.entry, say), "workshop-data-viscosity")
+        except AtleakError as error:
+            st.caption(show.plain(error))
     st.header(say("workshop_data.keep"))
     draw_saving(desk, editing, checked, say)
 
@@ -226,16 +231,6 @@ def draw_head(desk: Desk, editing: Editing, found: Checked, say: Wording, counts
     for attribute, place in zip(desk.units, places, strict=True):
         ask_unit(editing, attribute, say(f"typed_entries.in_{attribute}"), place)
     last.button(say("typed_entries.another"), on_click=desk.close, help=say("typed_entries.another_help"))
-
-
-def _draw_curve(found: Checked, say: Wording) -> None:
-    """Draw the viscosity of a fluid that is described well enough."""
-    if isinstance(found.entry, Fluid):
-        st.header(say("workshop_data.curve"))
-        try:
-            show.chart(viscosity_curve(found.entry, say), "workshop-data-viscosity")
-        except AtleakError as error:
-            st.caption(show.plain(error))
 
 
 # --- saving -------------------------------------------------------------------------------------------------------
