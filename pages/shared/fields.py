@@ -125,7 +125,9 @@ def choice(
     def picked() -> None:
         take(st.session_state[key])
 
-    if key not in st.session_state or st.session_state[key] != current:
+    if None in options:  # which cannot be set: to Streamlit it is no option
+        more["index"] = options.index(current)
+    elif key not in st.session_state or st.session_state[key] != current:
         st.session_state[key] = current
     return place.selectbox(
         label, options, format_func=shown, key=key, on_change=picked, disabled=len(options) < 2, **more

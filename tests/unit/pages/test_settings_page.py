@@ -98,3 +98,11 @@ def test_a_fluid_of_one_s_own_is_two_viscosities_and_no_file(app: AppTest) -> No
     assert "Drum 7, red" in texts(app)
     go(app, "3_In_the_car")
     assert "**Drum 7, red**" in texts(app)  # the step is done
+
+
+@pytest.mark.page("21_Settings")
+def test_the_fluid_of_the_valve_body_shows_its_name_where_none_was_chosen(app: AppTest) -> None:
+    fluid = choice(app, "Fluid")
+    assert (fluid.value, fluid.options[fluid.proto.default]) == (None, fluid.options[0])
+    assert fluid.options[0].startswith("as this valve body's maker requires")
+    assert not fluid.proto.set_value, "None is no option to the browser, which would ask for one"
