@@ -32,7 +32,7 @@ def test_a_charts_words_stand_out_from_its_ground(
 
     drawn = []
     monkeypatch.setattr(show, "dark", lambda: theme == "dark")
-    monkeypatch.setattr(show.st, "plotly_chart", lambda figure, key: drawn.append(figure))
+    monkeypatch.setattr(show.st, "plotly_chart", lambda figure, **_: drawn.append(figure))
     show.chart(leakage_ranking(sample), "any")
     figure = plotly_objects.Figure(drawn[0].to_dict())
     bars = [trace for trace in figure.data if trace.type == "bar"]
@@ -50,7 +50,7 @@ def test_a_charts_numbers_have_the_readers_decimal_sign_and_no_finger_zooms_it(
     drawn = []
     monkeypatch.setattr(show, "dark", lambda: False)
     monkeypatch.setattr(show.reader, "say", lambda: wording("de"))
-    monkeypatch.setattr(show.st, "plotly_chart", lambda figure, key: drawn.append(figure.to_dict()["layout"]))
+    monkeypatch.setattr(show.st, "plotly_chart", lambda figure, **_: drawn.append(figure.to_dict()["layout"]))
     show.chart(leakage_ranking(sample), "any")
     assert drawn[0]["separators"] == ",\u00a0"
     assert drawn[0]["dragmode"] is False
@@ -61,7 +61,7 @@ def test_of_a_chart_without_a_point_no_axes_are_drawn(unmeasured: Diagnosis, mon
 
     said = []
     monkeypatch.setattr(show, "dark", lambda: False)
-    monkeypatch.setattr(show.st, "plotly_chart", lambda figure, key: pytest.fail("empty axes"))
+    monkeypatch.setattr(show.st, "plotly_chart", lambda figure, **_: pytest.fail("empty axes"))
     monkeypatch.setattr(show.st, "caption", said.append)
     show.chart(land_wear(unmeasured), "any", empty="Nothing measured.")
     assert said == ["Nothing measured."]
