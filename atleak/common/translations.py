@@ -24,6 +24,7 @@ from atleak.common.sentences import Sentence
 DOMAIN = "atleak"
 TEXTS = Path(__file__).parents[1] / "texts"
 LOCALE = Path(__file__).parents[1] / "locale"
+_COMPILED = "locale/{}/LC_MESSAGES/atleak.mo"
 
 
 class Text(NamedTuple):
@@ -104,6 +105,10 @@ def _compiled(written: bytes, language: str) -> bytes:
     try:
         return _kept_or_made(written, language)
     except ModuleNotFoundError as missing:
+        from importlib.metadata import PackageNotFoundError, distribution  # only here, as it is dear
+
+        with suppress(PackageNotFoundError, OSError):  # installed, and run from a checkout, whose modules come first
+            return Path(str(distribution(DOMAIN).locate_file(f"{DOMAIN}/{_COMPILED.format(language)}"))).read_bytes()
         line = 'no %s to compile the texts of "%s", which stay English: python -m pip install -e ".[test]" brings it'
         logging.getLogger(__name__).warning(line, missing.name, language)
         return b""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import os
 import shutil
 import subprocess
@@ -53,6 +54,8 @@ def test_without_babel_a_checkout_speaks_english_and_says_so_in_a_line(
     monkeypatch.setattr(platformdirs, "user_cache_path", lambda *_, **__: tmp_path)
     for module in ("babel", "babel.messages"):
         monkeypatch.setitem(sys.modules, module, None)
+    nothing = importlib.metadata.PathDistribution(tmp_path / "x")
+    monkeypatch.setattr(importlib.metadata, "distribution", lambda _: nothing)
     said = catalogue.__wrapped__("de")
     assert said.gettext("a file name") == "a file name"
     (line,) = caplog.messages
@@ -72,6 +75,22 @@ def test_an_installed_package_reads_what_came_compiled_and_needs_no_babel(
     assert [said.ngettext("{count} row", "{count} rows", count) for count in (0, 1, 2)] == [
         "{count} wierszy", "{count} wiersz", "{count} wiersze",
     ]  # fmt: skip
+
+
+def test_an_installed_package_run_from_a_checkout_speaks_the_languages_that_came_compiled(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    installed = tmp_path / "atleak" / "locale" / "de" / "LC_MESSAGES" / "atleak.mo"
+    installed.parent.mkdir(parents=True)
+    with source("de").open("rb") as read, installed.open("wb") as written:
+        write_mo(written, read_po(read))
+    dist = importlib.metadata.PathDistribution(tmp_path / "atleak.dist-info")
+    monkeypatch.setattr(importlib.metadata, "distribution", lambda _: dist)
+    monkeypatch.setattr(platformdirs, "user_cache_path", lambda *_, **__: tmp_path / "cache")
+    for module in ("babel", "babel.messages"):
+        monkeypatch.setitem(sys.modules, module, None)
+    assert catalogue.__wrapped__("de").gettext("a file name") == "ein Dateiname"
+    assert not caplog.messages
 
 
 def test_a_home_that_may_not_be_read_only_costs_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
