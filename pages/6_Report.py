@@ -53,7 +53,7 @@ def of_pdf(font: OwnFont | None) -> bytes:
 
 
 files: dict[str, tuple[str, Callable[[], str | bytes]]] = {
-    "pdf": ("pdf", font_form.printing(of_pdf)),
+    "pdf": (f"{document}.pdf", font_form.printing(of_pdf)),
     "workbook": ("xlsx", partial(write_workbook, diagnosis, record, **printed)),
     "json": ("json", lambda: to_json(result_record(diagnosis, record))),
     "record": ("record.json", lambda: record.model_dump_json(indent=2, exclude_defaults=True)),

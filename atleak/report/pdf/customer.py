@@ -6,6 +6,7 @@ built in several lengths, and the template takes the longest that fits; an estim
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +17,8 @@ from typing import Any
 from atleak.analysis.changes import Comparison
 from atleak.analysis.estimate import Line
 from atleak.analysis.pressures import lowest_first, pressures_at
-from atleak.analysis.record_doubts import components_of, needless_work
+from atleak.analysis.record_doubts import needless_work
+from atleak.catalogue.repairs import LandKey
 from atleak.common.units import KPA, PERCENT
 from atleak.common.verdicts import VERDICTS, Band, Verdict
 from atleak.common.wording import begun, isolated, joined
@@ -141,11 +143,16 @@ class CustomerPage(PrintedPart):
         return self.say("customer.urgency"), self.say(f"customer.urgent_{self._urgency}", mileage=self._service)
 
     @cached_property
-    def _planned(self) -> list[str]:
-        """Return the valves that the plan of repairs names and that cannot wait, in its order."""
+    def _planned_lands(self) -> list[LandKey]:
+        """Return the lands that the plan of repairs names and that cannot wait, in its order."""
         steps = (step for step in self.names.plan.steps if step.consequence in (Consequence.NOW, Consequence.UNKNOWN))
         lands = ((step.land, *(each for each in step.together if each.verdict.flagged)) for step in steps)
-        return list(dict.fromkeys(land.key[0] for land in chain.from_iterable(lands)))
+        return [land.key for land in chain.from_iterable(lands)]
+
+    @property
+    def _planned(self) -> list[str]:
+        """Return their valves."""
+        return list(dict.fromkeys(component for component, _ in self._planned_lands))
 
     @cached_property
     def _due(self) -> list[str]:
@@ -326,7 +333,8 @@ class CustomerPage(PrintedPart):
             yield self._measured()
         if not self._not_the_valves:
             yield from self._explained()
-        if waits := [land.key[0] for land in diagnosis.flagged if diagnosis.can_wait(land)]:
+        flagged = (land for land in diagnosis.flagged if land.key[0] not in self._due)
+        if waits := [land.key[0] for land in flagged if diagnosis.can_wait(land)]:
             yield say("customer.waits", valves=self.valves.named(waits))
         if not any(self.bars()) or self._worst.share > 1.0:
             yield from self.lost()
@@ -493,12 +501,17 @@ class CustomerPage(PrintedPart):
     def _cost(self) -> Block | None:
         """Return the lines of the estimate with boxes to agree to each, and the sum; None where none is made."""
         say, words = self.say, self.names.estimate
-        every = [] if words is None else words.estimate.lines
-        lines = [line for line in every if can_be_agreed_to(line) or self._needed(line)]
+        lines = self.lines()
         if words is None or not any(map(can_be_agreed_to, lines)):
             return None
+        names = Counter(self.valves.about(line.decision) for line in lines)
+
+        def valve(line: Line) -> str:
+            name, land = self.valves.about(line.decision), line.decision.land
+            return f"{name}, {say('printed.land')}\u00a0{land}" if land and names[name] > 1 else name
+
         columns = (
-            Column("customer.valve", width=250, of=lambda line: self.valves.about(line.decision)),
+            Column("customer.valve", width=250, of=valve),
             Column("work", width=250, of=words.work),
             Column(
                 "",
@@ -508,10 +521,11 @@ class CustomerPage(PrintedPart):
             ),
             Column("agreed", width=200, of=lambda line: words.agreed(line) if can_be_agreed_to(line) else ""),
         )
-        lines.sort(key=lambda line: (not self._needed(line), not has_price(line)))
         tables = [listed(say, lines[:most], *columns) for most in _LINES]
         needless = self.valves.first(map(self.valves.about, needless_work(self.job, self.diagnosis)))
-        others = self.valves.first(self.valves.about(line.decision) for line in every if line not in lines)
+        others = self.valves.first(
+            self.valves.about(line.decision) for line in words.estimate.lines if line not in lines
+        )
         due = self._due and self.verdict.calls_for_repair
         waits = not due and not needless and not self._case and self.verdict in (Verdict.OK, Verdict.WATCH)
         notes = (
@@ -529,11 +543,17 @@ class CustomerPage(PrintedPart):
             "sum": self._sum(),
         }
 
+    def lines(self) -> list[Line]:
+        """Return the lines of the estimate that can be agreed to, or were, and those that cannot wait, these first."""
+        words = self.names.estimate
+        every = () if words is None else words.estimate.lines
+        lines = [line for line in every if can_be_agreed_to(line) or self._needed(line)]
+        return sorted(lines, key=lambda line: (not self._needed(line), not has_price(line)))
+
     def _needed(self, line: Line) -> bool:
         """Tell whether a line of the estimate is about what cannot wait."""
-        about = components_of(line.decision, self.diagnosis.controller)
-        refused = not line.carried_out and line.decision.decision is not None
-        return not refused and (line.of_pump or not {*self._due, *self._planned}.isdisjoint(about))
+        due = {land.key for land in self.diagnosis.flagged if self.diagnosis.urgency_of(land).calls_for_repair}
+        return line.of_pump or any(land.key in due.union(self._planned_lands) for land in line.lands)
 
     def _asked(self) -> str:
         """Say what a repair that is called for costs, and of which valves the price is missing."""
@@ -543,7 +563,8 @@ class CustomerPage(PrintedPart):
         if words is None or words.estimate.total.gross is None:
             asked = words is None or words.estimate.total.lines  # else every line is declined, or still open
             return self.say("customer.no_price") if asked and self._due else ""
-        missing = [line for line in words.estimate.lines if self._needed(line) and not has_price(line)]
+        refused = ("declined", "deferred")
+        missing = [each for each in self.lines() if not has_price(each) and each.decision.decision not in refused]
         valves = self.valves.first(self.valves.about(line.decision) for line in missing)
         return joined((self._sum(), self.say("customer.lacking", valves=valves) if missing else ""), " ")
 

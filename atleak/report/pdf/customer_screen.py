@@ -80,7 +80,7 @@ class _Screen(PrintedPart):
             return None
         tax, currency = words.estimate.terms.tax_percent, words.estimate.currency
         return {
-            "lines": [self._line(page, line) for line in filter(can_be_agreed_to, words.estimate.lines)],
+            "lines": [self._line(page, line) for line in page.lines()],
             "sum": words.summed(words.estimate.total.gross, words.estimate.total.complete),
             "complete": words.estimate.total.complete,
             "currency": currency,
@@ -98,10 +98,10 @@ class _Screen(PrintedPart):
             "key": line.key,
             "valve": page.valves.about(line.decision),
             "work": words.work(line),
-            "amount": words.amount(line),
+            "amount": words.amount(line) if can_be_agreed_to(line) else self.say("customer.not_yet"),
             "net": sum(float(each) for each in (line.part, line.work) if each is not None),
             "counts": line.carried_out,
-            "asked": state in _ASKED,
+            "asked": state in _ASKED and can_be_agreed_to(line),
             "state": "" if state in (None, "proposed") else self.say.get("job_decisions", state),
             "known": line.part is not None and line.work is not None,
             "agreed": {"approved": True, "declined": False}.get(state or ""),
