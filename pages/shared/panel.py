@@ -77,8 +77,10 @@ def draw() -> Diagnosis:
         for notice in session().notices:
             st.caption(show.plain(notice(reader.say())))
         if beside := sheet_beside():
-            label = show.plain(say("panel.compare", name=beside.name))
-            st.page_link(places.page("History"), label=label, query_params={"history": "compare"})
+            st.page_link(
+                places.page("History"), label=say("panel.compare"), icon=":material/compare_arrows:",
+                query_params={"history": "compare"}, help=beside.name,
+            )  # fmt: skip
     shown = diagnosis_of(session().good)
     with show.faults():
         _draw_steps(shown)

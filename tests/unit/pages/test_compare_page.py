@@ -118,7 +118,8 @@ def test_two_sheets_of_one_unit_are_compared_though_the_job_holds_one(app: AppTe
     for files in [sheets] if at_once else [{name: sheet} for name, sheet in sheets.items()]:
         uploader(app).upload_all(files).run()
     assert app.session_state["atleak"].good.readings.name == "before.csv"
-    assert "Compare it with after.csv" in [each.proto.label.replace("\\", "") for each in app.get("page_link")]
+    (link,) = (each for each in app.get("page_link") if each.proto.label == "Compare both sheets")
+    assert link.proto.help == "after.csv"
     app.query_params["history"] = "compare"
     go(app, "11_History")
     assert not app.exception
