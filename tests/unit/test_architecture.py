@@ -135,7 +135,7 @@ def test_a_module_without_a_floor_is_noticed() -> None:
 
 
 # What the package may grow to; lowered when something is taken away, raised only with a reason in the commit.
-MOST_MODULES, MOST_LINES = 392, 98_835
+MOST_MODULES, MOST_LINES = 392, 98_861
 
 
 def test_the_package_stays_small() -> None:
