@@ -244,7 +244,7 @@ def transmission(page: Page) -> Part:
     page.get_by_text("Components", exact=True).click()
     table(page, "Lands").wait_for()
     idle(page)
-    return Part(table(page, "Lands"), title(page))
+    return Part(table(page, "Components"), title(page))
 
 
 def fleet(page: Page) -> Part:

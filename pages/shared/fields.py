@@ -125,10 +125,10 @@ def choice(
     def picked() -> None:
         take(st.session_state[key])
 
-    if None in options:  # which cannot be set: to Streamlit it is no option
-        more["index"] = options.index(current)
-    elif key not in st.session_state or st.session_state[key] != current:
+    if None not in options and st.session_state.get(key, current) != current:  # to Streamlit None is no option
         st.session_state[key] = current
+    else:  # said in each run: a page that is drawn twice at once may show only what the second says
+        more["index"] = options.index(current) if current in options else None
     return place.selectbox(
         label, options, format_func=shown, key=key, on_change=picked, disabled=len(options) < 2, **more
     )

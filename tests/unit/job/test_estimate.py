@@ -19,7 +19,7 @@ from atleak.catalogue.fluid import Fluid
 from atleak.catalogue.limits import Limits
 from atleak.catalogue.repairs import Repair
 from atleak.common.errors import InputError
-from atleak.common.wording import wording
+from atleak.common.wording import begun, wording
 from atleak.diagnosis.diagnosis import Diagnosis
 from atleak.diagnosis.examination import diagnose
 from atleak.engine.leakage import LeakageModel
@@ -100,7 +100,7 @@ def test_amounts_are_rounded_half_up_and_what_is_unknown_is_named_and_in_no_sum(
     assert {line.key for line in total.without_price} == {f"{PR}/2", "casting"}
     words = EstimateWords(made, wording("en"))
     said = " ".join(words.missing())
-    assert "Price unknown, and in no sum" in said
+    assert "Price and hours or labour rate unknown, in no sum" in said
     assert "accumulator piston/1" in said
     assert "the file's price is in USD" in said
     assert words.sum_row("all", total)[1:3] == ("≥ 10.01", "≥ 50.03")
@@ -213,8 +213,9 @@ def test_the_report_prints_lines_boxes_and_sums_only_where_an_estimate_was_fille
         repair_decisions=[{"component": PR, "repair": "sleeve", "decision": "approved"}],
     )
     lines, sums = (block for block in sections(job)["estimate"] if block["kind"] == "table")
-    agreed = [row[-1] for row in lines["rows"] if len(row) > 1]
-    assert [say("printed.lacks") in row[0]["remark"] for row in lines["rows"] if len(row) == 1] == [True] * len(agreed)
+    agreed = [row[-1] for row in lines["rows"]]
+    assert lines["names"][-2] == begun(say("printed.lacks"))
+    assert all("%" in row[-2] and "¹" in row[-2] for row in lines["rows"])
     assert sorted(map(str, agreed)) == sorted(
         [say("job_decisions.approved"), *2 * [str({"boxes": [say("estimate.yes"), say("estimate.no")]})]]
     )
