@@ -129,9 +129,8 @@ def choice(
         st.session_state[key] = current
     else:  # said in each run: a page that is drawn twice at once may show only what the second says
         more["index"] = options.index(current) if current in options else None
-    return place.selectbox(
-        label, options, format_func=shown, key=key, on_change=picked, disabled=len(options) < 2, **more
-    )
+    more.setdefault("disabled", len(options) < 2)
+    return place.selectbox(label, options, format_func=shown, key=key, on_change=picked, **more)
 
 
 def part(

@@ -78,7 +78,8 @@ def _pick(label: str, options: list[str], asked: str, name: str, words: Callable
     """Let one of some options be picked: the one that the address names, else the first; the address keeps it."""
     start = asked if asked in options else options[0]
     take = partial(address.keep, name, of_job=False)
-    chosen: str = fields.choice(label, options, start, take, words, key=f"fleet-{name}-{start}-{reader.say().language}")
+    key = f"fleet-{name}-{start}-{reader.say().language}"
+    chosen: str = fields.choice(label, options, start, take, words, key=key, disabled=False)
     return chosen
 
 
